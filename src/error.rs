@@ -1,0 +1,43 @@
+//! Everything that can go wrong, each said once: the value given, the values allowed, the remedy.
+
+/// Why a pair could not be matched.
+#[derive(Debug, thiserror::Error)]
+#[non_exhaustive]
+pub enum Error {
+    /// A parameter lies outside its range.
+    #[error("{name} is {given}, but must be {allowed}; {remedy}")]
+    Parameter {
+        /// The parameter's name on the command line and in [`crate::Params`].
+        name: &'static str,
+        /// The value that was given.
+        given: String,
+        /// The values that are allowed.
+        allowed: String,
+        /// What to change.
+        remedy: &'static str,
+    },
+    /// The two images do not form a pair, or one is not what the matcher was made for.
+    #[error("{0}")]
+    Image(String),
+    /// The device cannot hold or run what was asked of it.
+    #[error("{what} needs {needed} bytes, but the device allows {allowed}; {remedy}")]
+    TooLarge {
+        /// The thing that does not fit.
+        what: String,
+        /// Bytes needed.
+        needed: u64,
+        /// Bytes allowed.
+        allowed: u64,
+        /// What to change.
+        remedy: &'static str,
+    },
+    /// The device lacks something the kernels need; all that is missing is named at once.
+    #[error("the device lacks what the kernels need: {0}; request it when the device is created, or take another adapter")]
+    Device(String),
+    /// The device was lost or refused work while a frame was computed.
+    #[error("the device failed while computing: {0}; run again, or take another adapter")]
+    Lost(String),
+    /// No adapter answered to the name, index or kind asked for.
+    #[error("{0}")]
+    Adapter(String),
+}

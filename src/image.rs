@@ -1,0 +1,138 @@
+//! Images in, disparity maps out: the host's side of the matcher's buffers.
+
+use crate::Error;
+
+/// Samples of an image, row by row from the top, left to right, without padding.
+#[derive(Clone, Debug, PartialEq, Eq)]
+#[non_exhaustive]
+pub enum Pixels {
+    /// One 8-bit sample a pixel.
+    Gray8(Vec<u8>),
+    /// One 16-bit sample a pixel.
+    Gray16(Vec<u16>),
+    /// Red, green, blue and an ignored fourth sample, 8 bits each.
+    Rgba8(Vec<u8>),
+    /// Red, green, blue and an ignored fourth sample, 16 bits each.
+    Rgba16(Vec<u16>),
+}
+
+/// How the samples of [`Pixels`] are laid out, without the samples.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+#[non_exhaustive]
+pub enum PixelFormat {
+    /// See [`Pixels::Gray8`].
+    Gray8,
+    /// See [`Pixels::Gray16`].
+    Gray16,
+    /// See [`Pixels::Rgba8`].
+    Rgba8,
+    /// See [`Pixels::Rgba16`].
+    Rgba16,
+}
+
+impl PixelFormat {
+    /// Bytes a pixel.
+    pub fn bytes_per_pixel(self) -> u32 {
+        match self {
+            PixelFormat::Gray8 => 1,
+            PixelFormat::Gray16 => 2,
+            PixelFormat::Rgba8 => 4,
+            PixelFormat::Rgba16 => 8,
+        }
+    }
+}
+
+/// One image of a rectified pair.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Image {
+    width: u32,
+    height: u32,
+    pixels: Pixels,
+}
+
+impl Image {
+    /// An image of `width` x `height` pixels.
+    ///
+    /// # Errors
+    /// If a side is 0, or the number of samples is not what the size and the format need.
+    pub fn new(width: u32, height: u32, pixels: Pixels) -> Result<Self, Error> {
+        let samples = match &pixels {
+            Pixels::Gray8(s) => s.len() as u64,
+            Pixels::Gray16(s) => s.len() as u64,
+            Pixels::Rgba8(s) => s.len() as u64 / 4,
+            Pixels::Rgba16(s) => s.len() as u64 / 4,
+        };
+        if width == 0 || height == 0 || samples != u64::from(width) * u64::from(height) {
+            return Err(Error::Image(format!(
+                "an image of {width}x{height} was given {samples} pixels; both sides must be at least 1 and their \
+                 product the number of pixels"
+            )));
+        }
+        Ok(Self { width, height, pixels })
+    }
+
+    /// Pixels a row.
+    pub fn width(&self) -> u32 {
+        self.width
+    }
+
+    /// Rows.
+    pub fn height(&self) -> u32 {
+        self.height
+    }
+
+    /// The samples.
+    pub fn pixels(&self) -> &Pixels {
+        &self.pixels
+    }
+
+    /// The layout of the samples.
+    pub fn format(&self) -> PixelFormat {
+        match self.pixels {
+            Pixels::Gray8(_) => PixelFormat::Gray8,
+            Pixels::Gray16(_) => PixelFormat::Gray16,
+            Pixels::Rgba8(_) => PixelFormat::Rgba8,
+            Pixels::Rgba16(_) => PixelFormat::Rgba16,
+        }
+    }
+
+    /// The samples as the bytes that are uploaded (16-bit samples in the host's order, which is little endian on
+    /// every platform that wgpu supports).
+    pub(crate) fn bytes(&self) -> &[u8] {
+        match &self.pixels {
+            Pixels::Gray8(s) | Pixels::Rgba8(s) => s,
+            Pixels::Gray16(s) | Pixels::Rgba16(s) => bytemuck::cast_slice(s),
+        }
+    }
+}
+
+/// A disparity map of the left image: `left(x, y)` shows what `right(x - disparity, y)` shows.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct DisparityMap {
+    /// Pixels a row.
+    pub width: u32,
+    /// Rows.
+    pub height: u32,
+    /// Disparity in 1/16 pixel, row by row from the top; [`DisparityMap::INVALID`] where there is none.
+    pub data: Vec<i16>,
+}
+
+impl DisparityMap {
+    /// The value of a pixel that has no disparity. No disparity that can be asked for is as low.
+    pub const INVALID: i16 = i16::MIN;
+
+    /// Disparity in pixels, `None` where there is none (or outside the map).
+    pub fn get(&self, x: u32, y: u32) -> Option<f32> {
+        if x >= self.width || y >= self.height {
+            return None;
+        }
+        let value = self.data[y as usize * self.width as usize + x as usize];
+        (value != Self::INVALID).then(|| f32::from(value) / 16.0)
+    }
+
+    /// The share of pixels that have a disparity, 0 to 1.
+    pub fn valid_fraction(&self) -> f64 {
+        let valid = self.data.iter().filter(|&&v| v != Self::INVALID).count();
+        valid as f64 / self.data.len().max(1) as f64
+    }
+}

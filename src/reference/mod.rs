@@ -1,0 +1,104 @@
+//! The definition: every stage in the plainest Rust that states its formula, without a device.
+//!
+//! The shaders are the schedule of this definition and equal it to the bit; docs/ALGORITHMS.md says the same in words.
+//! Work is spread over rows by rayon, which changes no result.
+
+mod block_match;
+mod gray;
+mod lr_check;
+mod median;
+mod prefilter;
+mod sad_columns;
+mod sad_cost;
+mod sgm_aggregate;
+mod winner;
+
+pub use block_match::{block_match, block_sums};
+pub use gray::gray;
+pub use lr_check::lr_check;
+pub use median::median;
+pub use prefilter::prefilter;
+pub use sad_columns::sad_columns;
+pub use sad_cost::{sad_cost, sad_cost_scale};
+pub use sgm_aggregate::{Direction, aggregate_direction, sgm_aggregate};
+pub use winner::{Views, points_inside, winner};
+
+use crate::{DisparityMap, Error, Image, Median, Method, Params};
+
+/// An 8-bit image, row by row from the top.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Plane {
+    /// Pixels a row.
+    pub width: usize,
+    /// Rows.
+    pub height: usize,
+    /// `data[y * width + x]`.
+    pub data: Vec<u8>,
+}
+
+impl Plane {
+    /// The pixel nearest to (x, y) that lies in the image: the image is continued by its border.
+    pub fn clamped(&self, x: i64, y: i64) -> i32 {
+        let x = x.clamp(0, self.width as i64 - 1) as usize;
+        let y = y.clamp(0, self.height as i64 - 1) as usize;
+        i32::from(self.data[y * self.width + x])
+    }
+}
+
+/// A value for each pixel and disparity: `data[(y * width + x) * disparities + d]`.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Volume<T> {
+    /// Pixels a row.
+    pub width: usize,
+    /// Rows.
+    pub height: usize,
+    /// Disparities a pixel; index d stands for the disparity `min_disparity + d`.
+    pub disparities: usize,
+    /// The values, disparity fastest.
+    pub data: Vec<T>,
+}
+
+impl<T: Copy + Default> Volume<T> {
+    /// A volume of zeros.
+    pub fn new(width: usize, height: usize, disparities: usize) -> Self {
+        Self { width, height, disparities, data: vec![T::default(); width * height * disparities] }
+    }
+
+    /// Values a row of the image.
+    pub fn row_len(&self) -> usize {
+        self.width * self.disparities
+    }
+}
+
+/// The whole chain on the CPU: what [`crate::StereoMatcher`] computes, from the definition.
+///
+/// # Errors
+/// As [`Params::validate`], and [`Error::Image`] if the two sizes differ.
+pub fn compute(left: &Image, right: &Image, params: &Params) -> Result<DisparityMap, Error> {
+    params.validate()?;
+    crate::matcher::check_pair(left, right)?;
+    let left = prefilter(&gray(left), params);
+    let right = prefilter(&gray(right), params);
+    let columns = sad_columns(&left, &right, params);
+    let views = match params.method {
+        Method::Bm => block_match(&columns, params),
+        Method::Sgm => {
+            let cost = sad_cost(&columns, params);
+            drop(columns);
+            winner(&sgm_aggregate(&cost, params), params)
+        }
+    };
+    Ok(finish(views, params))
+}
+
+/// The stages after the winner: left-right check, then median.
+pub(crate) fn finish(views: Views, params: &Params) -> DisparityMap {
+    let Views { mut left, right } = views;
+    if let Some(max_difference) = params.lr_check {
+        left = lr_check(&left, &right, max_difference);
+    }
+    match params.median {
+        Median::Off => left,
+        Median::Three => median(&left),
+    }
+}
