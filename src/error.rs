@@ -31,8 +31,13 @@ pub enum Error {
         /// What to change.
         remedy: &'static str,
     },
+    /// The device has no room left for the buffers of a pair.
+    #[error("the device ran out of memory; use fewer disparities or smaller images")]
+    OutOfMemory,
     /// The device lacks something the kernels need; all that is missing is named at once.
-    #[error("the device lacks what the kernels need: {0}; request it when the device is created, or take another adapter")]
+    #[error(
+        "the device lacks what the kernels need: {0}; request it when the device is created, or take another adapter"
+    )]
     Device(String),
     /// The device was lost or refused work while a frame was computed.
     #[error("the device failed while computing: {0}; run again, or take another adapter")]

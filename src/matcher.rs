@@ -1,11 +1,504 @@
-//! matcher
-use crate::*;
-pub(crate) fn check_pair(left: &Image, right: &Image) -> Result<(), Error> {
-    if (left.width(), left.height()) != (right.width(), right.height()) {
-        return Err(Error::Image(format!(
-            "the left image is {}x{} and the right {}x{}; both must have one size: crop or rectify them again",
-            left.width(), left.height(), right.width(), right.height()
-        )));
+//! The schedule: which kernel runs on what, in what order.
+
+use std::sync::OnceLock;
+
+use crate::buffers::{Frame, Pass, Rows, Sizes};
+use crate::kernels::{self, Compiled, KERNELS, LANES};
+use crate::reference::Direction;
+use crate::{DisparityMap, Error, Image, Median, Method, Params, PixelFormat, readback};
+
+/// The time of one stage in one frame.
+#[derive(Clone, Debug, PartialEq)]
+pub struct StageTime {
+    /// The stage's name, as in docs/ALGORITHMS.md.
+    pub name: String,
+    /// Milliseconds.
+    pub ms: f64,
+}
+
+/// What a step leaves behind, and where: for the comparison with the reference.
+#[derive(Clone, Debug)]
+pub(crate) enum Output {
+    Gray { side: u32 },
+    Prefiltered { side: u32 },
+    Columns { chunk: Rows },
+    Cost { chunk: Rows, volume_row: u32 },
+    Paths { directions: Vec<Direction>, band: Rows },
+    Views { rows: Rows, last: bool },
+    Checked,
+    Median,
+}
+
+/// One dispatch.
+#[derive(Debug)]
+pub(crate) struct Step {
+    kernel: usize,
+    bind_group: wgpu::BindGroup,
+    pass: u32,
+    workgroups: [u32; 2],
+    pub(crate) output: Output,
+    pub(crate) buffer: wgpu::Buffer,
+}
+
+impl Step {
+    pub(crate) fn stage(&self) -> &'static str {
+        KERNELS[self.kernel].name
     }
-    Ok(())
+}
+
+/// Matches pairs of one size with one set of parameters on the caller's device.
+///
+/// All buffers and pipelines are made in [`StereoMatcher::new`]. [`StereoMatcher::record`] records the work of a frame
+/// into the caller's encoder: it neither submits nor waits. [`StereoMatcher::compute`] is the blocking convenience.
+///
+/// A matcher holds one frame at a time: two threads that use it at once overwrite each other's images. Make one each.
+#[derive(Debug)]
+pub struct StereoMatcher {
+    pub(crate) device: wgpu::Device,
+    pub(crate) queue: wgpu::Queue,
+    pub(crate) params: Params,
+    pub(crate) format: PixelFormat,
+    pub(crate) sizes: Sizes,
+    pipelines: Vec<Option<Compiled>>,
+    pub(crate) steps: Vec<Step>,
+    sources: [wgpu::Buffer; 2],
+    pub(crate) right_map: wgpu::Buffer,
+    output: wgpu::Buffer,
+    readback: wgpu::Buffer,
+    device_bytes: u64,
+    timer: OnceLock<Timer>,
+}
+
+#[derive(Debug)]
+struct Timer {
+    queries: wgpu::QuerySet,
+    resolved: wgpu::Buffer,
+    readback: wgpu::Buffer,
+}
+
+/// Both images of a pair have one size.
+pub(crate) fn check_pair(left: &Image, right: &Image) -> Result<(), Error> {
+    let (l, r) = ((left.width(), left.height()), (right.width(), right.height()));
+    if l == r {
+        return Ok(());
+    }
+    Err(Error::Image(format!(
+        "the left image is {}x{} and the right one {}x{}, but a rectified pair has one size; crop or rectify them again",
+        l.0, l.1, r.0, r.1
+    )))
+}
+
+/// Distance of the blocks in the uniform buffer of [`Pass`]es: the largest alignment that WebGPU allows a device to ask.
+const PASS_STRIDE: u32 = 256;
+
+/// Builds buffers and steps; becomes a [`StereoMatcher`].
+struct Builder<'a> {
+    device: &'a wgpu::Device,
+    params: &'a Params,
+    format: PixelFormat,
+    pipelines: Vec<Option<Compiled>>,
+    frame: wgpu::Buffer,
+    passes_buffer: wgpu::Buffer,
+    passes: Vec<Pass>,
+    steps: Vec<Step>,
+    device_bytes: u64,
+}
+
+impl Builder<'_> {
+    fn buffer(&mut self, name: &str, size: u64) -> wgpu::Buffer {
+        self.device_bytes += size;
+        self.device.create_buffer(&wgpu::BufferDescriptor {
+            label: Some(&format!("gpu-stereo.{name}")),
+            size,
+            usage: wgpu::BufferUsages::STORAGE | wgpu::BufferUsages::COPY_SRC | wgpu::BufferUsages::COPY_DST,
+            mapped_at_creation: false,
+        })
+    }
+
+    /// A volume with a byte a disparity, a buffer a band.
+    fn volume(&mut self, name: &str, sizes: &Sizes) -> Vec<wgpu::Buffer> {
+        sizes.bands.iter().map(|band| self.buffer(name, u64::from(band.count) * sizes.volume_row)).collect()
+    }
+
+    /// One dispatch of `lanes` x `rows` invocations. The last of `storage` that the kernel writes is what it leaves.
+    fn step(&mut self, name: &str, storage: &[&wgpu::Buffer], pass: Pass, lanes: u32, rows: u32, output: Output) {
+        let Some(kernel) = KERNELS.iter().position(|kernel| kernel.name == name) else {
+            unreachable!("{name} is not in the table of kernels");
+        };
+        let compiled = self.pipelines[kernel]
+            .get_or_insert_with(|| kernels::compile(self.device, &KERNELS[kernel], self.params, self.format));
+        let bytes = (size_of::<Pass>() as u64).try_into().ok();
+        let uniform = wgpu::BufferBinding { buffer: &self.passes_buffer, offset: 0, size: bytes };
+        let mut entries = vec![
+            wgpu::BindGroupEntry { binding: 0, resource: self.frame.as_entire_binding() },
+            wgpu::BindGroupEntry { binding: 1, resource: wgpu::BindingResource::Buffer(uniform) },
+        ];
+        for (binding, buffer) in (2..).zip(storage) {
+            entries.push(wgpu::BindGroupEntry { binding, resource: buffer.as_entire_binding() });
+        }
+        let bind_group = self.device.create_bind_group(&wgpu::BindGroupDescriptor {
+            label: Some(&format!("gpu-stereo.{name}")),
+            layout: &compiled.layout,
+            entries: &entries,
+        });
+        let written = KERNELS[kernel].storage.iter().position(|access| *access == kernels::Access::Write);
+        let buffer = storage[written.unwrap_or(0)].clone();
+        let workgroups = [lanes.div_ceil(LANES), rows];
+        self.steps.push(Step { kernel, bind_group, pass: self.passes.len() as u32, workgroups, output, buffer });
+        self.passes.push(pass);
+    }
+}
+
+impl StereoMatcher {
+    /// The optional features that a matcher makes use of where the adapter has them; none is required.
+    /// `TIMESTAMP_QUERY` lets [`StereoMatcher::compute_timed`] time each stage.
+    pub fn required_features(adapter: &wgpu::Adapter) -> wgpu::Features {
+        adapter.features() & wgpu::Features::TIMESTAMP_QUERY
+    }
+
+    /// The limits to ask a device for. WebGPU's default limits do; this raises the sizes of buffers to what the adapter
+    /// has, so that large pairs need fewer bands.
+    pub fn required_limits(adapter: &wgpu::Adapter) -> wgpu::Limits {
+        let has = adapter.limits();
+        wgpu::Limits {
+            max_storage_buffer_binding_size: has.max_storage_buffer_binding_size,
+            max_buffer_size: has.max_buffer_size,
+            ..wgpu::Limits::default().or_worse_values_from(&has)
+        }
+    }
+
+    /// A matcher for pairs of `width` x `height` pixels in `format`.
+    ///
+    /// # Errors
+    /// [`Error::Parameter`] as [`Params::validate`]; [`Error::Device`] if the device lacks a limit that the kernels
+    /// need; [`Error::TooLarge`] and [`Error::OutOfMemory`] if the pair does not fit it.
+    pub fn new(
+        device: &wgpu::Device,
+        queue: &wgpu::Queue,
+        width: u32,
+        height: u32,
+        format: PixelFormat,
+        params: &Params,
+    ) -> Result<Self, Error> {
+        params.validate()?;
+        let limits = device.limits();
+        kernels::check_limits(&limits)?;
+        if width == 0 || height == 0 {
+            return Err(Error::Image(format!("the images are {width}x{height}, but each side must be at least 1")));
+        }
+        let sizes = Sizes::new(width, height, format, params, &limits)?;
+        readback::guarded(device, || Self::build(device, queue, format, params, sizes))
+    }
+
+    fn build(device: &wgpu::Device, queue: &wgpu::Queue, format: PixelFormat, params: &Params, sizes: Sizes) -> Self {
+        let uniform = |name: &str, size: u64| {
+            device.create_buffer(&wgpu::BufferDescriptor {
+                label: Some(&format!("gpu-stereo.{name}")),
+                size,
+                usage: wgpu::BufferUsages::UNIFORM | wgpu::BufferUsages::COPY_DST,
+                mapped_at_creation: false,
+            })
+        };
+        // gray, prefilter of two sides; chunks twice; eight directions and the winner a band; check and median
+        let chunks: usize = sizes.chunks.iter().map(Vec::len).sum();
+        let most_steps = 4 + 2 * chunks + 9 * sizes.bands.len() + 2;
+        let passes_bytes = most_steps as u64 * u64::from(PASS_STRIDE);
+        let mut b = Builder {
+            device,
+            params,
+            format,
+            pipelines: KERNELS.iter().map(|_| None).collect(),
+            frame: uniform("frame", size_of::<Frame>() as u64),
+            passes_buffer: uniform("passes", passes_bytes),
+            passes: Vec::new(),
+            steps: Vec::new(),
+            device_bytes: size_of::<Frame>() as u64 + passes_bytes,
+        };
+        let Frame { width, height, gray_stride, left_stride, right_stride, map_stride, .. } = sizes.frame;
+
+        let sources = [b.buffer("source.left", sizes.source), b.buffer("source.right", sizes.source)];
+        let grays = [b.buffer("gray.left", sizes.gray), b.buffer("gray.right", sizes.gray)];
+        let planes = [b.buffer("prefilter.left", sizes.left), b.buffer("prefilter.right", sizes.right)];
+        let most_chunk = sizes.chunks.iter().flatten().map(|chunk| chunk.count).max().unwrap_or(1);
+        let columns = b.buffer("sad_columns", u64::from(most_chunk) * sizes.columns_row);
+        let [left_map, right_map] = [b.buffer("winner.left", sizes.map), b.buffer("winner.right", sizes.map)];
+
+        for side in 0..2 {
+            let (i, pass) = (side as usize, Pass { side, ..Pass::default() });
+            b.step("gray", &[&sources[i], &grays[i]], pass, gray_stride, height, Output::Gray { side });
+            let stride = [left_stride, right_stride][i];
+            b.step("prefilter", &[&grays[i], &planes[i]], pass, stride, height, Output::Prefiltered { side });
+        }
+
+        let column_step = |b: &mut Builder<'_>, chunk: Rows| {
+            let pass = Pass { first_row: chunk.first, rows: chunk.count, ..Pass::default() };
+            let lanes = width + 2 * params.radius();
+            let segments = chunk.count.div_ceil(kernels::SEGMENT);
+            b.step(
+                "sad_columns",
+                &[&planes[0], &planes[1], &columns],
+                pass,
+                lanes,
+                segments,
+                Output::Columns { chunk },
+            );
+            pass
+        };
+
+        match params.method {
+            Method::Bm => {
+                for &chunk in sizes.chunks.iter().flatten() {
+                    let pass = column_step(&mut b, chunk);
+                    let output = Output::Views { rows: chunk, last: chunk.first + chunk.count == height };
+                    b.step("block_match", &[&columns, &left_map, &right_map], pass, chunk.count, 1, output);
+                }
+            }
+            Method::Sgm => {
+                let cost = b.volume("sad_cost", &sizes);
+                for (band, (rows, chunks)) in sizes.bands.iter().zip(&sizes.chunks).enumerate() {
+                    for &chunk in chunks {
+                        let volume_row = chunk.first - rows.first;
+                        let pass = Pass { volume_row, ..column_step(&mut b, chunk) };
+                        let output = Output::Cost { chunk, volume_row };
+                        b.step("sad_cost", &[&columns, &cost[band]], pass, chunk.count, 1, output);
+                    }
+                }
+                // The pairs of opposite directions that cross rows, then the horizontal one, which ends in the winner.
+                let directions = Direction::all(params.paths);
+                let (across, along) = directions.split_at(directions.len() - 2);
+                let carry_bytes = sizes.volume_row;
+                let carry =
+                    [b.buffer("sgm_aggregate.carry", carry_bytes), b.buffer("sgm_aggregate.carry", carry_bytes)];
+                let mut paired = Vec::new();
+                for pair in across.chunks_exact(2) {
+                    let paths = b.volume("sgm_aggregate", &sizes);
+                    for (second, direction) in pair.iter().enumerate() {
+                        let count = sizes.bands.len();
+                        for i in 0..count {
+                            let band = if direction.dy > 0 { i } else { count - 1 - i };
+                            let rows = sizes.bands[band];
+                            let pass = Pass {
+                                rows: rows.count,
+                                dx: direction.dx,
+                                dy: direction.dy,
+                                carried: (i > 0).into(),
+                                accumulate: second as u32,
+                                ..Pass::default()
+                            };
+                            let storage = [&cost[band], &paths[band], &carry[i % 2], &carry[1 - i % 2]];
+                            let output = Output::Paths { directions: pair[..=second].to_vec(), band: rows };
+                            b.step("sgm_aggregate", &storage, pass, width, 1, output);
+                        }
+                    }
+                    paired.push(paths);
+                }
+                let most_band = sizes.bands.iter().map(|band| band.count).max().unwrap_or(1);
+                let forward = b.buffer("sgm_aggregate.forward", u64::from(most_band) * sizes.volume_row);
+                for (band, &rows) in sizes.bands.iter().enumerate() {
+                    let pass = Pass {
+                        first_row: rows.first,
+                        rows: rows.count,
+                        dx: along[0].dx,
+                        dy: along[0].dy,
+                        ..Pass::default()
+                    };
+                    let storage = [&cost[band], &forward, &carry[0], &carry[1]];
+                    let output = Output::Paths { directions: vec![along[0]], band: rows };
+                    b.step("sgm_aggregate", &storage, pass, rows.count, 1, output);
+                    let pair = |i: usize| &paired[i.min(paired.len() - 1)][band];
+                    let storage = [&cost[band], &forward, pair(0), pair(1), pair(2), &left_map, &right_map];
+                    let output = Output::Views { rows, last: rows.first + rows.count == height };
+                    b.step("winner", &storage, pass, rows.count, 1, output);
+                }
+            }
+        }
+
+        let mut output = left_map;
+        if params.lr_check.is_some() {
+            let checked = b.buffer("lr_check", sizes.map);
+            b.step("lr_check", &[&output, &right_map, &checked], Pass::default(), map_stride, height, Output::Checked);
+            output = checked;
+        }
+        if params.median == Median::Three {
+            let filtered = b.buffer("median", sizes.map);
+            b.step("median", &[&output, &filtered], Pass::default(), map_stride, height, Output::Median);
+            output = filtered;
+        }
+
+        queue.write_buffer(&b.frame, 0, bytemuck::bytes_of(&sizes.frame));
+        let mut blocks = vec![0u8; b.passes.len() * PASS_STRIDE as usize];
+        for (block, pass) in blocks.chunks_exact_mut(PASS_STRIDE as usize).zip(&b.passes) {
+            block[..size_of::<Pass>()].copy_from_slice(bytemuck::bytes_of(pass));
+        }
+        queue.write_buffer(&b.passes_buffer, 0, &blocks);
+        let readback = readback::buffer(device, "gpu-stereo.readback", sizes.map);
+        Self {
+            device: device.clone(),
+            queue: queue.clone(),
+            params: params.clone(),
+            format,
+            pipelines: b.pipelines,
+            steps: b.steps,
+            sources,
+            right_map,
+            output,
+            readback,
+            device_bytes: b.device_bytes + sizes.map,
+            sizes,
+            timer: OnceLock::new(),
+        }
+    }
+
+    /// Bytes of all buffers that the matcher holds on the device.
+    pub fn device_bytes(&self) -> u64 {
+        self.device_bytes
+    }
+
+    /// Where [`StereoMatcher::record`] leaves the disparity map: `i16` in 1/16 px, two pixels a word, the left one in
+    /// the low half, each row padded to a whole word; [`DisparityMap::INVALID`] where there is none.
+    pub fn output(&self) -> &wgpu::Buffer {
+        &self.output
+    }
+
+    /// Writes a pair into the matcher's buffers; it is there for all that is submitted afterwards.
+    ///
+    /// # Errors
+    /// [`Error::Image`] if a size or a format is not the matcher's.
+    pub fn upload(&self, left: &Image, right: &Image) -> Result<(), Error> {
+        check_pair(left, right)?;
+        let Frame { width, height, .. } = self.sizes.frame;
+        for (image, source) in [(left, &self.sources[0]), (right, &self.sources[1])] {
+            if (image.width(), image.height(), image.format()) != (width, height, self.format) {
+                return Err(Error::Image(format!(
+                    "an image is {}x{} in {:?}, but the matcher was made for {width}x{height} in {:?}; make another one",
+                    image.width(),
+                    image.height(),
+                    image.format(),
+                    self.format
+                )));
+            }
+            let bytes = image.bytes();
+            let whole = bytes.len() / 4 * 4;
+            self.queue.write_buffer(source, 0, &bytes[..whole]);
+            if whole < bytes.len() {
+                let mut rest = [0; 4];
+                rest[..bytes.len() - whole].copy_from_slice(&bytes[whole..]);
+                self.queue.write_buffer(source, whole as u64, &rest);
+            }
+        }
+        Ok(())
+    }
+
+    /// Records the work of one frame, from the uploaded pair to [`StereoMatcher::output`].
+    pub fn record(&self, encoder: &mut wgpu::CommandEncoder) {
+        let mut pass = encoder
+            .begin_compute_pass(&wgpu::ComputePassDescriptor { label: Some("gpu-stereo"), timestamp_writes: None });
+        for step in &self.steps {
+            self.dispatch(&mut pass, step);
+        }
+    }
+
+    fn dispatch(&self, pass: &mut wgpu::ComputePass<'_>, step: &Step) {
+        if let Some(compiled) = &self.pipelines[step.kernel] {
+            pass.set_pipeline(&compiled.pipeline);
+            pass.set_bind_group(0, &step.bind_group, &[step.pass * PASS_STRIDE]);
+            pass.dispatch_workgroups(step.workgroups[0], step.workgroups[1], 1);
+        }
+    }
+
+    /// Records one step in a compute pass of its own.
+    pub(crate) fn record_step(
+        &self,
+        encoder: &mut wgpu::CommandEncoder,
+        step: &Step,
+        timestamp_writes: Option<wgpu::ComputePassTimestampWrites<'_>>,
+    ) {
+        let label = Some(step.stage());
+        let mut pass = encoder.begin_compute_pass(&wgpu::ComputePassDescriptor { label, timestamp_writes });
+        self.dispatch(&mut pass, step);
+    }
+
+    /// Uploads a pair, computes its map and reads it back. Blocks until it is there.
+    ///
+    /// # Errors
+    /// As [`StereoMatcher::upload`]; [`Error::Lost`] if the device fails on the way.
+    pub fn compute(&self, left: &Image, right: &Image) -> Result<DisparityMap, Error> {
+        self.run(left, right, |encoder| self.record(encoder))
+    }
+
+    fn run(
+        &self,
+        left: &Image,
+        right: &Image,
+        record: impl FnOnce(&mut wgpu::CommandEncoder),
+    ) -> Result<DisparityMap, Error> {
+        readback::guarded(&self.device, || {
+            self.upload(left, right)?;
+            let mut encoder = self.device.create_command_encoder(&wgpu::CommandEncoderDescriptor::default());
+            record(&mut encoder);
+            encoder.copy_buffer_to_buffer(&self.output, 0, &self.readback, 0, self.sizes.map);
+            self.queue.submit([encoder.finish()]);
+            Ok(())
+        })??;
+        readback::read(&self.device, &self.readback, |bytes| self.map(bytes))
+    }
+
+    /// A disparity map from the bytes of one of the matcher's map buffers.
+    pub(crate) fn map(&self, bytes: &[u8]) -> DisparityMap {
+        let Frame { width, height, map_stride, .. } = self.sizes.frame;
+        let rows = bytes.chunks_exact(4 * map_stride as usize);
+        let data =
+            rows.flat_map(|row| row.chunks_exact(2).take(width as usize)).map(|v| i16::from_le_bytes([v[0], v[1]]));
+        DisparityMap { width, height, data: data.collect() }
+    }
+
+    /// As [`StereoMatcher::compute`], with the time of each stage in order of first use; none where the device was
+    /// made without `TIMESTAMP_QUERY`.
+    ///
+    /// # Errors
+    /// As [`StereoMatcher::compute`].
+    pub fn compute_timed(&self, left: &Image, right: &Image) -> Result<(DisparityMap, Vec<StageTime>), Error> {
+        if !self.device.features().contains(wgpu::Features::TIMESTAMP_QUERY) {
+            return Ok((self.compute(left, right)?, Vec::new()));
+        }
+        let count = 2 * self.steps.len() as u32;
+        let bytes = 8 * u64::from(count);
+        let timer = self.timer.get_or_init(|| Timer {
+            queries: self.device.create_query_set(&wgpu::QuerySetDescriptor {
+                label: Some("gpu-stereo.timestamps"),
+                ty: wgpu::QueryType::Timestamp,
+                count,
+            }),
+            resolved: self.device.create_buffer(&wgpu::BufferDescriptor {
+                label: Some("gpu-stereo.timestamps"),
+                size: bytes,
+                usage: wgpu::BufferUsages::QUERY_RESOLVE | wgpu::BufferUsages::COPY_SRC,
+                mapped_at_creation: false,
+            }),
+            readback: readback::buffer(&self.device, "gpu-stereo.timestamps", bytes),
+        });
+        let map = self.run(left, right, |encoder| {
+            for (i, step) in (0..).zip(&self.steps) {
+                let writes = wgpu::ComputePassTimestampWrites {
+                    query_set: &timer.queries,
+                    beginning_of_pass_write_index: Some(2 * i),
+                    end_of_pass_write_index: Some(2 * i + 1),
+                };
+                self.record_step(encoder, step, Some(writes));
+            }
+            encoder.resolve_query_set(&timer.queries, 0..count, &timer.resolved, 0);
+            encoder.copy_buffer_to_buffer(&timer.resolved, 0, &timer.readback, 0, bytes);
+        })?;
+        let period = f64::from(self.queue.get_timestamp_period());
+        let stamps: Vec<u64> = readback::read(&self.device, &timer.readback, bytemuck::pod_collect_to_vec)?;
+        let mut times: Vec<StageTime> = Vec::new();
+        for (step, stamps) in self.steps.iter().zip(stamps.chunks_exact(2)) {
+            let ms = stamps[1].saturating_sub(stamps[0]) as f64 * period * 1e-6;
+            match times.iter_mut().find(|time| time.name == step.stage()) {
+                Some(time) => time.ms += ms,
+                None => times.push(StageTime { name: step.stage().into(), ms }),
+            }
+        }
+        Ok((map, times))
+    }
 }

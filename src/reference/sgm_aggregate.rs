@@ -86,12 +86,14 @@ pub fn aggregate_direction(cost: &Volume<u8>, direction: Direction, params: &Par
             (_, false) => Some(&after[..row_len]),
         };
         let cost_row = &cost.data[y * row_len..][..row_len];
-        here.par_chunks_mut(n).zip(cost_row.par_chunks(n)).enumerate().with_min_len(32).for_each(|(x, (path, cost))| {
-            let from = x as i64 - i64::from(direction.dx);
-            let inside = (0..(row_len / n) as i64).contains(&from);
-            let previous = previous_row.filter(|_| inside).map(|row| &row[from as usize * n..][..n]);
-            step(cost, previous, p1, p2, path);
-        });
+        here.par_chunks_mut(n).zip(cost_row.par_chunks(n)).enumerate().with_min_len(32).for_each(
+            |(x, (path, cost))| {
+                let from = x as i64 - i64::from(direction.dx);
+                let inside = (0..(row_len / n) as i64).contains(&from);
+                let previous = previous_row.filter(|_| inside).map(|row| &row[from as usize * n..][..n]);
+                step(cost, previous, p1, p2, path);
+            },
+        );
     }
     paths
 }

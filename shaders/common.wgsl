@@ -1,0 +1,74 @@
+// Appended to every kernel: the two uniform blocks (src/buffers.rs holds their Rust twins) and the packed formats.
+
+// What stays the same for all dispatches of a frame.
+struct Frame {
+    width: u32,
+    height: u32,
+    min_disparity: i32,
+    block_radius: u32,
+    prefilter_cap: u32,
+    cost_scale: u32,
+    p1: u32,
+    p2: u32,
+    uniqueness: u32,      // per cent, 0 is off
+    lr_max_difference: u32,
+    gray_stride: u32,     // words a row of a gray image
+    left_stride: u32,     // words a row of the left prefiltered plane
+    right_stride: u32,    // words a row of the right prefiltered plane
+    map_stride: u32,      // words a row of a disparity map
+}
+
+// What differs between dispatches.
+struct Pass {
+    first_row: u32,       // in the image
+    rows: u32,
+    volume_row: u32,      // where first_row lies in the volume's buffer
+    dx: i32,              // direction of aggregation
+    dy: i32,
+    carried: u32,         // 1: the band before this one in the direction left its path costs in carry_in
+    accumulate: u32,      // 1: add to what the opposite direction left
+    side: u32,            // 0: left image, 1: right image
+}
+
+@group(0) @binding(0) var<uniform> frame: Frame;
+@group(0) @binding(1) var<uniform> pass_: Pass;
+
+// Four bytes, the lowest first.
+fn unpack(word: u32) -> vec4<u32> {
+    return (vec4(word) >> vec4(0u, 8u, 16u, 24u)) & vec4(255u);
+}
+
+fn pack(v: vec4<u32>) -> u32 {
+    return v.x | (v.y << 8u) | (v.z << 16u) | (v.w << 24u);
+}
+
+// Four values of 16 bits from two words: the first holds the even two, the second the odd two.
+fn unpack_pairs(words: vec2<u32>) -> vec4<u32> {
+    return vec4(words.x & 0xffffu, words.y & 0xffffu, words.x >> 16u, words.y >> 16u);
+}
+
+// The four bytes of a word as two words of 16-bit values, the even two and the odd two.
+fn bytes_to_pairs(word: u32) -> vec2<u32> {
+    return vec2(word & 0xff00ffu, (word >> 8u) & 0xff00ffu);
+}
+
+fn lowest(v: vec4<u32>) -> u32 {
+    return min(min(v.x, v.y), min(v.z, v.w));
+}
+
+// A disparity map holds two pixels a word, 1/16 px each, the left one in the low half.
+const INVALID: i32 = -32768;
+
+fn map_value(word: u32, x: u32) -> i32 {
+    return extractBits(bitcast<i32>(word), (x & 1u) * 16u, 16u);
+}
+
+fn map_word(low: i32, high: i32) -> u32 {
+    return (bitcast<u32>(low) & 0xffffu) | (bitcast<u32>(high) << 16u);
+}
+
+// Whether a disparity at column x of the left image points into the right image.
+fn points_inside(x: i32, disparity: i32) -> bool {
+    let seen = x - ((disparity + 8) >> 4u);
+    return seen >= 0 && seen < i32(frame.width);
+}

@@ -1,0 +1,88 @@
+// sgm_aggregate: L(d) = C(d) + T(d), T(d) = min(L'(d), L'(d - 1) + P1, L'(d + 1) + P1, min L' + P2) - min L',
+//   L' of the pixel before on the path; T = 0 where the path starts.
+// cost (u8, [y][x][d]) -> paths (u8, [y][x][d]): T of this direction, or that plus what is there (accumulate);
+//   T <= P2 <= 127, so the sum of two directions fits a byte.
+// One invocation: one path through the band; the state stays packed in registers. A diagonal path that leaves the image
+//   at a side enters again on the other one as a new path, so that all invocations take as many steps.
+// carry_in, carry_out (u8, [x][d]): L of the last row of the band before and of this band, for paths that cross bands.
+// Reference: src/reference/sgm_aggregate.rs
+
+@group(0) @binding(2) var<storage, read> cost: array<vec4<u32>>;
+@group(0) @binding(3) var<storage, read_write> paths: array<vec4<u32>>;
+@group(0) @binding(4) var<storage, read> carry_in: array<vec4<u32>>;
+@group(0) @binding(5) var<storage, read_write> carry_out: array<vec4<u32>>;
+
+@compute @workgroup_size(LANES)
+fn main(@builtin(global_invocation_id) id: vec3<u32>) {
+    let horizontal = pass_.dy == 0;
+    let width = i32(frame.width);
+    let rows = i32(pass_.rows);
+    let line = i32(id.x);
+    if line >= select(width, rows, horizontal) {
+        return;
+    }
+    var x = select(line, select(width - 1, 0, pass_.dx > 0), horizontal);
+    let y = select(select(rows - 1, 0, pass_.dy > 0), line, horizontal);
+    var state: array<u32, WORDS>;
+    let before = x - pass_.dx;
+    if pass_.carried == 1u && before >= 0 && before < width {
+        for (var q = 0u; q < QUADS; q++) {
+            let words = carry_in[u32(before) * QUADS + q];
+            state[4u * q] = words.x;
+            state[4u * q + 1u] = words.y;
+            state[4u * q + 2u] = words.z;
+            state[4u * q + 3u] = words.w;
+        }
+    }
+    var at = y * width + x;
+    let steps = select(rows, width, horizontal);
+    for (var i = 0; i < steps; i++) {
+        path_step(&state, u32(at) * QUADS);
+        at += pass_.dy * width + pass_.dx;
+        x += pass_.dx;
+        if !horizontal && (x < 0 || x >= width) {
+            x -= pass_.dx * width;
+            at -= pass_.dx * width;
+            for (var k = 0u; k < WORDS; k++) {
+                state[k] = 0u;
+            }
+        }
+    }
+    if !horizontal {
+        // The state belongs to the pixel before x. After a wrap the next row's path starts anew and needs none.
+        let last = x - pass_.dx;
+        if last >= 0 && last < width {
+            for (var q = 0u; q < QUADS; q++) {
+                carry_out[u32(last) * QUADS + q] =
+                    vec4(state[4u * q], state[4u * q + 1u], state[4u * q + 2u], state[4u * q + 3u]);
+            }
+        }
+    }
+}
+
+fn path_step(state: ptr<function, array<u32, WORDS>>, at: u32) {
+    let jump = path_minimum(state);
+    var below = NONE;
+    var here = unpack((*state)[0]);
+    for (var q = 0u; q < QUADS; q++) {
+        let costs = cost[at + q];
+        var sums = vec4(0u);
+        if pass_.accumulate == 1u {
+            sums = paths[at + q];
+        }
+        var terms: vec4<u32>;
+        for (var i = 0u; i < 4u; i++) {
+            let k = 4u * q + i;
+            var next = vec4(NONE);
+            if k + 1u < WORDS {
+                next = unpack((*state)[min(k + 1u, WORDS - 1u)]);
+            }
+            terms[i] = smoothness(here, below, next.x, jump);
+            (*state)[k] = terms[i] + costs[i];
+            below = here.w;
+            here = next;
+        }
+        paths[at + q] = sums + terms;
+    }
+    path_close(state);
+}

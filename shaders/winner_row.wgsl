@@ -1,0 +1,129 @@
+// Appended to the kernels that walk a row from right to left and choose the winner: uniqueness, subpixel and the right
+// view. The walk starts and ends outside the image where a minimum disparity other than 0 shifts the right view.
+// Reference: src/reference/winner.rs
+//
+// A candidate is the key cost << 12 | d: the smallest key is the smallest cost, and of those the smallest disparity.
+// cost < 2^20 and d < 2^12. Disparities beyond the range, and pixels beyond the row, cost COST_NONE.
+const COST_NONE: u32 = 0xfffffu;
+
+// The two pixels of a word meet here: the right one is kept until the left one is known.
+struct RowWriter {
+    left_kept: i32,
+    right_kept: i32,
+}
+
+fn row_steps() -> i32 {
+    return i32(frame.width) + abs(frame.min_disparity);
+}
+
+fn row_start() -> i32 {
+    return i32(frame.width) - 1 + max(frame.min_disparity, 0);
+}
+
+fn inside_row(x: i32) -> bool {
+    return x >= 0 && x < i32(frame.width);
+}
+
+// Chooses at column x, and writes what is complete: of the left map if x lies in the image, of the right map if the
+// right pixel seen by disparity 0 does.
+fn choose(costs: ptr<function, array<vec4<u32>, WORDS>>, diagonal: ptr<function, array<vec4<u32>, WORDS>>,
+          kept: ptr<function, RowWriter>, row: u32, x: i32) {
+    if inside_row(x) {
+        for (var i = 0u; i < 4u; i++) {
+            let k = WORDS - 4u + i;
+            (*costs)[k] = select((*costs)[k], vec4(COST_NONE), unpack(BEYOND[i]) != vec4(0u));
+        }
+        let value = winner(costs, x);
+        if (x & 1) == 0 {
+            left_map[row * frame.map_stride + (u32(x) >> 1u)] = map_word(value, (*kept).left_kept);
+        }
+        (*kept).left_kept = value;
+    } else {
+        for (var q = 0u; q < QUADS; q++) {
+            for (var i = 0u; i < 4u; i++) {
+                (*costs)[4u * q + i] = vec4(COST_NONE);
+            }
+        }
+    }
+    let value = roll(diagonal, costs);
+    let seen = x - frame.min_disparity;
+    if inside_row(seen) {
+        if (seen & 1) == 0 {
+            right_map[row * frame.map_stride + (u32(seen) >> 1u)] = map_word(value, (*kept).right_kept);
+        }
+        (*kept).right_kept = value;
+    }
+}
+
+fn keys(costs: vec4<u32>, k: u32) -> vec4<u32> {
+    return (costs << vec4(12u)) | (vec4(4u * k) + vec4(0u, 1u, 2u, 3u));
+}
+
+// The disparity in 1/16 px of the pixel at column x.
+fn winner(costs: ptr<function, array<vec4<u32>, WORDS>>, x: i32) -> i32 {
+    var least = vec4(0xffffffffu);
+    for (var q = 0u; q < QUADS; q++) {
+        for (var i = 0u; i < 4u; i++) {
+            least = min(least, keys((*costs)[4u * q + i], 4u * q + i));
+        }
+    }
+    let best = lowest(least) & 0xfffu;
+    let cost = lowest(least) >> 12u;
+    // The costs at the neighbours of the winner, and how many costs fail the uniqueness test
+    // cost(d) * (100 - ratio) > cost * 100.
+    let limit = cost * 100u / (100u - frame.uniqueness);
+    var before = vec4(0u);
+    var after = vec4(0u);
+    var rivals = vec4(0u);
+    for (var q = 0u; q < QUADS; q++) {
+        for (var i = 0u; i < 4u; i++) {
+            let k = 4u * q + i;
+            let c = (*costs)[k];
+            let d = vec4(4u * k) + vec4(0u, 1u, 2u, 3u);
+            before = select(before, c, d + vec4(1u) == vec4(best));
+            after = select(after, c, d == vec4(best + 1u));
+            rivals += select(vec4(0u), vec4(1u), c <= vec4(limit));
+        }
+    }
+    let a = before.x | before.y | before.z | before.w;
+    let c = after.x | after.y | after.z | after.w;
+    let has_before = best > 0u;
+    let has_after = best + 1u < DISPARITIES;
+    var value = 16 * (frame.min_disparity + i32(best));
+    if SUBPIXEL == 1u && has_before && has_after {
+        let curvature = a + c - 2u * cost;
+        // 16 (a - c) >= -16 curvature: shifted by 8 whole steps the quotient is of positive numbers.
+        value += i32((16u * (a + curvature) - 16u * c + curvature - 1u) / (2u * curvature)) - 8;
+    }
+    var allowed = 1u;
+    if has_before && a <= limit {
+        allowed += 1u;
+    }
+    if has_after && c <= limit {
+        allowed += 1u;
+    }
+    let found = rivals.x + rivals.y + rivals.z + rivals.w;
+    if (frame.uniqueness != 0u && found > allowed) || !points_inside(x, value) {
+        value = INVALID;
+    }
+    return value;
+}
+
+// The right view: diagonal[d] is the smallest key so far of the right pixel that disparity d sees from this column;
+// one column to the left, the same right pixel is seen by disparity d - 1. Returns the right pixel seen by disparity 0.
+fn roll(diagonal: ptr<function, array<vec4<u32>, WORDS>>, costs: ptr<function, array<vec4<u32>, WORDS>>) -> i32 {
+    var here = (*diagonal)[0];
+    for (var q = 0u; q < QUADS; q++) {
+        for (var i = 0u; i < 4u; i++) {
+            let k = 4u * q + i;
+            var next = vec4(0xffffffffu);
+            if k + 1u < WORDS {
+                next = (*diagonal)[min(k + 1u, WORDS - 1u)];
+            }
+            (*diagonal)[k] = min(vec4(here.yzw, next.x), keys((*costs)[k], k));
+            here = next;
+        }
+    }
+    let key = (*diagonal)[0].x;
+    return select(16 * (frame.min_disparity + i32(key & 0xfffu)), INVALID, (key >> 12u) == COST_NONE);
+}

@@ -1,0 +1,175 @@
+//! Sizes, strides and usages of every buffer, computed in one place before anything is created.
+
+use crate::{Error, Method, Params, PixelFormat, reference};
+
+/// The WGSL block `Frame`: what stays the same for all dispatches of a frame.
+#[repr(C)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, bytemuck::Pod, bytemuck::Zeroable)]
+pub(crate) struct Frame {
+    pub(crate) width: u32,
+    pub(crate) height: u32,
+    pub(crate) min_disparity: i32,
+    pub(crate) block_radius: u32,
+    pub(crate) prefilter_cap: u32,
+    pub(crate) cost_scale: u32,
+    pub(crate) p1: u32,
+    pub(crate) p2: u32,
+    pub(crate) uniqueness: u32,
+    pub(crate) lr_max_difference: u32,
+    pub(crate) gray_stride: u32,
+    pub(crate) left_stride: u32,
+    pub(crate) right_stride: u32,
+    pub(crate) map_stride: u32,
+}
+
+/// The WGSL block `Pass`: what differs between dispatches.
+#[repr(C)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, bytemuck::Pod, bytemuck::Zeroable)]
+pub(crate) struct Pass {
+    pub(crate) first_row: u32,
+    pub(crate) rows: u32,
+    pub(crate) volume_row: u32,
+    pub(crate) dx: i32,
+    pub(crate) dy: i32,
+    pub(crate) carried: u32,
+    pub(crate) accumulate: u32,
+    pub(crate) side: u32,
+}
+
+/// Neighbouring rows that are worked on together.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) struct Rows {
+    pub(crate) first: u32,
+    pub(crate) count: u32,
+}
+
+/// Bytes a buffer of column sums may take. They live only until the cost is computed from them, so more of them than
+/// keeps a device busy is a waste of memory.
+const COLUMNS_BYTES: u64 = 32 << 20;
+
+/// The sizes of everything. A volume is cut into bands of rows, each in a buffer of its own, none larger than one
+/// storage binding may be; column sums are computed for one chunk of a band at a time.
+#[derive(Clone, Debug)]
+pub(crate) struct Sizes {
+    pub(crate) frame: Frame,
+    /// Bytes of one uploaded image.
+    pub(crate) source: u64,
+    pub(crate) gray: u64,
+    pub(crate) left: u64,
+    pub(crate) right: u64,
+    /// Bytes of one disparity map.
+    pub(crate) map: u64,
+    /// Bytes of a row of a volume with a byte a disparity.
+    pub(crate) volume_row: u64,
+    /// Bytes of a row of column sums.
+    pub(crate) columns_row: u64,
+    pub(crate) bands: Vec<Rows>,
+    /// The chunks of each band.
+    pub(crate) chunks: Vec<Vec<Rows>>,
+}
+
+/// Cuts `rows` into the fewest pieces of at most `most` rows, as even as can be.
+fn cut(rows: Rows, most: u32) -> Vec<Rows> {
+    let pieces = rows.count.div_ceil(most);
+    let count = rows.count.div_ceil(pieces);
+    let firsts = (0..pieces).map(|i| rows.first + i * count);
+    let end = rows.first + rows.count;
+    firsts.filter(|&first| first < end).map(|first| Rows { first, count: count.min(end - first) }).collect()
+}
+
+impl Sizes {
+    pub(crate) fn new(
+        width: u32,
+        height: u32,
+        format: PixelFormat,
+        params: &Params,
+        limits: &wgpu::Limits,
+    ) -> Result<Self, Error> {
+        let allowed = limits.max_storage_buffer_binding_size.min(limits.max_buffer_size);
+        let fits = |what: &str, needed: u64, remedy| {
+            if needed <= allowed { Ok(()) } else { Err(Error::TooLarge { what: what.into(), needed, allowed, remedy }) }
+        };
+        let side = limits.max_compute_workgroups_per_dimension;
+        if width > side || height > side {
+            return Err(Error::Image(format!(
+                "the images are {width}x{height}, but the device allows at most {side} pixels a side; make them smaller"
+            )));
+        }
+        let pixels = u64::from(width) * u64::from(height);
+        let smaller = "make the images smaller";
+        fits("an image", pixels * u64::from(format.bytes_per_pixel()), smaller)?;
+
+        let words = 4 * params.disparities.div_ceil(16);
+        let reach = 2 * params.radius();
+        let gray_stride = width.div_ceil(4);
+        let left_stride = (width + reach).div_ceil(4);
+        let right_stride = (width - 1 + reach) / 4 + words + 1;
+        let map_stride = width.div_ceil(2);
+        let rows = |stride: u32| 4 * u64::from(stride) * u64::from(height);
+        fits("a prefiltered image", rows(right_stride), smaller)?;
+
+        let volume_row = 4 * u64::from(width) * u64::from(words);
+        let columns_row = 8 * u64::from(width + reach) * u64::from(words);
+        let fewer = "use fewer disparities or narrower images";
+        fits("a row of the matching cost", volume_row, fewer)?;
+        fits("a row of column sums", columns_row, fewer)?;
+        // A column's first row costs as much as a block of rows: short chunks are slow.
+        let chunk_bytes = COLUMNS_BYTES.max(128 * columns_row).min(allowed);
+        let most = |bytes: u64, row: u64| (bytes / row).clamp(1, u64::from(height)) as u32;
+        let whole = Rows { first: 0, count: height };
+        let bands = match params.method {
+            Method::Sgm => cut(whole, most(allowed, volume_row)),
+            Method::Bm => vec![whole],
+        };
+        let chunks = bands.iter().map(|&band| cut(band, most(chunk_bytes, columns_row))).collect();
+        Ok(Self {
+            frame: Frame {
+                width,
+                height,
+                min_disparity: params.min_disparity,
+                block_radius: params.radius(),
+                prefilter_cap: params.prefilter_cap,
+                cost_scale: reference::sad_cost_scale(params),
+                p1: params.p1,
+                p2: params.p2,
+                uniqueness: params.uniqueness,
+                lr_max_difference: params.lr_check.unwrap_or(0),
+                gray_stride,
+                left_stride,
+                right_stride,
+                map_stride,
+            },
+            source: (pixels * u64::from(format.bytes_per_pixel())).next_multiple_of(4),
+            gray: rows(gray_stride),
+            left: rows(left_stride),
+            right: rows(right_stride),
+            map: rows(map_stride),
+            volume_row,
+            columns_row,
+            bands,
+            chunks,
+        })
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn pieces_cover_all_rows_once() {
+        for count in 1..40 {
+            for most in 1..45 {
+                let pieces = cut(Rows { first: 3, count }, most);
+                let mut next = 3;
+                for piece in &pieces {
+                    assert_eq!(piece.first, next);
+                    assert!(piece.count >= 1 && piece.count <= most);
+                    next += piece.count;
+                }
+                assert_eq!(next, 3 + count);
+                assert_eq!(pieces.len() as u32, count.div_ceil(most), "{count} rows in pieces of {most}");
+            }
+        }
+    }
+}

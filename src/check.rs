@@ -1,0 +1,296 @@
+//! The comparison of every stage's buffer with the reference.
+
+use crate::buffers::{Frame, Rows};
+use crate::matcher::{Output, Step};
+use crate::reference::{self, Direction, Plane, Views, Volume};
+use crate::{DisparityMap, Error, Image, Method, StereoMatcher, readback};
+
+/// The first element of a stage that differs from the reference.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Mismatch {
+    /// Column.
+    pub x: u32,
+    /// Row.
+    pub y: u32,
+    /// Index of the disparity, for stages that have one value for each.
+    pub d: Option<u32>,
+    /// What the reference says.
+    pub expected: i64,
+    /// What the device left.
+    pub got: i64,
+}
+
+/// What became of one stage.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct StageCheck {
+    /// The stage's name, as in docs/ALGORITHMS.md.
+    pub stage: String,
+    /// Elements compared.
+    pub elements: u64,
+    /// Elements that differ.
+    pub mismatches: u64,
+    /// The first of them in order of computation.
+    pub first: Option<Mismatch>,
+}
+
+impl StageCheck {
+    /// Compares one element.
+    fn compare(&mut self, x: usize, y: usize, d: Option<usize>, expected: i64, got: i64) {
+        self.elements += 1;
+        if expected != got {
+            self.mismatches += 1;
+            self.first.get_or_insert(Mismatch { x: x as u32, y: y as u32, d: d.map(|d| d as u32), expected, got });
+        }
+    }
+}
+
+/// What buffers hold before a stage writes them: "wrote nothing" must differ from "wrote 0".
+const SENTINEL: u8 = 0xa5;
+
+/// The reference's buffers, each computed when a step asks for it.
+struct Expected<'a> {
+    matcher: &'a StereoMatcher,
+    gray: [Plane; 2],
+    planes: [Plane; 2],
+    columns: Volume<u16>,
+    cost: Volume<u8>,
+    paths: Vec<(Direction, Volume<u8>)>,
+    views: Option<Views>,
+    checked: Option<DisparityMap>,
+}
+
+impl<'a> Expected<'a> {
+    fn new(matcher: &'a StereoMatcher, left: &Image, right: &Image) -> Self {
+        let params = &matcher.params;
+        let gray = [reference::gray(left), reference::gray(right)];
+        let planes = [reference::prefilter(&gray[0], params), reference::prefilter(&gray[1], params)];
+        let columns = reference::sad_columns(&planes[0], &planes[1], params);
+        let cost = match params.method {
+            Method::Sgm => reference::sad_cost(&columns, params),
+            Method::Bm => Volume::new(0, 0, 0),
+        };
+        Self { matcher, gray, planes, columns, cost, paths: Vec::new(), views: None, checked: None }
+    }
+
+    fn path(&mut self, direction: Direction) -> &Volume<u8> {
+        let known = self.paths.iter().position(|(known, _)| *known == direction);
+        let i = known.unwrap_or_else(|| {
+            let volume = reference::aggregate_direction(&self.cost, direction, &self.matcher.params);
+            self.paths.push((direction, volume));
+            self.paths.len() - 1
+        });
+        &self.paths[i].1
+    }
+
+    fn views(&mut self) -> &Views {
+        if self.views.is_none() {
+            let params = &self.matcher.params;
+            let views = match params.method {
+                Method::Bm => reference::block_match(&self.columns, params),
+                Method::Sgm => {
+                    let cost = &self.cost;
+                    let mut sum = Volume::<u16>::new(cost.width, cost.height, cost.disparities);
+                    for &direction in Direction::all(params.paths) {
+                        for (sum, &path) in sum.data.iter_mut().zip(&self.path(direction).data) {
+                            *sum += u16::from(path);
+                        }
+                    }
+                    self.paths = Vec::new();
+                    reference::winner(&sum, params)
+                }
+            };
+            self.views = Some(views);
+        }
+        match &self.views {
+            Some(views) => views,
+            None => unreachable!("set above"),
+        }
+    }
+}
+
+fn each_row<'b>(rows: Rows, bytes: &'b [u8], stride: u64) -> impl Iterator<Item = (usize, &'b [u8])> {
+    (rows.first as usize..).zip(bytes.chunks_exact(stride as usize)).take(rows.count as usize)
+}
+
+impl StereoMatcher {
+    /// Computes a pair step by step and compares what each step left with the reference, element by element.
+    ///
+    /// Before a step its buffer is filled with a pattern, so that an element that is never written is found. The host
+    /// needs memory for the reference's volumes: a byte a pixel and disparity for the cost and for each direction, and
+    /// two for the column sums and for the aggregate.
+    ///
+    /// # Errors
+    /// As [`StereoMatcher::compute`].
+    pub fn check(&self, left: &Image, right: &Image) -> Result<Vec<StageCheck>, Error> {
+        self.check_with(left, right, |_, _| {})
+    }
+
+    /// As [`StereoMatcher::check`], with a chance to spoil the bytes read back from a step: the test of the test.
+    #[doc(hidden)]
+    pub fn check_with(
+        &self,
+        left: &Image,
+        right: &Image,
+        mut spoil: impl FnMut(&str, &mut [u8]),
+    ) -> Result<Vec<StageCheck>, Error> {
+        readback::guarded(&self.device, || self.upload(left, right))??;
+        let mut expected = Expected::new(self, left, right);
+        let mut stages: Vec<StageCheck> = Vec::new();
+        let mut first_views = true;
+        for step in &self.steps {
+            let fresh = match &step.output {
+                Output::Paths { directions, .. } => directions.len() == 1,
+                Output::Views { .. } => std::mem::take(&mut first_views),
+                Output::Cost { volume_row, .. } => *volume_row == 0,
+                _ => true,
+            };
+            readback::guarded(&self.device, || {
+                if fresh {
+                    self.fill(&step.buffer);
+                    if matches!(step.output, Output::Views { .. }) {
+                        self.fill(&self.right_map);
+                    }
+                }
+                let mut encoder = self.device.create_command_encoder(&wgpu::CommandEncoderDescriptor::default());
+                self.record_step(&mut encoder, step, None);
+                self.queue.submit([encoder.finish()]);
+            })?;
+            if stages.iter().all(|stage| stage.stage != step.stage()) {
+                let stage = step.stage().to_string();
+                stages.push(StageCheck { stage, elements: 0, mismatches: 0, first: None });
+            }
+            let Some(stage) = stages.iter_mut().find(|stage| stage.stage == step.stage()) else { continue };
+            self.compare(step, &mut expected, stage, &mut spoil)?;
+        }
+        Ok(stages)
+    }
+
+    fn fill(&self, buffer: &wgpu::Buffer) {
+        let pattern = vec![SENTINEL; buffer.size() as usize];
+        self.queue.write_buffer(buffer, 0, &pattern);
+    }
+
+    fn fetch(
+        &self,
+        step: &Step,
+        buffer: &wgpu::Buffer,
+        spoil: &mut impl FnMut(&str, &mut [u8]),
+    ) -> Result<Vec<u8>, Error> {
+        let mut bytes = readback::copy(&self.device, &self.queue, buffer, buffer.size())?;
+        spoil(step.stage(), &mut bytes);
+        Ok(bytes)
+    }
+
+    fn compare(
+        &self,
+        step: &Step,
+        expected: &mut Expected<'_>,
+        stage: &mut StageCheck,
+        spoil: &mut impl FnMut(&str, &mut [u8]),
+    ) -> Result<(), Error> {
+        let Frame { width, height, min_disparity, block_radius, gray_stride, left_stride, right_stride, .. } =
+            self.sizes.frame;
+        let whole = Rows { first: 0, count: height };
+        let (width, disparities) = (width as usize, self.params.disparities as usize);
+        let padded = self.sizes.volume_row as usize / width;
+        let bytes = self.fetch(step, &step.buffer, spoil)?;
+        match &step.output {
+            Output::Gray { side } => {
+                let plane = &expected.gray[*side as usize];
+                for (y, row) in each_row(whole, &bytes, 4 * u64::from(gray_stride)) {
+                    for (x, &got) in row[..width].iter().enumerate() {
+                        stage.compare(x, y, None, plane.data[y * width + x].into(), got.into());
+                    }
+                }
+            }
+            Output::Prefiltered { side } => {
+                let (plane, stride) = (&expected.planes[*side as usize], [left_stride, right_stride][*side as usize]);
+                let reach = i64::from(block_radius);
+                for (y, row) in each_row(whole, &bytes, 4 * u64::from(stride)) {
+                    for (j, &got) in row.iter().enumerate() {
+                        let x = match side {
+                            0 => j as i64 - reach,
+                            _ => width as i64 - 1 + reach - i64::from(min_disparity) - j as i64,
+                        };
+                        stage.compare(j, y, None, plane.clamped(x, y as i64).into(), got.into());
+                    }
+                }
+            }
+            Output::Columns { chunk } => {
+                let columns = &expected.columns;
+                for (y, row) in each_row(*chunk, &bytes, self.sizes.columns_row) {
+                    for (c, values) in row.chunks_exact(2 * padded).enumerate() {
+                        let expected = &columns.data[(y * columns.width + c) * disparities..][..disparities];
+                        for (d, &expected) in expected.iter().enumerate() {
+                            // Of disparities 4k .. 4k + 3: the even two in one word, then the odd two.
+                            let at = 2 * (d / 4 * 4 + d % 2 * 2 + d / 2 % 2);
+                            let got = u16::from_le_bytes([values[at], values[at + 1]]);
+                            stage.compare(c, y, Some(d), expected.into(), got.into());
+                        }
+                    }
+                }
+            }
+            Output::Cost { chunk, volume_row } => {
+                let first = u64::from(*volume_row) * self.sizes.volume_row;
+                for (y, row) in each_row(*chunk, &bytes[first as usize..], self.sizes.volume_row) {
+                    for (x, values) in row.chunks_exact(padded).enumerate() {
+                        let expected = &expected.cost.data[(y * width + x) * disparities..][..disparities];
+                        for (d, (&expected, &got)) in expected.iter().zip(values).enumerate() {
+                            stage.compare(x, y, Some(d), expected.into(), got.into());
+                        }
+                    }
+                }
+            }
+            Output::Paths { directions, band } => {
+                // The device keeps T = L - C, summed over the directions so far.
+                for &direction in directions {
+                    expected.path(direction);
+                }
+                let volumes: Vec<&Volume<u8>> =
+                    expected.paths.iter().filter(|(d, _)| directions.contains(d)).map(|(_, volume)| volume).collect();
+                for (y, row) in each_row(*band, &bytes, self.sizes.volume_row) {
+                    for (x, values) in row.chunks_exact(padded).enumerate() {
+                        let at = (y * width + x) * disparities;
+                        for (d, &got) in values[..disparities].iter().enumerate() {
+                            let cost = i64::from(expected.cost.data[at + d]);
+                            let sum: i64 = volumes.iter().map(|volume| i64::from(volume.data[at + d]) - cost).sum();
+                            stage.compare(x, y, Some(d), sum, got.into());
+                        }
+                    }
+                }
+            }
+            Output::Views { rows, last } => {
+                if !last {
+                    return Ok(()); // the maps are compared when all bands are there
+                }
+                let _ = rows;
+                let left = self.map(&bytes);
+                let right = self.map(&self.fetch(step, &self.right_map, spoil)?);
+                let views = expected.views();
+                compare_maps(stage, &views.left, &left);
+                compare_maps(stage, &views.right, &right);
+                expected.checked = Some(views.left.clone());
+            }
+            Output::Checked => {
+                let max_difference = self.params.lr_check.unwrap_or(0);
+                let views = expected.views();
+                let checked = reference::lr_check(&views.left, &views.right, max_difference);
+                compare_maps(stage, &checked, &self.map(&bytes));
+                expected.checked = Some(checked);
+            }
+            Output::Median => {
+                if let Some(checked) = &expected.checked {
+                    compare_maps(stage, &reference::median(checked), &self.map(&bytes));
+                }
+            }
+        }
+        Ok(())
+    }
+}
+
+fn compare_maps(stage: &mut StageCheck, expected: &DisparityMap, got: &DisparityMap) {
+    let width = expected.width as usize;
+    for (i, (&expected, &got)) in expected.data.iter().zip(&got.data).enumerate() {
+        stage.compare(i % width, i / width, None, expected.into(), got.into());
+    }
+}

@@ -1,0 +1,108 @@
+//! What the tests share: a device, and pairs made from a seed.
+#![allow(dead_code, clippy::unwrap_used, clippy::expect_used)]
+
+use gpu_stereo::{Image, Params, Pixels, StageCheck, wgpu};
+use rand::{Rng, SeedableRng};
+use rand_chacha::ChaCha8Rng;
+
+/// A device, with `limits` changed by the test. `None` only where there is no adapter and the environment allows that.
+pub fn device_with(change: impl FnOnce(&mut wgpu::Limits)) -> Option<(wgpu::Adapter, wgpu::Device, wgpu::Queue)> {
+    let instance = wgpu::Instance::new(wgpu::InstanceDescriptor::new_without_display_handle_from_env());
+    let adapters = pollster::block_on(instance.enumerate_adapters(wgpu::Backends::PRIMARY));
+    let Some(adapter) = adapters.into_iter().next() else {
+        assert!(
+            std::env::var_os("GPU_STEREO_NO_ADAPTER").is_some(),
+            "no adapter was found: install a Vulkan driver (Debian: mesa-vulkan-drivers), or set GPU_STEREO_NO_ADAPTER=1 \
+             to go on without the tests that need one"
+        );
+        println!("NOT TESTED: there is no adapter, and GPU_STEREO_NO_ADAPTER is set");
+        return None;
+    };
+    let mut limits = gpu_stereo::StereoMatcher::required_limits(&adapter);
+    change(&mut limits);
+    let (device, queue) = pollster::block_on(adapter.request_device(&wgpu::DeviceDescriptor {
+        required_features: gpu_stereo::StereoMatcher::required_features(&adapter),
+        required_limits: limits,
+        ..Default::default()
+    }))
+    .expect("the adapter gives a device");
+    Some((adapter, device, queue))
+}
+
+pub fn device() -> Option<(wgpu::Adapter, wgpu::Device, wgpu::Queue)> {
+    device_with(|_| ())
+}
+
+/// A pair: smooth noise, the right image the left one shifted by disparities that change over the image, plus noise.
+pub fn pair(width: u32, height: u32, seed: u64) -> (Image, Image) {
+    let mut random = ChaCha8Rng::seed_from_u64(seed);
+    let (w, h) = (width as usize, height as usize);
+    let coarse: Vec<u8> = (0..(w / 3 + 40) * (h / 3 + 2)).map(|_| random.random()).collect();
+    let texture = |x: usize, y: usize| coarse[(y / 3) * (w / 3 + 40) + (x / 3) % (w / 3 + 40)];
+    let image = |shift: usize, random: &mut ChaCha8Rng| {
+        let mut samples = Vec::with_capacity(w * h);
+        for y in 0..h {
+            for x in 0..w {
+                let near = usize::from(y > h / 3 && x > w / 3 && x < 2 * w / 3 + 1);
+                samples.push(texture(x + shift * (2 + 5 * near), y).saturating_add(random.random_range(0..6)));
+            }
+        }
+        Image::new(width, height, Pixels::Gray8(samples)).unwrap()
+    };
+    (image(0, &mut random), image(1, &mut random))
+}
+
+/// The same pair in another format.
+pub fn as_format(image: &Image, format: u32) -> Image {
+    let Pixels::Gray8(gray) = image.pixels() else { panic!("made from gray") };
+    let pixels = match format {
+        0 => Pixels::Gray8(gray.clone()),
+        1 => {
+            Pixels::Gray16(gray.iter().enumerate().map(|(i, &v)| u16::from(v) * 256 + (i * 37 % 256) as u16).collect())
+        }
+        2 => Pixels::Rgba8(gray.iter().enumerate().flat_map(|(i, &v)| [v, v ^ 85, (i % 251) as u8, 7]).collect()),
+        _ => Pixels::Rgba16(
+            gray.iter()
+                .enumerate()
+                .flat_map(|(i, &v)| [u16::from(v) * 257, (i * 997 % 65536) as u16, u16::from(v) * 9, 1])
+                .collect(),
+        ),
+    };
+    Image::new(image.width(), image.height(), pixels).unwrap()
+}
+
+/// Fails with the first mismatch of the first stage that has one.
+pub fn assert_equal(checks: &[StageCheck], adapter: &wgpu::Adapter, case: &dyn std::fmt::Debug) {
+    assert!(checks.len() >= 4, "only {} stages were compared: {checks:?}", checks.len());
+    for check in checks {
+        assert!(check.elements > 0, "stage {} compared nothing", check.stage);
+        assert!(
+            check.mismatches == 0,
+            "stage {}: {} of {} elements differ from the reference, first {:?}, on {}, case {case:?}",
+            check.stage,
+            check.mismatches,
+            check.elements,
+            check.first,
+            adapter.get_info().name,
+        );
+    }
+}
+
+/// Parameters from a seed: every setting, every range.
+pub fn random_params(random: &mut ChaCha8Rng) -> Params {
+    use gpu_stereo::{Median, Paths, Prefilter};
+    let disparities = *[1, 2, 3, 7, 15, 16, 17, 31, 33, 48, 64, 65].get(random.random_range(0..12)).unwrap();
+    let mut params = if random.random_bool(0.3) { Params::bm(disparities) } else { Params::sgm(disparities) };
+    params.min_disparity = *[0, 0, 0, 1, 5, -1, -7, -40, 30].get(random.random_range(0..9)).unwrap();
+    params.paths = if random.random() { Paths::Eight } else { Paths::Four };
+    params.block = 2 * random.random_range(0..8) + 1;
+    params.prefilter = [Prefilter::XSobel, Prefilter::Sobel, Prefilter::None][random.random_range(0..3)];
+    params.prefilter_cap = random.random_range(1..=127);
+    params.p2 = random.random_range(0..=127);
+    params.p1 = random.random_range(0..=params.p2);
+    params.uniqueness = if random.random() { 0 } else { random.random_range(1..=99) };
+    params.lr_check = if random.random_bool(0.3) { None } else { Some(random.random_range(0..4)) };
+    params.median = if random.random_bool(0.3) { Median::Off } else { Median::Three };
+    params.subpixel = random.random_bool(0.7);
+    params
+}
