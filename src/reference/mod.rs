@@ -23,7 +23,9 @@ pub use sad_cost::{sad_cost, sad_cost_scale};
 pub use sgm_aggregate::{Direction, aggregate_direction, sgm_aggregate};
 pub use winner::{Views, points_inside, winner};
 
-use crate::{DisparityMap, Error, Image, Median, Method, Params};
+use std::time::Instant;
+
+use crate::{DisparityMap, Error, Image, Median, Method, Params, StageTime};
 
 /// An 8-bit image, row by row from the top.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -75,30 +77,56 @@ impl<T: Copy + Default> Volume<T> {
 /// # Errors
 /// As [`Params::validate`], and [`Error::Image`] if the two sizes differ.
 pub fn compute(left: &Image, right: &Image, params: &Params) -> Result<DisparityMap, Error> {
-    params.validate()?;
-    crate::matcher::check_pair(left, right)?;
-    let left = prefilter(&gray(left), params);
-    let right = prefilter(&gray(right), params);
-    let columns = sad_columns(&left, &right, params);
-    let views = match params.method {
-        Method::Bm => block_match(&columns, params),
-        Method::Sgm => {
-            let cost = sad_cost(&columns, params);
-            drop(columns);
-            winner(&sgm_aggregate(&cost, params), params)
-        }
-    };
-    Ok(finish(views, params))
+    Ok(compute_timed(left, right, params)?.0)
 }
 
-/// The stages after the winner: left-right check, then median.
-pub(crate) fn finish(views: Views, params: &Params) -> DisparityMap {
-    let Views { mut left, right } = views;
+/// As [`compute`], with the time of each stage.
+///
+/// # Errors
+/// As [`compute`].
+pub fn compute_timed(
+    left: &Image,
+    right: &Image,
+    params: &Params,
+) -> Result<(DisparityMap, Vec<StageTime>), Error> {
+    params.validate()?;
+    crate::matcher::check_pair(left, right)?;
+    let mut clock = Clock { last: Instant::now(), times: Vec::new() };
+    let (left, right) = clock.stage("gray", (gray(left), gray(right)));
+    let (left, right) = clock.stage("prefilter", (prefilter(&left, params), prefilter(&right, params)));
+    let columns = clock.stage("sad_columns", sad_columns(&left, &right, params));
+    let Views { left, right } = match params.method {
+        Method::Bm => clock.stage("block_match", block_match(&columns, params)),
+        Method::Sgm => {
+            let cost = clock.stage("sad_cost", sad_cost(&columns, params));
+            drop(columns);
+            let sum = clock.stage("sgm_aggregate", sgm_aggregate(&cost, params));
+            clock.stage("winner", winner(&sum, params))
+        }
+    };
+    let mut map = left;
     if let Some(max_difference) = params.lr_check {
-        left = lr_check(&left, &right, max_difference);
+        map = clock.stage("lr_check", lr_check(&map, &right, max_difference));
     }
-    match params.median {
-        Median::Off => left,
-        Median::Three => median(&left),
+    if params.median == Median::Three {
+        map = clock.stage("median", median(&map));
+    }
+    Ok((map, clock.times))
+}
+
+/// Takes the time from stage to stage.
+struct Clock {
+    last: Instant,
+    times: Vec<StageTime>,
+}
+
+impl Clock {
+    /// Notes the time since the stage before, in which `result` was computed.
+    fn stage<T>(&mut self, name: &str, result: T) -> T {
+        let now = Instant::now();
+        let ms = now.duration_since(self.last).as_secs_f64() * 1e3;
+        self.times.push(StageTime { name: name.into(), ms });
+        self.last = now;
+        result
     }
 }
