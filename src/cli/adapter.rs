@@ -70,18 +70,25 @@ pub fn driver(info: &AdapterInfo) -> String {
         .to_owned()
 }
 
-/// The position among `names` of the adapter that `wanted` means: an index, else a part of a name in any case.
+/// The position among `names` of the adapter that `wanted` means: an index, else a part of a name in any case. A number
+/// that is no index must be a whole word of a name, as 3090 is: "2" does not mean "256 bits".
 pub fn choose(names: &[String], wanted: &str) -> Result<usize> {
+    let wanted_lower = wanted.to_lowercase();
     let by_index = wanted
-        .parse::<usize>()
+        .parse()
         .ok()
-        .filter(|&index| index < names.len());
-    let lower = wanted.to_lowercase();
-    let by_name = || {
-        names
-            .iter()
-            .position(|name| !lower.is_empty() && name.to_lowercase().contains(&lower))
+        .filter(|&index: &usize| index < names.len());
+    let is_number = wanted.bytes().all(|b| b.is_ascii_digit() || b == b'-'); // the empty text, too
+    let is_meant = |name: &String| {
+        let name = name.to_lowercase();
+        match is_number {
+            true => name
+                .split(|c: char| !c.is_alphanumeric())
+                .any(|word| !word.is_empty() && word == wanted_lower),
+            false => name.contains(&wanted_lower),
+        }
     };
+    let by_name = || names.iter().position(is_meant);
     if let Some(index) = by_index.or_else(by_name) {
         return Ok(index);
     }
