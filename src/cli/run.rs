@@ -5,7 +5,7 @@ use crate::args::Backend;
 use crate::report::{FrameMs, Report};
 use crate::resolve::Job;
 use crate::{input, output};
-use anyhow::{Result, bail};
+use anyhow::{Result, bail, ensure};
 use gpu_stereo::{
     DisparityMap, Error, Image, Params, StageCheck, StageTime, StereoMatcher, reference,
 };
@@ -88,7 +88,7 @@ pub fn run(job: &Job) -> Result<Report> {
 impl Engine {
     fn open(job: &Job, image: &Image) -> Result<Self> {
         if job.backend == Backend::Cpu {
-            return Ok(Self::Reference);
+            return Self::reference(job, image);
         }
         let mut adapters = adapter::ranked();
         if let Some(wanted) = &job.adapter {
@@ -137,6 +137,26 @@ impl Engine {
             );
         }
         crate::tell("note: no usable GPU or CPU adapter; computing with the CPU reference");
+        Self::reference(job, image)
+    }
+
+    /// The reference, if its volumes fit: a failed allocation inside it would abort the process without a word.
+    fn reference(job: &Job, image: &Image) -> Result<Self> {
+        let params = &job.params;
+        let columns = u64::from(image.width()) + u64::from(params.block) - 1;
+        // At the peak, in the aggregation: 8-bit costs, an 8-bit path and a 16-bit sum.
+        let needed = 4 * columns * u64::from(image.height()) * u64::from(params.disparities);
+        let mut trial = Vec::<u8>::new();
+        let given =
+            usize::try_from(needed).is_ok_and(|needed| trial.try_reserve_exact(needed).is_ok());
+        std::hint::black_box(&trial); // or the compiler drops the trial and takes it for granted
+        ensure!(
+            given,
+            "{}x{} pixels at {} disparities need {needed} bytes, but the memory allows less; lower --disp, crop or scale",
+            image.width(),
+            image.height(),
+            params.disparities
+        );
         Ok(Self::Reference)
     }
 
