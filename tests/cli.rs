@@ -454,7 +454,8 @@ fn every_input_format_gives_the_map() {
 #[test]
 fn depth_colour_and_alpha_change_nothing_and_may_differ_between_the_images() {
     let folder = scene();
-    let kinds: [(&str, fn(u8) -> DynamicImage); 6] = [
+    type OnePixel = fn(u8) -> DynamicImage;
+    let kinds: [(&str, OnePixel); 6] = [
         ("gray8", |v| GrayImage::from_pixel(1, 1, Luma([v])).into()),
         ("gray16", |v| {
             ImageBuffer::from_pixel(1, 1, Luma([u16::from(v) * 257])).into()
