@@ -1,1 +1,121 @@
-fn main() {}
+//! The command `gpu-stereo`: parse -> resolve -> run -> report.
+//!
+//! Exit codes: 0 done, 1 a check said no, 2 could not run. Data goes to stdout, messages to stderr.
+#![cfg_attr(test, allow(clippy::unwrap_used))]
+
+mod adapter;
+mod args;
+mod input;
+mod output;
+mod report;
+mod resolve;
+mod run;
+
+use std::io::Write as _;
+use std::panic::{AssertUnwindSafe, catch_unwind, set_hook};
+use std::process::ExitCode;
+
+/// How a run that did not fail ended.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Outcome {
+    Done,
+    CheckFailed,
+}
+
+fn main() -> ExitCode {
+    // Graphics drivers and wgpu's less trodden paths can panic. A user still gets one line and no backtrace.
+    set_hook(Box::new(|panic| {
+        let place = panic
+            .location()
+            .map(|l| format!(" ({}:{})", l.file(), l.line()))
+            .unwrap_or_default();
+        let payload = panic.payload();
+        let text = payload.downcast_ref::<&str>().copied();
+        let text = text.or_else(|| payload.downcast_ref::<String>().map(String::as_str));
+        let text = text.unwrap_or("something that should not happen did");
+        tell(&format!(
+            "error: {}{place}; this is a bug, please report it",
+            one_line(text)
+        ));
+    }));
+    let args = match args::parse() {
+        Ok(args) => args,
+        Err(code) => return code,
+    };
+    if args.list_adapters || args.backend != args::Backend::Cpu {
+        adapter::quiet_drivers();
+    }
+    // Nothing that was in use when a panic struck is used again: the process ends here.
+    ExitCode::from(match catch_unwind(AssertUnwindSafe(|| execute(args))) {
+        Ok(result) => exit_code(&result),
+        Err(_) => 2,
+    })
+}
+
+fn execute(args: args::Args) -> anyhow::Result<Outcome> {
+    if args.list_adapters {
+        return report::list_adapters(&adapter::ranked(), args.json).map(|()| Outcome::Done);
+    }
+    let job = resolve::resolve(args)?;
+    let report = run::run(&job)?;
+    report.print(&job)?;
+    Ok(if report.check_passed() {
+        Outcome::Done
+    } else {
+        Outcome::CheckFailed
+    })
+}
+
+/// The exit code of a result; an error is told on the way.
+fn exit_code(result: &anyhow::Result<Outcome>) -> u8 {
+    match result {
+        Ok(Outcome::Done) => 0,
+        Ok(Outcome::CheckFailed) => 1,
+        Err(error) => {
+            tell(&error_line(error));
+            2
+        }
+    }
+}
+
+/// An error with all its causes in one line.
+fn error_line(error: &anyhow::Error) -> String {
+    format!("error: {}", one_line(&format!("{error:#}")))
+}
+
+/// The lines of a text in one.
+fn one_line(text: &str) -> String {
+    text.lines()
+        .map(str::trim)
+        .filter(|line| !line.is_empty())
+        .collect::<Vec<_>>()
+        .join(" ")
+}
+
+/// A message on stderr. That stderr is closed is no reason to stop.
+fn tell(message: &str) {
+    let _ = writeln!(std::io::stderr(), "{message}");
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_lost_device_is_one_line_and_exit_code_2() {
+        let lost = gpu_stereo::Error::Lost("Parent device is lost\n\n  in Queue::submit".into());
+        let result: anyhow::Result<Outcome> = Err(lost.into());
+        assert_eq!(exit_code(&result), 2);
+        let line = error_line(result.as_ref().unwrap_err());
+        assert_eq!(line.lines().count(), 1);
+        assert!(line.starts_with(
+            "error: the device failed while computing: Parent device is lost in Queue::submit"
+        ));
+    }
+
+    #[test]
+    fn a_failed_check_is_exit_code_1() {
+        assert_eq!(exit_code(&Ok(Outcome::CheckFailed)), 1);
+        assert_eq!(exit_code(&Ok(Outcome::Done)), 0);
+    }
+}

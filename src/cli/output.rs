@@ -1,0 +1,366 @@
+//! Disparity maps become files, whole or not at all.
+
+use anyhow::{Context as _, Result, bail, ensure};
+use gpu_stereo::{DisparityMap, Params};
+use image::codecs::png::PngEncoder;
+use image::{ExtendedColorType, ImageEncoder as _};
+use npyz::WriterBuilder as _;
+use std::fs;
+use std::io::{Cursor, ErrorKind, Write as _};
+use std::path::{Path, PathBuf};
+use tempfile::NamedTempFile;
+
+/// What a file holds.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Format {
+    /// 16-bit gray PNG as in the KITTI benchmark: 256 a pixel of disparity, 0 invalid, a valid 0 is written as 1.
+    Kitti,
+    /// Portable float map, little endian, rows from the bottom, +inf invalid.
+    Pfm,
+    /// NumPy array of 32-bit floats, rows x columns, NaN invalid.
+    Npy,
+    /// TIFF of 32-bit floats, NaN invalid.
+    Tiff,
+    /// A picture: turbo colours over the searched range, invalid black.
+    Color,
+}
+
+/// A file to write.
+#[derive(Debug)]
+pub struct Output {
+    /// The path as it was given.
+    pub path: PathBuf,
+    /// What to write.
+    pub format: Format,
+    /// The file itself, symbolic links followed.
+    place: PathBuf,
+}
+
+/// The files to write, each checked: its ending is known, its folder can be written, it is neither an input nor named
+/// twice. Without any, the default ones.
+pub fn resolve(
+    maps: &[PathBuf],
+    color: Option<&Path>,
+    inputs: [&PathBuf; 2],
+    params: &Params,
+) -> Result<Vec<Output>> {
+    let mut wanted = Vec::new();
+    for path in maps {
+        wanted.push((path.clone(), map_format(path)?));
+    }
+    if let Some(path) = color {
+        ensure!(
+            ending(path) == "png",
+            "--color is {path:?}, but a picture is written as .png; give a name that ends in .png"
+        );
+        wanted.push((path.into(), Format::Color));
+    }
+    if wanted.is_empty() {
+        wanted.push(default_map(params));
+        wanted.push(("disparity_color.png".into(), Format::Color));
+    }
+
+    let inputs = inputs.map(|path| fs::canonicalize(path).ok());
+    let mut outputs: Vec<Output> = Vec::new();
+    for (path, format) in wanted {
+        let place = writable_place(&path)?;
+        ensure!(
+            !inputs.iter().flatten().any(|input| *input == place),
+            "output {path:?} is an input image, too; give another name"
+        );
+        ensure!(
+            outputs.iter().all(|other| other.place != place),
+            "output {path:?} is given twice; give each output its own name"
+        );
+        outputs.push(Output {
+            path,
+            format,
+            place,
+        });
+    }
+    Ok(outputs)
+}
+
+fn default_map(params: &Params) -> (PathBuf, Format) {
+    let (first, last) = searched(params);
+    if first >= 0 && last <= 255 {
+        return ("disparity.png".into(), Format::Kitti);
+    }
+    crate::tell(&format!(
+        "note: disparities from {first} to {last} px do not fit a 16-bit PNG (0 to 255); writing disparity.tif instead"
+    ));
+    ("disparity.tif".into(), Format::Tiff)
+}
+
+/// The smallest and the largest disparity searched.
+fn searched(params: &Params) -> (i64, i64) {
+    let first = i64::from(params.min_disparity);
+    (first, first + i64::from(params.disparities) - 1)
+}
+
+fn ending(path: &Path) -> String {
+    path.extension()
+        .map(|ending| ending.to_string_lossy().to_ascii_lowercase())
+        .unwrap_or_default()
+}
+
+fn map_format(path: &Path) -> Result<Format> {
+    Ok(match ending(path).as_str() {
+        "png" => Format::Kitti,
+        "pfm" => Format::Pfm,
+        "npy" => Format::Npy,
+        "tif" | "tiff" => Format::Tiff,
+        "" => bail!(
+            "output {path:?} has no ending, but it tells the format; add .png, .pfm, .npy, .tif or .tiff"
+        ),
+        other => bail!(
+            "output {path:?} ends in .{other}, but .png, .pfm, .npy, .tif and .tiff are known; take one"
+        ),
+    })
+}
+
+/// Where the file will really be, once it is sure that it can be written.
+fn writable_place(path: &Path) -> Result<PathBuf> {
+    let folder = match path.parent() {
+        Some(parent) if parent != Path::new("") => parent,
+        _ => Path::new("."),
+    };
+    match fs::metadata(folder) {
+        Ok(kind) => ensure!(
+            kind.is_dir(),
+            "output {path:?} lies in {folder:?}, which is no folder; give another path"
+        ),
+        Err(error) if error.kind() == ErrorKind::NotFound => {
+            bail!(
+                "output {path:?} lies in {folder:?}, which does not exist; create the folder or give another path"
+            )
+        }
+        Err(error) => {
+            return Err(error).with_context(|| format!("output {path:?} cannot be written"));
+        }
+    }
+    let place = match fs::metadata(path) {
+        Ok(kind) => {
+            ensure!(
+                !kind.is_dir(),
+                "output {path:?} is a folder; give the name of a file"
+            );
+            ensure!(
+                kind.is_file(),
+                "output {path:?} is not a regular file; give another name"
+            );
+            ensure!(
+                !kind.permissions().readonly(),
+                "output {path:?} is read-only; make it writable or give another name"
+            );
+            fs::canonicalize(path)
+        }
+        Err(error) if error.kind() == ErrorKind::NotFound => {
+            fs::canonicalize(folder).map(|folder| folder.join(path.file_name().unwrap_or_default()))
+        }
+        Err(error) => Err(error),
+    };
+    let place =
+        place.with_context(|| format!("output {path:?} cannot be written; give another path"))?;
+    let folder = place.parent().unwrap_or(Path::new("/"));
+    // The superuser can write where nobody was meant to. (On Windows a folder's flag means something else.)
+    let read_only =
+        cfg!(unix) && fs::metadata(folder).is_ok_and(|kind| kind.permissions().readonly());
+    ensure!(
+        !read_only,
+        "output {path:?} lies in a read-only folder; make the folder writable or give another path"
+    );
+    temporary(folder).with_context(|| {
+        format!("output {path:?} lies in a folder that cannot be written; check its permissions or give another path")
+    })?;
+    Ok(place)
+}
+
+/// A file that disappears unless it is renamed, with the permissions that an ordinary new file has.
+fn temporary(folder: &Path) -> std::io::Result<NamedTempFile> {
+    let mut builder = tempfile::Builder::new();
+    builder.prefix(".gpu-stereo-");
+    #[cfg(unix)]
+    {
+        use std::os::unix::fs::PermissionsExt as _;
+        builder.permissions(fs::Permissions::from_mode(0o666)); // less the umask
+    }
+    builder.tempfile_in(folder)
+}
+
+/// Writes every file, or, if one cannot be, none: names appear only when all contents are on disk.
+pub fn write(outputs: &[Output], map: &DisparityMap, params: &Params) -> Result<()> {
+    let mut written = Vec::new();
+    for output in outputs {
+        let bytes = encode(output.format, map, params)
+            .with_context(|| format!("output {:?} cannot be written", output.path))?;
+        let stage = || -> std::io::Result<NamedTempFile> {
+            let mut file = temporary(output.place.parent().unwrap_or(Path::new("/")))?;
+            file.write_all(&bytes)?;
+            file.flush()?;
+            Ok(file)
+        };
+        written.push(stage().with_context(|| cannot_write(output))?);
+    }
+    for (file, output) in written.into_iter().zip(outputs) {
+        file.persist(&output.place)
+            .map_err(|error| error.error)
+            .with_context(|| cannot_write(output))?;
+    }
+    Ok(())
+}
+
+fn cannot_write(output: &Output) -> String {
+    format!(
+        "output {:?} cannot be written; check the space and the permissions of its folder",
+        output.path
+    )
+}
+
+/// The contents of a file.
+fn encode(format: Format, map: &DisparityMap, params: &Params) -> Result<Vec<u8>> {
+    let (width, height) = (map.width, map.height);
+    let floats = |invalid: f32| {
+        map.data
+            .iter()
+            .map(move |&value| pixels(value).unwrap_or(invalid))
+    };
+    let mut bytes = Cursor::new(Vec::new());
+    match format {
+        Format::Kitti => {
+            let samples = kitti(map)?;
+            let samples: Vec<u8> = samples.into_iter().flat_map(u16::to_ne_bytes).collect();
+            PngEncoder::new(&mut bytes).write_image(
+                &samples,
+                width,
+                height,
+                ExtendedColorType::L16,
+            )?;
+        }
+        Format::Pfm => {
+            write!(bytes, "Pf\n{width} {height}\n-1.0\n")?;
+            let samples: Vec<f32> = floats(f32::INFINITY).collect();
+            for row in samples.chunks(width.max(1) as usize).rev() {
+                for sample in row {
+                    bytes.write_all(&sample.to_le_bytes())?;
+                }
+            }
+        }
+        Format::Npy => {
+            let options = npyz::WriteOptions::<f32>::new().default_dtype();
+            let mut npy = options
+                .shape(&[height.into(), width.into()])
+                .writer(&mut bytes)
+                .begin_nd()?;
+            npy.extend(floats(f32::NAN))?;
+            npy.finish()?;
+        }
+        Format::Tiff => {
+            let samples: Vec<f32> = floats(f32::NAN).collect();
+            let mut tiff = tiff::encoder::TiffEncoder::new(&mut bytes)?;
+            tiff.write_image::<tiff::encoder::colortype::Gray32Float>(width, height, &samples)?;
+        }
+        Format::Color => {
+            let samples: Vec<u8> = map
+                .data
+                .iter()
+                .flat_map(|&value| color(value, params))
+                .collect();
+            PngEncoder::new(&mut bytes).write_image(
+                &samples,
+                width,
+                height,
+                ExtendedColorType::Rgb8,
+            )?;
+        }
+    }
+    Ok(bytes.into_inner())
+}
+
+/// Disparity in pixels.
+fn pixels(value: i16) -> Option<f32> {
+    (value != DisparityMap::INVALID).then(|| f32::from(value) / 16.0)
+}
+
+/// 16-bit samples, 256 a pixel; a disparity is in 1/16 pixel, so this is exact.
+fn kitti(map: &DisparityMap) -> Result<Vec<u16>> {
+    let sample = |(i, &value): (usize, &i16)| {
+        let Some(disparity) = pixels(value) else {
+            return Ok(0);
+        };
+        u16::try_from(16 * i32::from(value)).map(|sample| sample.max(1)).with_context(|| {
+            let (x, y) = (i % map.width as usize, i / map.width as usize);
+            format!(
+                "the disparity at ({x}, {y}) is {disparity} px, but a 16-bit PNG holds 0 to {} px; take .pfm, .npy or \
+                 .tif, or search another range",
+                f32::from(u16::MAX >> 4) / 16.0
+            )
+        })
+    };
+    map.data.iter().enumerate().map(sample).collect()
+}
+
+fn color(value: i16, params: &Params) -> [u8; 3] {
+    let Some(disparity) = pixels(value) else {
+        return [0; 3];
+    };
+    let (first, last) = searched(params);
+    let share = (f64::from(disparity) - first as f64) / (last - first).max(1) as f64;
+    let color = colorous::TURBO.eval_continuous(share.clamp(0.0, 1.0));
+    [color.r, color.g, color.b]
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn map(data: &[i16]) -> DisparityMap {
+        DisparityMap {
+            width: data.len() as u32,
+            height: 1,
+            data: data.into(),
+        }
+    }
+
+    #[test]
+    fn kitti_samples_are_exact_and_never_wrap() {
+        let samples = kitti(&map(&[DisparityMap::INVALID, 0, 1, 16, 4095])).unwrap();
+        assert_eq!(samples, [0, 1, 16, 256, 65520]);
+        for (value, told) in [
+            (-1, "-0.0625 px"),
+            (4096, "256 px"),
+            (i16::MAX, "2047.9375 px"),
+        ] {
+            let error = kitti(&map(&[0, value])).unwrap_err().to_string();
+            assert!(
+                error.contains(told) && error.contains("(1, 0)") && error.contains("255.9375"),
+                "{error}"
+            );
+        }
+    }
+
+    #[test]
+    fn colors_span_the_searched_range() {
+        let mut params = Params::sgm(17);
+        params.min_disparity = -8;
+        let turbo = |share| {
+            let color = colorous::TURBO.eval_continuous(share);
+            [color.r, color.g, color.b]
+        };
+        assert_eq!(color(-8 * 16, &params), turbo(0.0));
+        assert_eq!(color(0, &params), turbo(0.5));
+        assert_eq!(color(8 * 16, &params), turbo(1.0));
+        assert_eq!(color(DisparityMap::INVALID, &params), [0; 3]);
+        color(0, &Params::sgm(1)); // a range of one disparity has no width
+    }
+
+    #[test]
+    fn a_disparity_that_does_not_fit_leaves_no_file() {
+        let folder = tempfile::tempdir().unwrap();
+        let paths = [folder.path().join("a.npy"), folder.path().join("b.png")];
+        let none = PathBuf::new();
+        let outputs = resolve(&paths, None, [&none, &none], &Params::sgm(8)).unwrap();
+        assert!(write(&outputs, &map(&[-16]), &Params::sgm(8)).is_err());
+        assert_eq!(fs::read_dir(folder.path()).unwrap().count(), 0);
+    }
+}

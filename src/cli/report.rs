@@ -1,0 +1,321 @@
+//! Report: the summary, the tables and the JSON on stdout.
+
+use crate::adapter;
+use crate::resolve::Job;
+use anyhow::{Context as _, Result};
+use comfy_table::{CellAlignment, Table, presets};
+use gpu_stereo::{StageCheck, StageTime, wgpu};
+use serde::{Serialize, Serializer};
+use std::fmt::Write as _;
+use std::io::{ErrorKind, Write as _};
+use std::path::PathBuf;
+
+/// What a run found; `--json` prints it as it is.
+#[derive(Serialize)]
+pub struct Report {
+    /// The adapter's name.
+    pub adapter: String,
+    /// The graphics interface, or `cpu` for the reference.
+    pub backend: String,
+    /// The driver's name and version.
+    pub driver: String,
+    /// Pixels a row.
+    pub width: u32,
+    /// Rows.
+    pub height: u32,
+    /// Smallest disparity searched.
+    pub min_disparity: i32,
+    /// Disparities searched.
+    pub disparities: u32,
+    /// Share of pixels that have a disparity, 0 to 1.
+    pub valid: f64,
+    /// Upload, kernels and readback.
+    pub frame_ms: FrameMs,
+    /// The first frame with the creation of device and pipelines.
+    #[serde(serialize_with = "microseconds")]
+    pub first_frame_ms: f64,
+    /// Median time of each stage; none where the adapter has no timestamps.
+    #[serde(serialize_with = "stages")]
+    pub stages: Vec<StageTime>,
+    /// The most device memory in use, 0 for the reference.
+    pub peak_device_bytes: u64,
+    /// The comparison with the reference, when asked for.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub check: Option<Vec<Check>>,
+    /// The files that were written.
+    #[serde(serialize_with = "paths")]
+    pub outputs: Vec<PathBuf>,
+}
+
+/// Times over the frames.
+#[derive(Debug, Serialize)]
+pub struct FrameMs {
+    /// The median.
+    #[serde(serialize_with = "microseconds")]
+    pub median: f64,
+    /// The smallest.
+    #[serde(serialize_with = "microseconds")]
+    pub min: f64,
+}
+
+/// A stage's buffer beside the reference's.
+#[derive(Debug, Serialize)]
+pub struct Check {
+    stage: String,
+    elements: u64,
+    mismatches: u64,
+    first: Option<First>,
+}
+
+/// The first element that differs.
+#[derive(Debug, Serialize)]
+struct First {
+    x: u32,
+    y: u32,
+    d: Option<u32>,
+    expected: i64,
+    got: i64,
+}
+
+impl From<StageCheck> for Check {
+    fn from(check: StageCheck) -> Self {
+        let first = check.first.map(|m| First {
+            x: m.x,
+            y: m.y,
+            d: m.d,
+            expected: m.expected,
+            got: m.got,
+        });
+        Self {
+            stage: check.stage,
+            elements: check.elements,
+            mismatches: check.mismatches,
+            first,
+        }
+    }
+}
+
+/// Milliseconds to three decimals: more would be noise.
+fn microseconds<S: Serializer>(ms: &f64, serializer: S) -> Result<S::Ok, S::Error> {
+    serializer.serialize_f64(round(*ms))
+}
+
+fn round(ms: f64) -> f64 {
+    (ms * 1e3).round() / 1e3
+}
+
+fn stages<S: Serializer>(stages: &[StageTime], serializer: S) -> Result<S::Ok, S::Error> {
+    #[derive(Serialize)]
+    struct Stage<'a> {
+        name: &'a str,
+        ms: f64,
+    }
+    serializer.collect_seq(stages.iter().map(|stage| Stage {
+        name: &stage.name,
+        ms: round(stage.ms),
+    }))
+}
+
+/// Paths need not be Unicode, JSON must.
+fn paths<S: Serializer>(paths: &[PathBuf], serializer: S) -> Result<S::Ok, S::Error> {
+    serializer.collect_seq(paths.iter().map(|path| path.to_string_lossy()))
+}
+
+impl Report {
+    /// Whether no comparison found a mismatch.
+    pub fn check_passed(&self) -> bool {
+        self.check
+            .iter()
+            .flatten()
+            .all(|stage| stage.mismatches == 0)
+    }
+
+    /// Prints what the job asked for.
+    pub fn print(&self, job: &Job) -> Result<()> {
+        if job.json {
+            return to_stdout(&(serde_json::to_string(self)? + "\n"));
+        }
+        let mut text = String::new();
+        if !job.quiet {
+            text += &self.summary()?;
+        }
+        if job.timings {
+            if self.stages.is_empty() {
+                crate::tell("note: the adapter has no timestamp queries; only the total is known");
+            }
+            text += &self.timings_table();
+        }
+        if let Some(check) = &self.check {
+            text += &check_table(check);
+        }
+        if !self.check_passed() {
+            crate::tell(
+                "check failed: the adapter and the CPU reference differ; no file was written",
+            );
+        }
+        to_stdout(&text)
+    }
+
+    fn summary(&self) -> Result<String> {
+        let mut text = String::new();
+        writeln!(
+            text,
+            "adapter  {} ({}, {})",
+            self.adapter, self.backend, self.driver
+        )?;
+        writeln!(text, "size     {} x {}", self.width, self.height)?;
+        let last = i64::from(self.min_disparity) + i64::from(self.disparities) - 1;
+        writeln!(
+            text,
+            "range    {} disparities, {} to {last} px",
+            self.disparities, self.min_disparity
+        )?;
+        writeln!(text, "valid    {:.1} %", 100.0 * self.valid)?;
+        writeln!(
+            text,
+            "frame    {:.1} ms (first {:.1} ms)",
+            self.frame_ms.median, self.first_frame_ms
+        )?;
+        let outputs: Vec<_> = self
+            .outputs
+            .iter()
+            .map(|path| path.to_string_lossy())
+            .collect();
+        writeln!(
+            text,
+            "written  {}",
+            if outputs.is_empty() {
+                "nothing".into()
+            } else {
+                outputs.join(", ")
+            }
+        )?;
+        Ok(text)
+    }
+
+    fn timings_table(&self) -> String {
+        let total = self.frame_ms.median;
+        let row = |name: &str, ms: f64| {
+            let share = if total > 0.0 { 100.0 * ms / total } else { 0.0 };
+            [name.to_owned(), format!("{ms:.3}"), format!("{share:.1} %")]
+        };
+        let mut rows: Vec<_> = self
+            .stages
+            .iter()
+            .map(|stage| row(&stage.name, stage.ms))
+            .collect();
+        if !self.stages.is_empty() {
+            // The medians of parts can add up to more than the median of the whole.
+            let known: f64 = self.stages.iter().map(|stage| stage.ms).sum();
+            rows.push(row("transfers and host", (total - known).max(0.0)));
+        }
+        rows.push(row("total", total));
+        table(["stage", "ms", "share"], rows, 1..3)
+    }
+}
+
+fn check_table(check: &[Check]) -> String {
+    let first = |first: &Option<First>| match first {
+        None => "-".into(),
+        Some(First {
+            x,
+            y,
+            d,
+            expected,
+            got,
+        }) => {
+            let d = d.map(|d| format!(", d {d}")).unwrap_or_default();
+            format!("x {x}, y {y}{d}: expected {expected}, got {got}")
+        }
+    };
+    let row = |check: &Check| {
+        [
+            check.stage.clone(),
+            check.elements.to_string(),
+            check.mismatches.to_string(),
+            first(&check.first),
+        ]
+    };
+    table(
+        ["stage", "elements", "mismatches", "first mismatch"],
+        check.iter().map(row),
+        1..3,
+    )
+}
+
+/// Prints the adapters, the best first.
+pub fn list_adapters(adapters: &[wgpu::Adapter], json: bool) -> Result<()> {
+    #[derive(Serialize)]
+    struct Listed {
+        index: usize,
+        name: String,
+        backend: String,
+        driver: String,
+        kind: &'static str,
+    }
+    let infos = adapters.iter().map(wgpu::Adapter::get_info).enumerate();
+    let listed: Vec<_> = infos
+        .map(|(index, info)| Listed {
+            index,
+            backend: info.backend.to_string(),
+            driver: adapter::driver(&info),
+            kind: adapter::kind(info.device_type),
+            name: info.name,
+        })
+        .collect();
+    if listed.is_empty() {
+        crate::tell(
+            "note: there is no adapter; install a Vulkan driver, or compute with --backend cpu",
+        );
+    }
+    if json {
+        return to_stdout(&(serde_json::to_string(&listed)? + "\n"));
+    }
+    let rows = listed.into_iter().map(|a| {
+        [
+            a.index.to_string(),
+            a.name,
+            a.backend,
+            a.driver,
+            a.kind.to_owned(),
+        ]
+    });
+    to_stdout(&table(
+        ["index", "name", "backend", "driver", "kind"],
+        rows,
+        0..0,
+    ))
+}
+
+/// A table whose columns in `numbers` are aligned to the right.
+fn table<const N: usize>(
+    header: [&str; N],
+    rows: impl IntoIterator<Item = [String; N]>,
+    numbers: std::ops::Range<usize>,
+) -> String {
+    let mut table = Table::new();
+    table.load_style(presets::ASCII_MARKDOWN).set_header(header);
+    for row in rows {
+        table.add_row(row);
+    }
+    for column in numbers {
+        if let Some(column) = table.column_mut(column) {
+            column.set_cell_alignment(CellAlignment::Right);
+        }
+    }
+    format!("{table}\n")
+}
+
+/// Prints. A reader that has seen enough, such as `head`, is no error.
+fn to_stdout(text: &str) -> Result<()> {
+    let mut stdout = std::io::stdout().lock();
+    match stdout
+        .write_all(text.as_bytes())
+        .and_then(|()| stdout.flush())
+    {
+        Err(error) if error.kind() != ErrorKind::BrokenPipe => {
+            Err(error).context("stdout cannot be written; give it a file or a pipe with room")
+        }
+        _ => Ok(()),
+    }
+}

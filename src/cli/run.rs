@@ -1,0 +1,274 @@
+//! Run: read the pair, compute, check, write.
+
+use crate::adapter::{self, Opened};
+use crate::args::Backend;
+use crate::report::{FrameMs, Report};
+use crate::resolve::Job;
+use crate::{input, output};
+use anyhow::{Result, bail, ensure};
+use gpu_stereo::{
+    DisparityMap, Error, Image, Params, StageCheck, StageTime, StereoMatcher, reference,
+};
+use std::time::Instant;
+
+/// What computes.
+enum Engine {
+    Adapter(Box<OnAdapter>),
+    Reference,
+}
+
+struct OnAdapter {
+    opened: Opened,
+    matcher: StereoMatcher,
+}
+
+/// Does the job.
+pub fn run(job: &Job) -> Result<Report> {
+    let (left, right) = input::read_pair(&job.left, &job.right)?;
+
+    let start = Instant::now();
+    let engine = Engine::open(job, &left)?;
+    // Stage times come from the frames that are told, so that stages and transfers add up to the frame.
+    let timed = job.timings || job.json;
+    let compute = || engine.compute(&left, &right, &job.params, timed);
+    let before_first = Instant::now();
+    let (mut map, stages) = compute()?;
+    let first_frame_ms = milliseconds(start);
+    let mut frames = vec![(milliseconds(before_first), stages)];
+    if let Some(repeat) = job.repeat {
+        frames.clear(); // the first frame was the warm-up
+        for _ in 0..repeat {
+            let before = Instant::now();
+            let (frame, stages) = compute()?;
+            frames.push((milliseconds(before), stages));
+            map = frame;
+        }
+    }
+
+    let check = if job.check {
+        Some(engine.check(&left, &right)?)
+    } else {
+        None
+    };
+    let passed = check.iter().flatten().all(|stage| stage.mismatches == 0);
+    if passed {
+        output::write(&job.outputs, &map, &job.params)?;
+    }
+    let outputs = if passed {
+        job.outputs
+            .iter()
+            .map(|output| output.path.clone())
+            .collect()
+    } else {
+        Vec::new()
+    };
+    let (times, stages): (Vec<_>, Vec<_>) = frames.into_iter().unzip();
+    let (adapter, backend, driver) = engine.names();
+    Ok(Report {
+        adapter,
+        backend,
+        driver,
+        width: map.width,
+        height: map.height,
+        min_disparity: job.params.min_disparity,
+        disparities: job.params.disparities,
+        valid: map.valid_fraction(),
+        frame_ms: FrameMs {
+            min: times.iter().copied().fold(f64::INFINITY, f64::min),
+            median: median(times),
+        },
+        first_frame_ms,
+        stages: median_stages(stages),
+        peak_device_bytes: engine.device_bytes(),
+        check: check.map(|stages| stages.into_iter().map(Into::into).collect()),
+        outputs,
+    })
+}
+
+impl Engine {
+    fn open(job: &Job, image: &Image) -> Result<Self> {
+        if job.backend == Backend::Cpu {
+            return Self::reference(job, image);
+        }
+        let mut adapters = adapter::ranked();
+        if let Some(wanted) = &job.adapter {
+            let names: Vec<_> = adapters
+                .iter()
+                .map(|adapter| adapter.get_info().name)
+                .collect();
+            adapters = vec![adapters.swap_remove(adapter::choose(&names, wanted)?)];
+        }
+        let only = adapters.len() == 1 && job.adapter.is_some();
+        for adapter in &adapters {
+            let opened = adapter::open(adapter).and_then(|opened| {
+                let (width, height) = (image.width(), image.height());
+                let matcher = StereoMatcher::new(
+                    &opened.device,
+                    &opened.queue,
+                    width,
+                    height,
+                    image.format(),
+                    &job.params,
+                );
+                opened.fault()?;
+                let matcher = matcher?;
+                Ok(Self::Adapter(Box::new(OnAdapter { opened, matcher })))
+            });
+            match opened {
+                Ok(engine) => return Ok(engine),
+                // An adapter that cannot run the kernels at all is passed over, but not in silence.
+                Err(error @ (Error::Adapter(_) | Error::Device(_))) if !only => {
+                    crate::tell(&crate::one_line(&format!(
+                        "note: {}: {error}",
+                        adapter.get_info().name
+                    )));
+                }
+                Err(error) => return Err(error.into()),
+            }
+        }
+        if job.backend == Backend::Gpu {
+            bail!(
+                "--backend is gpu, but there is no usable adapter; install a Vulkan driver, or take auto or cpu"
+            );
+        }
+        if job.check {
+            bail!(
+                "--check compares an adapter with the CPU reference, but there is no usable adapter; install a Vulkan driver"
+            );
+        }
+        crate::tell("note: no usable GPU or CPU adapter; computing with the CPU reference");
+        Self::reference(job, image)
+    }
+
+    /// The reference, if its volumes fit: a failed allocation inside it would abort the process without a word.
+    fn reference(job: &Job, image: &Image) -> Result<Self> {
+        let params = &job.params;
+        let columns = u64::from(image.width()) + u64::from(params.block) - 1;
+        // At the peak, in the aggregation: 8-bit costs, an 8-bit path and a 16-bit sum.
+        let needed = 4 * columns * u64::from(image.height()) * u64::from(params.disparities);
+        let mut trial = Vec::<u8>::new();
+        let given =
+            usize::try_from(needed).is_ok_and(|needed| trial.try_reserve_exact(needed).is_ok());
+        std::hint::black_box(&trial); // or the compiler drops the trial and takes it for granted
+        ensure!(
+            given,
+            "{}x{} pixels at {} disparities need {needed} bytes, but the memory allows less; lower --disp, crop or scale",
+            image.width(),
+            image.height(),
+            params.disparities
+        );
+        Ok(Self::Reference)
+    }
+
+    fn compute(
+        &self,
+        left: &Image,
+        right: &Image,
+        params: &Params,
+        timed: bool,
+    ) -> Result<(DisparityMap, Vec<StageTime>), Error> {
+        match self {
+            Self::Adapter(on) => {
+                let OnAdapter { opened, matcher } = on.as_ref();
+                let frame = if timed {
+                    matcher.compute_timed(left, right)
+                } else {
+                    matcher.compute(left, right).map(|map| (map, Vec::new()))
+                };
+                opened.fault()?;
+                frame
+            }
+            Self::Reference if timed => reference::compute_timed(left, right, params),
+            Self::Reference => reference::compute(left, right, params).map(|map| (map, Vec::new())),
+        }
+    }
+
+    fn check(&self, left: &Image, right: &Image) -> Result<Vec<StageCheck>, Error> {
+        match self {
+            Self::Adapter(on) => {
+                let OnAdapter { opened, matcher } = on.as_ref();
+                let stages = matcher.check(left, right);
+                opened.fault()?;
+                stages
+            }
+            Self::Reference => Ok(Vec::new()), // refused before: there is nothing to compare
+        }
+    }
+
+    /// Adapter, backend and driver.
+    fn names(&self) -> (String, String, String) {
+        match self {
+            Self::Adapter(on) => {
+                let info = &on.opened.info;
+                (
+                    info.name.clone(),
+                    info.backend.to_string(),
+                    adapter::driver(info),
+                )
+            }
+            Self::Reference => {
+                let version = concat!("gpu-stereo ", env!("CARGO_PKG_VERSION"));
+                ("CPU reference".into(), "cpu".into(), version.into())
+            }
+        }
+    }
+
+    fn device_bytes(&self) -> u64 {
+        match self {
+            Self::Adapter(on) => on.matcher.device_bytes(),
+            Self::Reference => 0,
+        }
+    }
+}
+
+fn milliseconds(since: Instant) -> f64 {
+    since.elapsed().as_secs_f64() * 1e3
+}
+
+/// The middle value, or the mean of the two; 0 of none.
+fn median(mut values: Vec<f64>) -> f64 {
+    values.sort_by(f64::total_cmp);
+    let n = values.len();
+    match n {
+        0 => 0.0,
+        _ => (values[(n - 1) / 2] + values[n / 2]) / 2.0,
+    }
+}
+
+/// The median time of each stage over the frames, in the stages' order.
+fn median_stages(frames: Vec<Vec<StageTime>>) -> Vec<StageTime> {
+    let names: Vec<_> = frames
+        .first()
+        .into_iter()
+        .flatten()
+        .map(|stage| stage.name.clone())
+        .collect();
+    let of_stage = |i: usize| {
+        frames
+            .iter()
+            .filter_map(|frame| frame.get(i))
+            .map(|stage| stage.ms)
+            .collect()
+    };
+    names
+        .into_iter()
+        .enumerate()
+        .map(|(i, name)| StageTime {
+            name,
+            ms: median(of_stage(i)),
+        })
+        .collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn medians() {
+        assert_eq!(median(vec![]), 0.0);
+        assert_eq!(median(vec![3.0]), 3.0);
+        assert_eq!(median(vec![9.0, 1.0, 2.0]), 2.0);
+        assert_eq!(median(vec![9.0, 1.0, 2.0, 3.0]), 2.5);
+    }
+}
