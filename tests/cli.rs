@@ -49,18 +49,11 @@ fn on<'a>(left: &'a str, right: &'a str, more: &[&'a str]) -> Vec<&'a str> {
 /// Every file below a folder with its contents.
 fn contents(folder: &Path) -> BTreeMap<PathBuf, Vec<u8>> {
     let mut all = BTreeMap::new();
-    for entry in fs::read_dir(folder)
-        .unwrap()
-        .map(|entry| entry.unwrap().path())
-    {
+    for entry in fs::read_dir(folder).unwrap().map(|entry| entry.unwrap().path()) {
         if entry.is_dir() {
             all.extend(contents(&entry));
         } else {
-            let bytes = if entry.is_file() {
-                fs::read(&entry).unwrap()
-            } else {
-                Vec::new()
-            };
+            let bytes = if entry.is_file() { fs::read(&entry).unwrap() } else { Vec::new() };
             all.insert(entry, bytes);
         }
     }
@@ -73,14 +66,8 @@ fn is_one_line_error(output: &Output, words: &[&str]) {
     assert_eq!(output.status.code(), Some(2), "{told}");
     assert_eq!(stdout(output), "");
     assert_eq!(told.lines().count(), 1, "{told}");
-    assert!(
-        told.starts_with("error: ") && told.ends_with('\n'),
-        "{told}"
-    );
-    assert!(
-        !told.contains("panicked") && !told.contains("backtrace") && !told.contains("bug"),
-        "{told}"
-    );
+    assert!(told.starts_with("error: ") && told.ends_with('\n'), "{told}");
+    assert!(!told.contains("panicked") && !told.contains("backtrace") && !told.contains("bug"), "{told}");
     for word in words {
         assert!(told.contains(word), "{word:?} is not in: {told}");
     }
@@ -91,10 +78,7 @@ fn is_one_line_error(output: &Output, words: &[&str]) {
 fn refuses<A: AsRef<OsStr>>(folder: &Path, args: &[A], words: &[&str]) {
     let before = contents(folder);
     is_one_line_error(&run(folder, args), words);
-    assert!(
-        contents(folder) == before,
-        "files were left behind or changed"
-    );
+    assert!(contents(folder) == before, "files were left behind or changed");
 }
 
 /// A texture without repetition.
@@ -121,20 +105,8 @@ fn scene() -> TempDir {
 // Independent readers of what the command writes: disparity in pixels, rows from the top, NaN invalid.
 
 fn read_kitti(path: &Path) -> Vec<f32> {
-    let DynamicImage::ImageLuma16(image) = image::open(path).unwrap() else {
-        panic!("not 16-bit gray")
-    };
-    image
-        .into_raw()
-        .into_iter()
-        .map(|v| {
-            if v == 0 {
-                f32::NAN
-            } else {
-                f32::from(v) / 256.0
-            }
-        })
-        .collect()
+    let DynamicImage::ImageLuma16(image) = image::open(path).unwrap() else { panic!("not 16-bit gray") };
+    image.into_raw().into_iter().map(|v| if v == 0 { f32::NAN } else { f32::from(v) / 256.0 }).collect()
 }
 
 fn read_pfm(path: &Path, width: usize, height: usize) -> Vec<f32> {
@@ -143,26 +115,16 @@ fn read_pfm(path: &Path, width: usize, height: usize) -> Vec<f32> {
     let samples = bytes.strip_prefix(header.as_bytes()).unwrap();
     assert_eq!(samples.len(), 4 * width * height);
     let rows = samples.chunks_exact(4 * width).rev(); // from the bottom
-    rows.flat_map(little_endian)
-        .map(|v| if v == f32::INFINITY { f32::NAN } else { v })
-        .collect()
+    rows.flat_map(little_endian).map(|v| if v == f32::INFINITY { f32::NAN } else { v }).collect()
 }
 
 fn read_npy(path: &Path, width: usize, height: usize) -> Vec<f32> {
     let bytes = fs::read(path).unwrap();
     assert_eq!(&bytes[..8], b"\x93NUMPY\x01\x00");
     let length = usize::from(u16::from_le_bytes([bytes[8], bytes[9]]));
-    let header = std::str::from_utf8(&bytes[10..10 + length])
-        .unwrap()
-        .replace(' ', "");
-    assert!(
-        header.contains("'descr':'<f4'") && header.contains("'fortran_order':False"),
-        "{header}"
-    );
-    assert!(
-        header.contains(&format!("'shape':({height},{width}")),
-        "{header}"
-    );
+    let header = std::str::from_utf8(&bytes[10..10 + length]).unwrap().replace(' ', "");
+    assert!(header.contains("'descr':'<f4'") && header.contains("'fortran_order':False"), "{header}");
+    assert!(header.contains(&format!("'shape':({height},{width}")), "{header}");
     let samples = &bytes[10 + length..];
     assert_eq!(samples.len(), 4 * width * height);
     little_endian(samples).collect()
@@ -170,32 +132,21 @@ fn read_npy(path: &Path, width: usize, height: usize) -> Vec<f32> {
 
 fn read_tiff(path: &Path) -> Vec<f32> {
     let mut decoder = tiff::decoder::Decoder::new(fs::File::open(path).unwrap()).unwrap();
-    let tiff::decoder::DecodingResult::F32(samples) = decoder.read_image().unwrap() else {
-        panic!("not 32-bit float")
-    };
+    let tiff::decoder::DecodingResult::F32(samples) = decoder.read_image().unwrap() else { panic!("not 32-bit float") };
     samples
 }
 
 fn little_endian(bytes: &[u8]) -> impl Iterator<Item = f32> {
-    bytes
-        .chunks_exact(4)
-        .map(|b| f32::from_le_bytes([b[0], b[1], b[2], b[3]]))
+    bytes.chunks_exact(4).map(|b| f32::from_le_bytes([b[0], b[1], b[2], b[3]]))
 }
 
 fn bits(samples: &[f32]) -> Vec<Option<u32>> {
-    samples
-        .iter()
-        .map(|v| (!v.is_nan()).then(|| v.to_bits()))
-        .collect()
+    samples.iter().map(|v| (!v.is_nan()).then(|| v.to_bits())).collect()
 }
 
 /// The share of pixels within 1/2 px of `disparity`.
 fn share_of(samples: &[f32], disparity: f32) -> f64 {
-    samples
-        .iter()
-        .filter(|&&v| (v - disparity).abs() < 0.5)
-        .count() as f64
-        / samples.len() as f64
+    samples.iter().filter(|&&v| (v - disparity).abs() < 0.5).count() as f64 / samples.len() as f64
 }
 
 // What it writes.
@@ -208,41 +159,24 @@ fn every_format_holds_the_same_map() {
     let mut args = on("left.png", "right.png", &["--color", "picture.png"]);
     names.iter().for_each(|name| args.extend(["-o", name]));
     let output = succeeds(folder.path(), &args);
-    assert!(
-        stdout(&output).contains("a.png, b.pfm, c.npy, d.tif, e.TIFF, f.PNG, picture.png"),
-        "{}",
-        stdout(&output)
-    );
+    assert!(stdout(&output).contains("a.png, b.pfm, c.npy, d.tif, e.TIFF, f.PNG, picture.png"), "{}", stdout(&output));
 
     let map = read_npy(&at("c.npy"), 48, 30);
     assert!(share_of(&map, SHIFT as f32) > 0.7);
-    assert!(
-        map.iter().any(|v| v.is_nan()),
-        "the left border sees nothing"
-    );
+    assert!(map.iter().any(|v| v.is_nan()), "the left border sees nothing");
     assert_eq!(bits(&map), bits(&read_pfm(&at("b.pfm"), 48, 30)));
     assert_eq!(bits(&map), bits(&read_tiff(&at("d.tif"))));
     assert_eq!(bits(&map), bits(&read_tiff(&at("e.TIFF"))));
     assert_eq!(bits(&map), bits(&read_kitti(&at("a.png")))); // 1/16 px is exact in 1/256
     assert_eq!(bits(&map), bits(&read_kitti(&at("f.PNG"))));
 
-    let DynamicImage::ImageRgb8(picture) = image::open(at("picture.png")).unwrap() else {
-        panic!("not 8-bit RGB")
-    };
+    let DynamicImage::ImageRgb8(picture) = image::open(at("picture.png")).unwrap() else { panic!("not 8-bit RGB") };
     assert_eq!(picture.dimensions(), (48, 30));
     for (pixel, value) in picture.pixels().zip(&map) {
-        assert_eq!(
-            pixel.0 == [0; 3],
-            value.is_nan(),
-            "black is invalid and nothing else"
-        );
+        assert_eq!(pixel.0 == [0; 3], value.is_nan(), "black is invalid and nothing else");
     }
     assert!(!at("disparity.png").exists() && !at("disparity_color.png").exists());
-    assert_eq!(
-        fs::read_dir(folder.path()).unwrap().count(),
-        2 + names.len() + 1,
-        "temporary files are gone"
-    );
+    assert_eq!(fs::read_dir(folder.path()).unwrap().count(), 2 + names.len() + 1, "temporary files are gone");
 }
 
 #[test]
@@ -250,53 +184,26 @@ fn without_outputs_the_default_files_are_written() {
     let folder = scene();
     let output = succeeds(folder.path(), &on("left.png", "right.png", &[]));
     assert_eq!(stderr(&output), "");
-    assert!(
-        share_of(
-            &read_kitti(&folder.path().join("disparity.png")),
-            SHIFT as f32
-        ) > 0.7
-    );
+    assert!(share_of(&read_kitti(&folder.path().join("disparity.png")), SHIFT as f32) > 0.7);
     assert!(image::open(folder.path().join("disparity_color.png")).is_ok());
-    for told in [
-        "CPU reference",
-        "48 x 30",
-        "16 disparities, 0 to 15 px",
-        " ms",
-        "disparity.png, disparity_color.png",
-    ] {
-        assert!(
-            stdout(&output).contains(told),
-            "{told:?} is not in {}",
-            stdout(&output)
-        );
+    for told in ["CPU reference", "48 x 30", "16 disparities, 0 to 15 px", " ms", "disparity.png, disparity_color.png"]
+    {
+        assert!(stdout(&output).contains(told), "{told:?} is not in {}", stdout(&output));
     }
 }
 
 #[test]
 fn color_alone_writes_the_picture_alone() {
     let folder = scene();
-    succeeds(
-        folder.path(),
-        &on("left.png", "right.png", &["--color", "c.png"]),
-    );
+    succeeds(folder.path(), &on("left.png", "right.png", &["--color", "c.png"]));
     assert_eq!(fs::read_dir(folder.path()).unwrap().count(), 3);
 }
 
 #[test]
 fn a_valid_disparity_of_0_is_not_the_invalid_0() {
     let folder = scene();
-    succeeds(
-        folder.path(),
-        &on(
-            "left.png",
-            "left.png",
-            &["--subpixel", "off", "-o", "zero.png"],
-        ),
-    );
-    let DynamicImage::ImageLuma16(image) = image::open(folder.path().join("zero.png")).unwrap()
-    else {
-        panic!()
-    };
+    succeeds(folder.path(), &on("left.png", "left.png", &["--subpixel", "off", "-o", "zero.png"]));
+    let DynamicImage::ImageLuma16(image) = image::open(folder.path().join("zero.png")).unwrap() else { panic!() };
     let ones = image.pixels().filter(|pixel| pixel.0 == [1]).count();
     assert!(ones * 10 > image.pixels().len() * 9, "{ones}");
 }
@@ -306,30 +213,13 @@ fn negative_disparities_go_to_formats_that_hold_them() {
     let folder = scene();
     let range = ["--min-disp", "-12"];
     let output = succeeds(folder.path(), &on("right.png", "left.png", &range));
-    assert!(
-        stderr(&output).starts_with("note: ") && stderr(&output).contains("disparity.tif"),
-        "{}",
-        stderr(&output)
-    );
-    assert!(
-        share_of(
-            &read_tiff(&folder.path().join("disparity.tif")),
-            -(SHIFT as f32)
-        ) > 0.7
-    );
+    assert!(stderr(&output).starts_with("note: ") && stderr(&output).contains("disparity.tif"), "{}", stderr(&output));
+    assert!(share_of(&read_tiff(&folder.path().join("disparity.tif")), -(SHIFT as f32)) > 0.7);
     assert!(!folder.path().join("disparity.png").exists());
 
     // The KITTI format cannot hold them; and then the good file beside it is not written, either.
-    let args = on(
-        "right.png",
-        "left.png",
-        &[&range[..], &["-o", "x.npy", "-o", "x.png"]].concat(),
-    );
-    refuses(
-        folder.path(),
-        &args,
-        &["x.png", "px", "0 to 255.9375", ".pfm", ".npy", ".tif"],
-    );
+    let args = on("right.png", "left.png", &[&range[..], &["-o", "x.npy", "-o", "x.png"]].concat());
+    refuses(folder.path(), &args, &["x.png", "px", "0 to 255.9375", ".pfm", ".npy", ".tif"]);
 }
 
 #[test]
@@ -337,25 +227,16 @@ fn a_range_beyond_255_goes_to_a_format_that_holds_it() {
     let folder = scene();
     let args = ["left.png", "right.png", "--disp", "257", "--backend", "cpu"];
     assert!(stderr(&succeeds(folder.path(), &args)).contains("disparity.tif"));
-    assert!(
-        folder.path().join("disparity.tif").exists()
-            && !folder.path().join("disparity.png").exists()
-    );
+    assert!(folder.path().join("disparity.tif").exists() && !folder.path().join("disparity.png").exists());
 }
 
 #[test]
 fn a_second_run_replaces_and_repeats_to_the_byte() {
     let folder = scene();
     fs::write(folder.path().join("d.png"), "old").unwrap();
-    succeeds(
-        folder.path(),
-        &on("left.png", "right.png", &["-o", "d.png"]),
-    );
+    succeeds(folder.path(), &on("left.png", "right.png", &["-o", "d.png"]));
     let first = contents(folder.path());
-    succeeds(
-        folder.path(),
-        &on("left.png", "right.png", &["-o", "d.png"]),
-    );
+    succeeds(folder.path(), &on("left.png", "right.png", &["-o", "d.png"]));
     assert!(contents(folder.path()) == first);
     assert!(read_kitti(&folder.path().join("d.png")).len() == 48 * 30);
 }
@@ -366,12 +247,7 @@ fn written_files_have_the_permissions_of_ordinary_files() {
     use std::os::unix::fs::PermissionsExt as _;
     let folder = scene();
     succeeds(folder.path(), &on("left.png", "right.png", &[]));
-    let mode = |name: &str| {
-        fs::metadata(folder.path().join(name))
-            .unwrap()
-            .permissions()
-            .mode()
-    };
+    let mode = |name: &str| fs::metadata(folder.path().join(name)).unwrap().permissions().mode();
     assert_eq!(mode("disparity.png"), mode("left.png"));
     assert_eq!(mode("disparity_color.png"), mode("left.png"));
 }
@@ -384,21 +260,10 @@ fn a_link_stays_a_link() {
     fs::create_dir(at("store")).unwrap();
     fs::write(at("store/real.png"), "old").unwrap();
     std::os::unix::fs::symlink("store/real.png", at("link.png")).unwrap();
-    succeeds(
-        folder.path(),
-        &on("left.png", "right.png", &["-o", "link.png"]),
-    );
+    succeeds(folder.path(), &on("left.png", "right.png", &["-o", "link.png"]));
     assert!(fs::symlink_metadata(at("link.png")).unwrap().is_symlink());
     assert_eq!(read_kitti(&at("store/real.png")).len(), 48 * 30);
-    refuses(
-        folder.path(),
-        &on(
-            "left.png",
-            "right.png",
-            &["-o", "link.png", "-o", "store/real.png"],
-        ),
-        &["twice"],
-    );
+    refuses(folder.path(), &on("left.png", "right.png", &["-o", "link.png", "-o", "store/real.png"]), &["twice"]);
 }
 
 // What it reads.
@@ -416,39 +281,22 @@ fn every_input_format_gives_the_map() {
         ("tga", ImageFormat::Tga),
         ("unknown-ending", ImageFormat::Png), // the content tells
     ];
-    succeeds(
-        folder.path(),
-        &on("left.png", "right.png", &["-o", "expected.npy"]),
-    );
+    succeeds(folder.path(), &on("left.png", "right.png", &["-o", "expected.npy"]));
     let expected = fs::read(folder.path().join("expected.npy")).unwrap();
     for (ending, format) in lossless {
         let names = ["l", "r"].map(|side| format!("{side}.{ending}"));
         for (image, name) in [&left, &right].into_iter().zip(&names) {
             let image = DynamicImage::from(image.clone());
-            let image = if format == ImageFormat::WebP {
-                image.to_rgb8().into()
-            } else {
-                image
-            };
-            image
-                .save_with_format(folder.path().join(name), format)
-                .unwrap();
+            let image = if format == ImageFormat::WebP { image.to_rgb8().into() } else { image };
+            image.save_with_format(folder.path().join(name), format).unwrap();
         }
         succeeds(folder.path(), &on(&names[0], &names[1], &["-o", "got.npy"]));
-        assert!(
-            fs::read(folder.path().join("got.npy")).unwrap() == expected,
-            "{ending}"
-        );
+        assert!(fs::read(folder.path().join("got.npy")).unwrap() == expected, "{ending}");
     }
     left.save(folder.path().join("l.jpg")).unwrap();
     right.save(folder.path().join("r.jpg")).unwrap();
     succeeds(folder.path(), &on("l.jpg", "r.jpg", &["-o", "got.npy"]));
-    assert!(
-        share_of(
-            &read_npy(&folder.path().join("got.npy"), 48, 30),
-            SHIFT as f32
-        ) > 0.6
-    );
+    assert!(share_of(&read_npy(&folder.path().join("got.npy"), 48, 30), SHIFT as f32) > 0.6);
 }
 
 #[test]
@@ -457,21 +305,11 @@ fn depth_colour_and_alpha_change_nothing_and_may_differ_between_the_images() {
     type OnePixel = fn(u8) -> DynamicImage;
     let kinds: [(&str, OnePixel); 6] = [
         ("gray8", |v| GrayImage::from_pixel(1, 1, Luma([v])).into()),
-        ("gray16", |v| {
-            ImageBuffer::from_pixel(1, 1, Luma([u16::from(v) * 257])).into()
-        }),
-        ("rgb8", |v| {
-            ImageBuffer::from_pixel(1, 1, Rgb([v; 3])).into()
-        }),
-        ("rgb16", |v| {
-            ImageBuffer::from_pixel(1, 1, Rgb([u16::from(v) * 257; 3])).into()
-        }),
-        ("rgba8", |v| {
-            ImageBuffer::from_pixel(1, 1, Rgba([v, v, v, 7])).into()
-        }),
-        ("rgba16", |v| {
-            ImageBuffer::from_pixel(1, 1, Rgba([u16::from(v) * 257; 4])).into()
-        }),
+        ("gray16", |v| ImageBuffer::from_pixel(1, 1, Luma([u16::from(v) * 257])).into()),
+        ("rgb8", |v| ImageBuffer::from_pixel(1, 1, Rgb([v; 3])).into()),
+        ("rgb16", |v| ImageBuffer::from_pixel(1, 1, Rgb([u16::from(v) * 257; 3])).into()),
+        ("rgba8", |v| ImageBuffer::from_pixel(1, 1, Rgba([v, v, v, 7])).into()),
+        ("rgba16", |v| ImageBuffer::from_pixel(1, 1, Rgba([u16::from(v) * 257; 4])).into()),
     ];
     for (side, image) in ["l", "r"].into_iter().zip(pair(48, 30)) {
         for (kind, pixel) in kinds {
@@ -480,24 +318,16 @@ fn depth_colour_and_alpha_change_nothing_and_may_differ_between_the_images() {
                 image::imageops::replace(&mut whole, &pixel(value.0[0]), x.into(), y.into());
             }
             // `replace` goes through 8 bits, which is all that the texture has.
-            whole
-                .save(folder.path().join(format!("{side}-{kind}.png")))
-                .unwrap();
+            whole.save(folder.path().join(format!("{side}-{kind}.png"))).unwrap();
         }
     }
-    succeeds(
-        folder.path(),
-        &on("left.png", "right.png", &["-o", "expected.npy"]),
-    );
+    succeeds(folder.path(), &on("left.png", "right.png", &["-o", "expected.npy"]));
     let expected = fs::read(folder.path().join("expected.npy")).unwrap();
     for (left, _) in kinds {
         for (right, _) in kinds {
             let names = [format!("l-{left}.png"), format!("r-{right}.png")];
             succeeds(folder.path(), &on(&names[0], &names[1], &["-o", "got.npy"]));
-            assert!(
-                fs::read(folder.path().join("got.npy")).unwrap() == expected,
-                "{left} {right}"
-            );
+            assert!(fs::read(folder.path().join("got.npy")).unwrap() == expected, "{left} {right}");
         }
     }
 }
@@ -511,10 +341,7 @@ fn images_of_one_pixel_and_ranges_wider_than_the_image() {
         for method in ["sgm", "bm"] {
             let more = ["--method", method, "-o", "got.png", "-o", "got.npy"];
             succeeds(folder.path(), &on("small.png", "small.png", &more));
-            assert_eq!(
-                read_kitti(&folder.path().join("got.png")).len(),
-                (width * height) as usize
-            );
+            assert_eq!(read_kitti(&folder.path().join("got.png")).len(), (width * height) as usize);
         }
     }
 }
@@ -527,17 +354,10 @@ fn paths_may_hold_spaces_and_any_letters() {
     fs::copy(folder.path().join("left.png"), inner.join("links ←.png")).unwrap();
     let output = succeeds(
         folder.path(),
-        &on(
-            "Straße 立体/links ←.png",
-            "right.png",
-            &["-o", "Straße 立体/karte ü.png", "--json"],
-        ),
+        &on("Straße 立体/links ←.png", "right.png", &["-o", "Straße 立体/karte ü.png", "--json"]),
     );
     let told: Value = serde_json::from_slice(&output.stdout).unwrap();
-    assert_eq!(
-        told["outputs"],
-        serde_json::json!(["Straße 立体/karte ü.png"])
-    );
+    assert_eq!(told["outputs"], serde_json::json!(["Straße 立体/karte ü.png"]));
     assert!(inner.join("karte ü.png").exists());
 }
 
@@ -548,12 +368,7 @@ fn paths_need_not_be_unicode() {
     let folder = scene();
     let name = OsStr::from_bytes(b"left-\xff.png");
     fs::copy(folder.path().join("left.png"), folder.path().join(name)).unwrap();
-    let args = [
-        name,
-        OsStr::new("right.png"),
-        OsStr::new("--disp"),
-        OsStr::new("16"),
-    ];
+    let args = [name, OsStr::new("right.png"), OsStr::new("--disp"), OsStr::new("16")];
     let more = ["--backend", "cpu", "--json", "-o"].map(OsStr::new);
     let args = [&args[..], &more[..], &[OsStr::from_bytes(b"\xfe.png")]].concat();
     let output = succeeds(folder.path(), &args);
@@ -573,9 +388,7 @@ fn bad_images() {
     fs::write(at("text.tga"), "This is not an image.\n").unwrap();
     fs::write(at("signature.png"), b"\x89PNG\r\n\x1a\n").unwrap();
     GrayImage::new(47, 30).save(at("narrow.png")).unwrap();
-    ImageBuffer::from_pixel(48, 30, Rgb([0.5_f32; 3]))
-        .save(at("float.tif"))
-        .unwrap();
+    ImageBuffer::from_pixel(48, 30, Rgb([0.5_f32; 3])).save(at("float.tif")).unwrap();
     fs::write(at("no-pixels.pgm"), "P5 0 0 255\n").unwrap();
     let rows: [(&str, &[&str]); 9] = [
         ("missing.png", &["missing.png", "does not exist"]),
@@ -589,66 +402,24 @@ fn bad_images() {
         ("no-pixels.pgm", &["no-pixels.pgm"]),
     ];
     for (name, words) in rows {
-        refuses(
-            folder.path(),
-            &on(name, "right.png", &["-o", "out.png"]),
-            words,
-        );
-        refuses(
-            folder.path(),
-            &on("left.png", name, &["-o", "out.png"]),
-            words,
-        );
+        refuses(folder.path(), &on(name, "right.png", &["-o", "out.png"]), words);
+        refuses(folder.path(), &on("left.png", name, &["-o", "out.png"]), words);
         refuses(folder.path(), &on("left.png", name, &["--json"]), words);
     }
-    refuses(
-        folder.path(),
-        &on("left.png/x.png", "right.png", &[]),
-        &["left.png/x.png"],
-    );
-    refuses(
-        folder.path(),
-        &on("two\nlines.png", "right.png", &[]),
-        &[r"two\nlines.png", "does not exist"],
-    );
-    refuses(
-        folder.path(),
-        &on(&"long".repeat(2000), "right.png", &[]),
-        &["cannot be read"],
-    );
+    refuses(folder.path(), &on("left.png/x.png", "right.png", &[]), &["left.png/x.png"]);
+    refuses(folder.path(), &on("two\nlines.png", "right.png", &[]), &[r"two\nlines.png", "does not exist"]);
+    refuses(folder.path(), &on(&"long".repeat(2000), "right.png", &[]), &["cannot be read"]);
 }
 
 #[cfg(unix)]
 #[test]
 fn an_image_that_is_no_regular_file_is_refused_at_once() {
     let folder = scene();
-    assert!(
-        Command::new("mkfifo")
-            .arg(folder.path().join("pipe.png"))
-            .status()
-            .unwrap()
-            .success()
-    );
-    refuses(
-        folder.path(),
-        &on("pipe.png", "right.png", &[]),
-        &["pipe.png", "not a regular file"],
-    );
-    refuses(
-        folder.path(),
-        &on("left.png", "pipe.png", &[]),
-        &["pipe.png", "not a regular file"],
-    );
-    refuses(
-        folder.path(),
-        &on("/dev/zero", "right.png", &[]),
-        &["/dev/zero", "not a regular file"],
-    );
-    refuses(
-        folder.path(),
-        &on("left.png", "right.png", &["-o", "pipe.png"]),
-        &["pipe.png", "not a regular file"],
-    );
+    assert!(Command::new("mkfifo").arg(folder.path().join("pipe.png")).status().unwrap().success());
+    refuses(folder.path(), &on("pipe.png", "right.png", &[]), &["pipe.png", "not a regular file"]);
+    refuses(folder.path(), &on("left.png", "pipe.png", &[]), &["pipe.png", "not a regular file"]);
+    refuses(folder.path(), &on("/dev/zero", "right.png", &[]), &["/dev/zero", "not a regular file"]);
+    refuses(folder.path(), &on("left.png", "right.png", &["-o", "pipe.png"]), &["pipe.png", "not a regular file"]);
 }
 
 #[test]
@@ -656,9 +427,7 @@ fn truncated_images() {
     let folder = scene();
     let [left, _] = pair(48, 30);
     let color = DynamicImage::from(left.clone()).to_rgb8();
-    for ending in [
-        "png", "jpg", "pgm", "tif", "bmp", "webp", "tga", "gif", "qoi",
-    ] {
+    for ending in ["png", "jpg", "pgm", "tif", "bmp", "webp", "tga", "gif", "qoi"] {
         let path = folder.path().join(format!("cut.{ending}"));
         if matches!(ending, "png" | "pgm" | "tif" | "bmp" | "jpg" | "tga") {
             left.save(&path).unwrap();
@@ -671,22 +440,14 @@ fn truncated_images() {
         fs::remove_file(folder.path().join("whole.npy")).unwrap();
         for share in [1, 10, 50, 90, 98] {
             fs::write(&path, &whole[..whole.len() * share / 100]).unwrap();
-            refuses(
-                folder.path(),
-                &on(&name, "right.png", &["-o", "out.png"]),
-                &[&name],
-            );
+            refuses(folder.path(), &on(&name, "right.png", &["-o", "out.png"]), &[&name]);
         }
         if matches!(ending, "png" | "jpg") {
             for missing in 1..=12 {
                 fs::write(&path, &whole[..whole.len() - missing]).unwrap();
                 refuses(folder.path(), &on(&name, "right.png", &[]), &[&name]);
             }
-            fs::write(
-                &path,
-                [&whole[..], b"trailing bytes are common \xff\xda"].concat(),
-            )
-            .unwrap();
+            fs::write(&path, [&whole[..], b"trailing bytes are common \xff\xda"].concat()).unwrap();
             succeeds(folder.path(), &on(&name, "right.png", &["-o", "out.npy"]));
         }
     }
@@ -701,10 +462,7 @@ fn damaged_images() {
         damaged[position] ^= 0x5a;
         fs::write(folder.path().join("damaged.png"), damaged).unwrap();
         // A flipped bit in a chunk that does not matter may pass. Nothing may crash.
-        let output = run(
-            folder.path(),
-            &on("damaged.png", "right.png", &["-o", "out.npy"]),
-        );
+        let output = run(folder.path(), &on("damaged.png", "right.png", &["-o", "out.npy"]));
         if output.status.code() != Some(0) {
             is_one_line_error(&output, &["damaged.png"]);
         }
@@ -717,47 +475,23 @@ fn images_that_declare_an_absurd_size() {
     // A PNG header of 60000 x 60000 with a right checksum, no data.
     let mut header = b"IHDR\x00\x00\xea\x60\x00\x00\xea\x60\x08\x06\x00\x00\x00".to_vec();
     let crc = header.iter().fold(!0_u32, |crc, &byte| {
-        (0..8).fold(crc ^ u32::from(byte), |crc, _| {
-            (crc >> 1) ^ (0xedb8_8320 & (crc & 1).wrapping_neg())
-        })
+        (0..8).fold(crc ^ u32::from(byte), |crc, _| (crc >> 1) ^ (0xedb8_8320 & (crc & 1).wrapping_neg()))
     });
     header.extend((!crc).to_be_bytes());
     let end = b"\x00\x00\x00\x00IDAT\x35\xaf\x06\x1e\x00\x00\x00\x00IEND\xae\x42\x60\x82";
     let png = [b"\x89PNG\r\n\x1a\n\x00\x00\x00\x0d", &header[..], end].concat();
     fs::write(folder.path().join("bomb.png"), png).unwrap();
-    refuses(
-        folder.path(),
-        &on("bomb.png", "right.png", &[]),
-        &["bomb.png", "60000x60000"],
-    );
-    refuses(
-        folder.path(),
-        &on("bomb.png", "bomb.png", &[]),
-        &["bomb.png"],
-    );
+    refuses(folder.path(), &on("bomb.png", "right.png", &[]), &["bomb.png", "60000x60000"]);
+    refuses(folder.path(), &on("bomb.png", "bomb.png", &[]), &["bomb.png"]);
 
-    fs::write(
-        folder.path().join("bomb.pgm"),
-        "P5 4000000000 4000000000 255\nabc",
-    )
-    .unwrap();
-    refuses(
-        folder.path(),
-        &on("bomb.pgm", "right.png", &[]),
-        &["bomb.pgm"],
-    );
+    fs::write(folder.path().join("bomb.pgm"), "P5 4000000000 4000000000 255\nabc").unwrap();
+    refuses(folder.path(), &on("bomb.pgm", "right.png", &[]), &["bomb.pgm"]);
     let mut bmp = Vec::new();
-    pair(48, 30)[0]
-        .write_to(&mut std::io::Cursor::new(&mut bmp), ImageFormat::Bmp)
-        .unwrap();
+    pair(48, 30)[0].write_to(&mut std::io::Cursor::new(&mut bmp), ImageFormat::Bmp).unwrap();
     bmp[18..22].copy_from_slice(&60000_u32.to_le_bytes());
     bmp[22..26].copy_from_slice(&60000_u32.to_le_bytes());
     fs::write(folder.path().join("bomb.bmp"), bmp).unwrap();
-    refuses(
-        folder.path(),
-        &on("bomb.bmp", "right.png", &[]),
-        &["bomb.bmp"],
-    );
+    refuses(folder.path(), &on("bomb.bmp", "right.png", &[]), &["bomb.bmp"]);
     // A file that is too large itself, though it takes no space.
     let huge = fs::File::create(folder.path().join("huge.bin")).unwrap();
     huge.set_len(1 << 40).unwrap();
@@ -773,109 +507,45 @@ fn bad_parameters() {
         (&["--disp", "-5"], &["--disp is -5,", "1 to 2048"]),
         (&["--disp=-5"], &["--disp is -5,"]),
         (&["--disp", "2049"], &["--disp is 2049,", "1 to 2048"]),
-        (
-            &["--disp", "99999999999999999999"],
-            &["--disp is 99999999999999999999,", "1 to 2048"],
-        ),
+        (&["--disp", "99999999999999999999"], &["--disp is 99999999999999999999,", "1 to 2048"]),
         (&["--disp", "4294967297"], &["--disp is 4294967297,"]),
         (&["--disp", "nan"], &["nan", "--disp", "whole number"]),
         (&["--disp", "16.5"], &["16.5", "--disp", "whole number"]),
         (&["--disp", ""], &["--disp"]),
         (&["--disp", "16", "--disp", "17"], &["--disp"]),
-        (
-            &["--disp", "64", "--min-disp", "2000"],
-            &["--disp is 64,", "1 to 48"],
-        ),
-        (
-            &["--disp", "16", "--min-disp", "-2048"],
-            &["--min-disp is -2048,", "-2047 to 2047"],
-        ),
-        (
-            &["--disp", "16", "--min-disp", "-99999999999999999999"],
-            &["--min-disp is -99999999999999999999,"],
-        ),
-        (
-            &["--disp", "16", "--min-disp", "inf"],
-            &["inf", "--min-disp", "whole number"],
-        ),
-        (
-            &["--disp", "16", "--block", "4"],
-            &["--block is 4,", "odd", "1 to 51"],
-        ),
+        (&["--disp", "64", "--min-disp", "2000"], &["--disp is 64,", "1 to 48"]),
+        (&["--disp", "16", "--min-disp", "-2048"], &["--min-disp is -2048,", "-2047 to 2047"]),
+        (&["--disp", "16", "--min-disp", "-99999999999999999999"], &["--min-disp is -99999999999999999999,"]),
+        (&["--disp", "16", "--min-disp", "inf"], &["inf", "--min-disp", "whole number"]),
+        (&["--disp", "16", "--block", "4"], &["--block is 4,", "odd", "1 to 51"]),
         (&["--disp", "16", "--block", "0"], &["--block is 0,"]),
         (&["--disp", "16", "--block", "-3"], &["--block is -3,"]),
         (&["--disp", "16", "--block", "53"], &["--block is 53,"]),
-        (
-            &["--disp", "16", "--p1", "50", "--p2", "10"],
-            &["--p1 is 50,", "p2, which is 10"],
-        ),
+        (&["--disp", "16", "--p1", "50", "--p2", "10"], &["--p1 is 50,", "p2, which is 10"]),
         (&["--disp", "16", "--p2", "5"], &["5", "p1"]),
         (&["--disp", "16", "--p2", "128"], &["--p2 is 128,"]),
         (&["--disp", "16", "--p1", "-1"], &["--p1 is -1,"]),
-        (
-            &["--disp", "16", "--prefilter-cap", "0"],
-            &["--prefilter-cap is 0,", "1 to 127"],
-        ),
-        (
-            &["--disp", "16", "--prefilter", "gauss"],
-            &["gauss", "xsobel, sobel, none"],
-        ),
-        (
-            &["--disp", "16", "--uniqueness", "100"],
-            &["--uniqueness is 100,", "99"],
-        ),
-        (
-            &["--disp", "16", "--lr-check", "-1"],
-            &["--lr-check is -1,", "off"],
-        ),
-        (
-            &["--disp", "16", "--lr-check", "on"],
-            &["on", "--lr-check", "off"],
-        ),
+        (&["--disp", "16", "--prefilter-cap", "0"], &["--prefilter-cap is 0,", "1 to 127"]),
+        (&["--disp", "16", "--prefilter", "gauss"], &["gauss", "xsobel, sobel, none"]),
+        (&["--disp", "16", "--uniqueness", "100"], &["--uniqueness is 100,", "99"]),
+        (&["--disp", "16", "--lr-check", "-1"], &["--lr-check is -1,", "off"]),
+        (&["--disp", "16", "--lr-check", "on"], &["on", "--lr-check", "off"]),
         (&["--disp", "16", "--paths", "5"], &["5", "--paths", "4, 8"]),
-        (
-            &["--disp", "16", "--median", "5"],
-            &["5", "--median", "3, off"],
-        ),
-        (
-            &["--disp", "16", "--method", "magic"],
-            &["magic", "sgm, bm"],
-        ),
-        (
-            &["--disp", "16", "--repeat", "0"],
-            &["--repeat is 0,", "from 1"],
-        ),
-        (
-            &["--disp", "16", "--frobnicate"],
-            &["--frobnicate", "--help"],
-        ),
+        (&["--disp", "16", "--median", "5"], &["5", "--median", "3, off"]),
+        (&["--disp", "16", "--method", "magic"], &["magic", "sgm, bm"]),
+        (&["--disp", "16", "--repeat", "0"], &["--repeat is 0,", "from 1"]),
+        (&["--disp", "16", "--frobnicate"], &["--frobnicate", "--help"]),
     ];
     for (args, words) in rows {
         let args = [&["left.png", "right.png", "--backend", "cpu"], args].concat();
         refuses(folder.path(), &args, words);
     }
     // Parameters are judged before the images are looked at.
-    refuses(
-        folder.path(),
-        &["no.png", "none.png", "--disp", "0"],
-        &["--disp is 0"],
-    );
-    refuses(
-        folder.path(),
-        &["left.png", "right.png"],
-        &["--disp <N>", "--help"],
-    );
-    refuses(
-        folder.path(),
-        &["left.png", "--disp", "16"],
-        &["<RIGHT>", "--help"],
-    );
+    refuses(folder.path(), &["no.png", "none.png", "--disp", "0"], &["--disp is 0"]);
+    refuses(folder.path(), &["left.png", "right.png"], &["--disp <N>", "--help"]);
+    refuses(folder.path(), &["left.png", "--disp", "16"], &["<RIGHT>", "--help"]);
     refuses::<&str>(folder.path(), &[], &["<LEFT>", "--help"]);
-    refuses(
-        folder.path(),
-        &["left.png", "right.png", "third.png", "--disp", "16"],
-        &["third.png", "--help"],
-    );
+    refuses(folder.path(), &["left.png", "right.png", "third.png", "--disp", "16"], &["third.png", "--help"]);
 }
 
 #[test]
@@ -885,28 +555,16 @@ fn bad_outputs() {
     let long = format!("{}.png", "n".repeat(300));
     let rows: [(&[&str], &[&str]); 13] = [
         (&["-o", "nowhere/out.png"], &["nowhere", "does not exist"]),
-        (
-            &["--color", "nowhere/out.png"],
-            &["nowhere", "does not exist"],
-        ),
+        (&["--color", "nowhere/out.png"], &["nowhere", "does not exist"]),
         (&["-o", "left.png/out.png"], &["left.png", "out.png"]),
         (&["-o", "folder.png"], &["folder.png", "is a folder"]),
-        (
-            &["-o", "out.xyz"],
-            &["out.xyz", ".xyz", ".png, .pfm, .npy, .tif"],
-        ),
-        (
-            &["-o", "out"],
-            &["out", "no ending", ".png, .pfm, .npy, .tif"],
-        ),
+        (&["-o", "out.xyz"], &["out.xyz", ".xyz", ".png, .pfm, .npy, .tif"]),
+        (&["-o", "out"], &["out", "no ending", ".png, .pfm, .npy, .tif"]),
         (&["-o", "."], &["no ending"]),
         (&["-o", ""], &["--output"]),
         (&["--color", "out.jpg"], &["--color", "out.jpg", ".png"]),
         (&["-o", "out.png", "-o", "./out.png"], &["out.png", "twice"]),
-        (
-            &["-o", "out.png", "--color", "out.png"],
-            &["out.png", "twice"],
-        ),
+        (&["-o", "out.png", "--color", "out.png"], &["out.png", "twice"]),
         (&["-o", "left.png"], &["left.png", "input"]),
         (&["-o", &long], &["cannot be written"]),
     ];
@@ -914,22 +572,10 @@ fn bad_outputs() {
         refuses(folder.path(), &on("left.png", "right.png", more), words);
     }
     // The default names, too.
-    fs::rename(
-        folder.path().join("left.png"),
-        folder.path().join("disparity.png"),
-    )
-    .unwrap();
-    refuses(
-        folder.path(),
-        &on("disparity.png", "right.png", &[]),
-        &["disparity.png", "input"],
-    );
+    fs::rename(folder.path().join("left.png"), folder.path().join("disparity.png")).unwrap();
+    refuses(folder.path(), &on("disparity.png", "right.png", &[]), &["disparity.png", "input"]);
     // Outputs are judged before the images are looked at.
-    refuses(
-        folder.path(),
-        &on("no.png", "none.png", &["-o", "out.xyz"]),
-        &[".xyz"],
-    );
+    refuses(folder.path(), &on("no.png", "none.png", &["-o", "out.xyz"]), &[".xyz"]);
 }
 
 #[cfg(unix)]
@@ -940,55 +586,24 @@ fn read_only_places() {
     let closed = folder.path().join("closed");
     fs::create_dir(&closed).unwrap();
     fs::set_permissions(&closed, fs::Permissions::from_mode(0o555)).unwrap();
-    refuses(
-        folder.path(),
-        &on("left.png", "right.png", &["-o", "closed/out.png"]),
-        &["closed/out.png", "read-only"],
-    );
+    refuses(folder.path(), &on("left.png", "right.png", &["-o", "closed/out.png"]), &["closed/out.png", "read-only"]);
     fs::write(folder.path().join("kept.png"), "precious").unwrap();
-    fs::set_permissions(
-        folder.path().join("kept.png"),
-        fs::Permissions::from_mode(0o444),
-    )
-    .unwrap();
-    refuses(
-        folder.path(),
-        &on("left.png", "right.png", &["-o", "kept.png"]),
-        &["kept.png", "read-only"],
-    );
+    fs::set_permissions(folder.path().join("kept.png"), fs::Permissions::from_mode(0o444)).unwrap();
+    refuses(folder.path(), &on("left.png", "right.png", &["-o", "kept.png"]), &["kept.png", "read-only"]);
     if cfg!(target_os = "linux") {
-        refuses(
-            folder.path(),
-            &on("left.png", "right.png", &["-o", "/proc/out.png"]),
-            &["/proc/out.png"],
-        );
+        refuses(folder.path(), &on("left.png", "right.png", &["-o", "/proc/out.png"]), &["/proc/out.png"]);
     }
 }
 
 #[test]
 fn a_failing_run_keeps_the_old_output() {
     let folder = scene();
-    succeeds(
-        folder.path(),
-        &on(
-            "left.png",
-            "right.png",
-            &["-o", "good.png", "--color", "good_color.png"],
-        ),
-    );
+    succeeds(folder.path(), &on("left.png", "right.png", &["-o", "good.png", "--color", "good_color.png"]));
     let outputs = ["-o", "good.png", "--color", "good_color.png"];
+    refuses(folder.path(), &on("left.png", "missing.png", &outputs), &["missing.png"]);
     refuses(
         folder.path(),
-        &on("left.png", "missing.png", &outputs),
-        &["missing.png"],
-    );
-    refuses(
-        folder.path(),
-        &on(
-            "right.png",
-            "left.png",
-            &[&outputs[..], &["--min-disp", "-12"]].concat(),
-        ),
+        &on("right.png", "left.png", &[&outputs[..], &["--min-disp", "-12"]].concat()),
         &["good.png"],
     );
 }
@@ -996,16 +611,8 @@ fn a_failing_run_keeps_the_old_output() {
 #[test]
 fn options_that_contradict_each_other() {
     let folder = scene();
-    refuses(
-        folder.path(),
-        &on("left.png", "right.png", &["--check"]),
-        &["--check", "--backend is cpu"],
-    );
-    refuses(
-        folder.path(),
-        &on("left.png", "right.png", &["--adapter", "0"]),
-        &["--adapter", "--backend cpu"],
-    );
+    refuses(folder.path(), &on("left.png", "right.png", &["--check"]), &["--check", "--backend is cpu"]);
+    refuses(folder.path(), &on("left.png", "right.png", &["--adapter", "0"]), &["--adapter", "--backend cpu"]);
 }
 
 // What it says.
@@ -1013,22 +620,10 @@ fn options_that_contradict_each_other() {
 #[test]
 fn json_has_exactly_the_promised_fields() {
     let folder = scene();
-    let output = succeeds(
-        folder.path(),
-        &on(
-            "left.png",
-            "right.png",
-            &["--json", "--min-disp", "-2", "-o", "d.npy"],
-        ),
-    );
+    let output = succeeds(folder.path(), &on("left.png", "right.png", &["--json", "--min-disp", "-2", "-o", "d.npy"]));
     assert_eq!(stderr(&output), "");
     let told: Value = serde_json::from_slice(&output.stdout).unwrap();
-    let fields: Vec<_> = told
-        .as_object()
-        .unwrap()
-        .keys()
-        .map(String::as_str)
-        .collect();
+    let fields: Vec<_> = told.as_object().unwrap().keys().map(String::as_str).collect();
     assert_eq!(
         fields,
         [
@@ -1050,10 +645,7 @@ fn json_has_exactly_the_promised_fields() {
     assert!(told["adapter"].is_string() && told["driver"].is_string());
     assert_eq!(told["backend"], "cpu");
     assert_eq!((&told["width"], &told["height"]), (&48.into(), &30.into()));
-    assert_eq!(
-        (&told["min_disparity"], &told["disparities"]),
-        (&(-2).into(), &16.into())
-    );
+    assert_eq!((&told["min_disparity"], &told["disparities"]), (&(-2).into(), &16.into()));
     assert_eq!(told["peak_device_bytes"], 0);
     assert_eq!(told["outputs"], serde_json::json!(["d.npy"]));
     let map = read_npy(&folder.path().join("d.npy"), 48, 30);
@@ -1061,9 +653,7 @@ fn json_has_exactly_the_promised_fields() {
     assert!((told["valid"].as_f64().unwrap() - valid).abs() < 1e-9);
     let frame = told["frame_ms"].as_object().unwrap();
     assert_eq!(frame.keys().collect::<Vec<_>>(), ["median", "min"]);
-    assert!(
-        frame["min"].as_f64().unwrap() > 0.0 && frame["median"].as_f64() >= frame["min"].as_f64()
-    );
+    assert!(frame["min"].as_f64().unwrap() > 0.0 && frame["median"].as_f64() >= frame["min"].as_f64());
     assert!(told["first_frame_ms"].as_f64().unwrap() > 0.0);
     let stages = told["stages"].as_array().unwrap();
     assert!(!stages.is_empty());
@@ -1077,83 +667,41 @@ fn timings_are_a_table_and_quiet_silences_the_summary_alone() {
     let folder = scene();
     let more = ["--timings", "--repeat", "3"];
     let output = succeeds(folder.path(), &on("left.png", "right.png", &more));
-    for told in [
-        "adapter",
-        "| stage",
-        "ms",
-        "share",
-        "| transfers and host",
-        "| total",
-    ] {
-        assert!(
-            stdout(&output).contains(told),
-            "{told:?} is not in {}",
-            stdout(&output)
-        );
+    for told in ["adapter", "| stage", "ms", "share", "| transfers and host", "| total"] {
+        assert!(stdout(&output).contains(told), "{told:?} is not in {}", stdout(&output));
     }
-    let output = succeeds(
-        folder.path(),
-        &on("left.png", "right.png", &[&more[..], &["-q"]].concat()),
-    );
-    assert!(
-        stdout(&output).starts_with("| stage"),
-        "{}",
-        stdout(&output)
-    );
+    let output = succeeds(folder.path(), &on("left.png", "right.png", &[&more[..], &["-q"]].concat()));
+    assert!(stdout(&output).starts_with("| stage"), "{}", stdout(&output));
     let output = succeeds(folder.path(), &on("left.png", "right.png", &["-q"]));
-    assert_eq!(
-        (stdout(&output), stderr(&output)),
-        (String::new(), String::new())
-    );
+    assert_eq!((stdout(&output), stderr(&output)), (String::new(), String::new()));
 }
 
 #[test]
 fn options_that_change_nothing_are_told() {
     let folder = scene();
-    let output = succeeds(
-        folder.path(),
-        &on("left.png", "right.png", &["--method", "bm", "--paths", "8"]),
-    );
-    assert_eq!(
-        stderr(&output),
-        "note: --paths changes nothing with --method bm\n"
-    );
+    let output = succeeds(folder.path(), &on("left.png", "right.png", &["--method", "bm", "--paths", "8"]));
+    assert_eq!(stderr(&output), "note: --paths changes nothing with --method bm\n");
 }
 
 #[test]
 fn every_option_reaches_the_matcher() {
     let folder = scene();
     // A pair with enough noise that every option matters.
-    for (side, (image, seed)) in ["noisy-l", "noisy-r"]
-        .into_iter()
-        .zip(pair(48, 30).into_iter().zip([11, 77]))
-    {
+    for (side, (image, seed)) in ["noisy-l", "noisy-r"].into_iter().zip(pair(48, 30).into_iter().zip([11, 77])) {
         let noisy = GrayImage::from_fn(48, 30, |x, y| {
             let noise = i32::from(texture(2 * x + seed, 2 * y)) / 3 - 42;
             Luma([(i32::from(image.get_pixel(x, y).0[0]) + noise).clamp(0, 255) as u8])
         });
-        noisy
-            .save(folder.path().join(format!("{side}.png")))
-            .unwrap();
+        noisy.save(folder.path().join(format!("{side}.png"))).unwrap();
     }
     let map = |more: &[&str]| {
-        succeeds(
-            folder.path(),
-            &on(
-                "noisy-l.png",
-                "noisy-r.png",
-                &[more, &["-o", "m.npy"]].concat(),
-            ),
-        );
+        succeeds(folder.path(), &on("noisy-l.png", "noisy-r.png", &[more, &["-o", "m.npy"]].concat()));
         fs::read(folder.path().join("m.npy")).unwrap()
     };
     let default = map(&[]);
     let spelled_out = "--min-disp 0 --method sgm --paths 4 --block 5 --prefilter xsobel --prefilter-cap 31 --p1 12 \
                        --p2 72 --uniqueness off --lr-check 1 --median 3 --subpixel on";
-    assert!(
-        map(&spelled_out.split_whitespace().collect::<Vec<_>>()) == default,
-        "the help tells other defaults"
-    );
+    assert!(map(&spelled_out.split_whitespace().collect::<Vec<_>>()) == default, "the help tells other defaults");
     for changed in [
         "--min-disp 1",
         "--method bm",
@@ -1170,17 +718,11 @@ fn every_option_reaches_the_matcher() {
         "--median off",
         "--subpixel off",
     ] {
-        assert!(
-            map(&changed.split(' ').collect::<Vec<_>>()) != default,
-            "{changed}"
-        );
+        assert!(map(&changed.split(' ').collect::<Vec<_>>()) != default, "{changed}");
     }
     assert!(map(&["--uniqueness", "0"]) == default);
     let bm = map(&["--method", "bm"]);
-    assert!(
-        map(&["--method", "bm", "--block", "15", "--uniqueness", "15"]) == bm,
-        "the help tells other defaults"
-    );
+    assert!(map(&["--method", "bm", "--block", "15", "--uniqueness", "15"]) == bm, "the help tells other defaults");
 }
 
 #[test]
@@ -1216,39 +758,20 @@ fn help_and_version() {
     ] {
         assert!(stdout(&help).contains(option), "{option}");
     }
-    assert!(
-        stdout(&help)
-            .lines()
-            .all(|line| line.chars().count() <= 120)
-    );
+    assert!(stdout(&help).lines().all(|line| line.chars().count() <= 120));
     let version = succeeds(folder.path(), &["--version"]);
-    assert_eq!(
-        stdout(&version),
-        concat!("gpu-stereo ", env!("CARGO_PKG_VERSION"), "\n")
-    );
+    assert_eq!(stdout(&version), concat!("gpu-stereo ", env!("CARGO_PKG_VERSION"), "\n"));
 }
 
 #[test]
 fn a_reader_that_leaves_is_no_error() {
     let folder = scene();
-    for args in [
-        on("left.png", "right.png", &["--json"]),
-        on("left.png", "right.png", &[]),
-        vec!["--help"],
-    ] {
+    for args in [on("left.png", "right.png", &["--json"]), on("left.png", "right.png", &[]), vec!["--help"]] {
         let mut child = command(folder.path());
-        let mut child = child
-            .args(args)
-            .stdout(Stdio::piped())
-            .stderr(Stdio::piped())
-            .spawn()
-            .unwrap();
+        let mut child = child.args(args).stdout(Stdio::piped()).stderr(Stdio::piped()).spawn().unwrap();
         drop(child.stdout.take());
         let output = child.wait_with_output().unwrap();
-        assert_eq!(
-            (output.status.code(), stderr(&output)),
-            (Some(0), String::new())
-        );
+        assert_eq!((output.status.code(), stderr(&output)), (Some(0), String::new()));
     }
 }
 
@@ -1256,15 +779,8 @@ fn a_reader_that_leaves_is_no_error() {
 #[test]
 fn a_full_stdout_is_an_error() {
     let folder = scene();
-    let full = fs::OpenOptions::new()
-        .write(true)
-        .open("/dev/full")
-        .unwrap();
-    let output = command(folder.path())
-        .args(on("left.png", "right.png", &[]))
-        .stdout(full)
-        .output()
-        .unwrap();
+    let full = fs::OpenOptions::new().write(true).open("/dev/full").unwrap();
+    let output = command(folder.path()).args(on("left.png", "right.png", &[])).stdout(full).output().unwrap();
     is_one_line_error(&output, &["stdout"]);
 }
 
@@ -1274,26 +790,13 @@ fn a_full_stdout_is_an_error() {
 fn adapters_are_listed_without_images() {
     let folder = scene();
     let output = succeeds(folder.path(), &["--list-adapters"]);
-    let header: Vec<_> = stdout(&output)
-        .lines()
-        .next()
-        .unwrap()
-        .split('|')
-        .map(|s| s.trim().to_owned())
-        .collect();
-    assert_eq!(
-        header,
-        ["", "index", "name", "backend", "driver", "kind", ""]
-    );
+    let header: Vec<_> = stdout(&output).lines().next().unwrap().split('|').map(|s| s.trim().to_owned()).collect();
+    assert_eq!(header, ["", "index", "name", "backend", "driver", "kind", ""]);
     let output = succeeds(folder.path(), &["--list-adapters", "--json"]);
     let listed: Value = serde_json::from_slice(&output.stdout).unwrap();
     for (index, adapter) in listed.as_array().unwrap().iter().enumerate() {
         assert_eq!(adapter["index"], index);
-        assert!(
-            adapter["name"].is_string()
-                && adapter["backend"].is_string()
-                && adapter["kind"].is_string()
-        );
+        assert!(adapter["name"].is_string() && adapter["backend"].is_string() && adapter["kind"].is_string());
     }
 }
 
@@ -1313,38 +816,19 @@ fn without_any_adapter_the_reference_computes_and_says_so() {
     let folder = scene();
     let bare = |args: &[&str]| {
         let mut command = command(folder.path());
-        command
-            .env("VK_DRIVER_FILES", "/nonexistent")
-            .env("VK_ICD_FILENAMES", "/nonexistent");
-        command
-            .args(["left.png", "right.png", "--disp", "16"])
-            .args(args)
-            .output()
-            .unwrap()
+        command.env("VK_DRIVER_FILES", "/nonexistent").env("VK_ICD_FILENAMES", "/nonexistent");
+        command.args(["left.png", "right.png", "--disp", "16"]).args(args).output().unwrap()
     };
-    is_one_line_error(
-        &bare(&["--backend", "gpu"]),
-        &["--backend is gpu", "no usable adapter"],
-    );
+    is_one_line_error(&bare(&["--backend", "gpu"]), &["--backend is gpu", "no usable adapter"]);
     is_one_line_error(&bare(&["--check"]), &["--check", "no usable adapter"]);
-    is_one_line_error(
-        &bare(&["--adapter", "0"]),
-        &["--adapter is \"0\"", "no adapter"],
-    );
+    is_one_line_error(&bare(&["--adapter", "0"]), &["--adapter is \"0\"", "no adapter"]);
     assert_eq!(fs::read_dir(folder.path()).unwrap().count(), 2);
 
     let output = bare(&["-o", "auto.npy"]);
     assert_eq!(output.status.code(), Some(0));
     assert_eq!(stderr(&output).lines().count(), 1);
-    assert!(
-        stderr(&output).contains("CPU reference"),
-        "{}",
-        stderr(&output)
-    );
-    succeeds(
-        folder.path(),
-        &on("left.png", "right.png", &["-o", "cpu.npy"]),
-    );
+    assert!(stderr(&output).contains("CPU reference"), "{}", stderr(&output));
+    succeeds(folder.path(), &on("left.png", "right.png", &["-o", "cpu.npy"]));
     let read = |name: &str| fs::read(folder.path().join(name)).unwrap();
     assert!(read("auto.npy") == read("cpu.npy"));
 }

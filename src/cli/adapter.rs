@@ -14,17 +14,13 @@ pub fn quiet_drivers() {
         use std::env;
         use std::os::unix::process::CommandExt as _;
         let is_set = |name| env::var_os(name).is_some();
-        if is_set("XDG_RUNTIME_DIR") || is_set("NODEVICE_SELECT") || is_set("MESA_VK_DEVICE_SELECT")
-        {
+        if is_set("XDG_RUNTIME_DIR") || is_set("NODEVICE_SELECT") || is_set("MESA_VK_DEVICE_SELECT") {
             return;
         }
         if let Ok(program) = env::current_exe() {
             let mut again = std::process::Command::new(program);
             // Returns only if it fails, and then the noise is the smaller evil.
-            let _ = again
-                .args(env::args_os().skip(1))
-                .env("NODEVICE_SELECT", "1")
-                .exec();
+            let _ = again.args(env::args_os().skip(1)).env("NODEVICE_SELECT", "1").exec();
         }
     }
 }
@@ -65,26 +61,19 @@ pub fn kind(kind: DeviceType) -> &'static str {
 
 /// The driver's name and version.
 pub fn driver(info: &AdapterInfo) -> String {
-    format!("{} {}", info.driver, info.driver_info)
-        .trim()
-        .to_owned()
+    format!("{} {}", info.driver, info.driver_info).trim().to_owned()
 }
 
 /// The position among `names` of the adapter that `wanted` means: an index, else a part of a name in any case. A number
 /// that is no index must be a whole word of a name, as 3090 is: "2" does not mean "256 bits".
 pub fn choose(names: &[String], wanted: &str) -> Result<usize> {
     let wanted_lower = wanted.to_lowercase();
-    let by_index = wanted
-        .parse()
-        .ok()
-        .filter(|&index: &usize| index < names.len());
+    let by_index = wanted.parse().ok().filter(|&index: &usize| index < names.len());
     let is_number = wanted.bytes().all(|b| b.is_ascii_digit() || b == b'-'); // the empty text, too
     let is_meant = |name: &String| {
         let name = name.to_lowercase();
         match is_number {
-            true => name
-                .split(|c: char| !c.is_alphanumeric())
-                .any(|word| !word.is_empty() && word == wanted_lower),
+            true => name.split(|c: char| !c.is_alphanumeric()).any(|word| !word.is_empty() && word == wanted_lower),
             false => name.contains(&wanted_lower),
         }
     };
@@ -93,19 +82,10 @@ pub fn choose(names: &[String], wanted: &str) -> Result<usize> {
         return Ok(index);
     }
     if names.is_empty() {
-        bail!(
-            "--adapter is {wanted:?}, but there is no adapter; install a Vulkan driver, or take --backend cpu"
-        );
+        bail!("--adapter is {wanted:?}, but there is no adapter; install a Vulkan driver, or take --backend cpu");
     }
-    let known: Vec<_> = names
-        .iter()
-        .enumerate()
-        .map(|(index, name)| format!("{index} ({name})"))
-        .collect();
-    bail!(
-        "--adapter is {wanted:?}, but there are only {}; take one of these, by index or name",
-        known.join(", ")
-    )
+    let known: Vec<_> = names.iter().enumerate().map(|(index, name)| format!("{index} ({name})")).collect();
+    bail!("--adapter is {wanted:?}, but there are only {}; take one of these, by index or name", known.join(", "))
 }
 
 /// A device and the errors that reached it outside any call.
@@ -128,50 +108,30 @@ pub fn open(adapter: &wgpu::Adapter) -> Result<Opened, Error> {
         required_limits: StereoMatcher::required_limits(adapter),
         ..Default::default()
     };
-    let (device, queue) =
-        pollster::block_on(adapter.request_device(&descriptor)).map_err(|error| {
-            Error::Adapter(format!(
-                "{} cannot be opened: {error}",
-                adapter.get_info().name
-            ))
-        })?;
+    let (device, queue) = pollster::block_on(adapter.request_device(&descriptor))
+        .map_err(|error| Error::Adapter(format!("{} cannot be opened: {error}", adapter.get_info().name)))?;
     let fault = Arc::new(Mutex::new(None));
     let note = |fault: &Arc<Mutex<Option<String>>>| {
         let fault = Arc::clone(fault);
         move |text: String| {
-            fault
-                .lock()
-                .unwrap_or_else(PoisonError::into_inner)
-                .get_or_insert(text);
+            fault.lock().unwrap_or_else(PoisonError::into_inner).get_or_insert(text);
         }
     };
     // Without these wgpu panics.
     let (on_error, on_loss) = (note(&fault), note(&fault));
-    device.on_uncaptured_error(Arc::new(move |error: wgpu::Error| {
-        on_error(error.to_string())
-    }));
+    device.on_uncaptured_error(Arc::new(move |error: wgpu::Error| on_error(error.to_string())));
     device.set_device_lost_callback(move |reason, text| {
         if reason != wgpu::DeviceLostReason::Destroyed {
             on_loss(text);
         }
     });
-    Ok(Opened {
-        device,
-        queue,
-        info: adapter.get_info(),
-        fault,
-    })
+    Ok(Opened { device, queue, info: adapter.get_info(), fault })
 }
 
 impl Opened {
     /// The first error that reached the device outside any call.
     pub fn fault(&self) -> Result<(), Error> {
-        match self
-            .fault
-            .lock()
-            .unwrap_or_else(PoisonError::into_inner)
-            .take()
-        {
+        match self.fault.lock().unwrap_or_else(PoisonError::into_inner).take() {
             Some(text) => Err(Error::Lost(text)),
             None => Ok(()),
         }
@@ -184,26 +144,15 @@ mod tests {
 
     #[test]
     fn adapters_are_chosen_by_index_or_part_of_the_name() {
-        let names = [
-            "NVIDIA GeForce RTX 3090".to_owned(),
-            "llvmpipe (LLVM 15.0.6, 256 bits)".to_owned(),
-        ];
+        let names = ["NVIDIA GeForce RTX 3090".to_owned(), "llvmpipe (LLVM 15.0.6, 256 bits)".to_owned()];
         assert_eq!(choose(&names, "0").unwrap(), 0);
         assert_eq!(choose(&names, "1").unwrap(), 1);
         assert_eq!(choose(&names, "LLVMPipe").unwrap(), 1);
         assert_eq!(choose(&names, "3090").unwrap(), 0); // no such index, but a name
         for wanted in ["2", "-1", "", "voodoo"] {
             let error = choose(&names, wanted).unwrap_err().to_string();
-            assert!(
-                error.contains("0 (NVIDIA GeForce RTX 3090), 1 (llvmpipe"),
-                "{error}"
-            );
+            assert!(error.contains("0 (NVIDIA GeForce RTX 3090), 1 (llvmpipe"), "{error}");
         }
-        assert!(
-            choose(&[], "0")
-                .unwrap_err()
-                .to_string()
-                .contains("there is no adapter")
-        );
+        assert!(choose(&[], "0").unwrap_err().to_string().contains("there is no adapter"));
     }
 }

@@ -5,8 +5,7 @@ use std::path::PathBuf;
 use std::process::ExitCode;
 use std::str::FromStr;
 
-const USAGE: &str =
-    "gpu-stereo <LEFT> <RIGHT> --disp <N> [OPTIONS]\n       gpu-stereo --list-adapters";
+const USAGE: &str = "gpu-stereo <LEFT> <RIGHT> --disp <N> [OPTIONS]\n       gpu-stereo --list-adapters";
 
 const EXAMPLES: &str = "\
 Examples:
@@ -39,12 +38,7 @@ pub struct Args {
     pub right: Option<PathBuf>,
 
     /// Number of disparities to search, in pixels
-    #[arg(
-        long,
-        value_name = "N",
-        required_unless_present = "list_adapters",
-        allow_negative_numbers = true
-    )]
+    #[arg(long, value_name = "N", required_unless_present = "list_adapters", allow_negative_numbers = true)]
     pub disp: Option<Whole>,
 
     /// Smallest disparity to search, may be negative [default: 0]
@@ -152,8 +146,7 @@ pub fn parse() -> Result<Args, ExitCode> {
 
 /// Clap's error without its usage, in one line.
 fn one_line_error(text: &str) -> String {
-    let is_advice =
-        |line: &str| line.starts_with("Usage:") || line.starts_with("For more information");
+    let is_advice = |line: &str| line.starts_with("Usage:") || line.starts_with("For more information");
     let lines = text.lines().map(str::trim).filter(|line| !line.is_empty());
     let told: Vec<_> = lines.take_while(|line| !is_advice(line)).collect();
     format!("{}; see gpu-stereo --help", told.join(" "))
@@ -180,10 +173,7 @@ impl FromStr for Whole {
             return Err("a whole number is needed, such as 64".into());
         }
         let beyond = if negative { i64::MIN } else { i64::MAX };
-        Ok(Self {
-            text: text.into(),
-            value: text.parse().unwrap_or(beyond),
-        })
+        Ok(Self { text: text.into(), value: text.parse().unwrap_or(beyond) })
     }
 }
 
@@ -203,9 +193,7 @@ impl FromStr for WholeOrOff {
         if text == "off" {
             return Ok(Self::Off);
         }
-        text.parse()
-            .map(Self::Whole)
-            .map_err(|_| "a whole number or off is needed".into())
+        text.parse().map(Self::Whole).map_err(|_| "a whole number or off is needed".into())
     }
 }
 

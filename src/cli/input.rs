@@ -31,10 +31,7 @@ pub fn read_pair(left: &Path, right: &Path) -> Result<(Image, Image)> {
     // The matcher takes one format for both; the poorer image is brought to the richer one's, which changes no gray value.
     let colour = left_image.color().has_color() || right_image.color().has_color();
     let deep = is_deep(&left_image) || is_deep(&right_image);
-    Ok((
-        to_image(left_image, colour, deep)?,
-        to_image(right_image, colour, deep)?,
-    ))
+    Ok((to_image(left_image, colour, deep)?, to_image(right_image, colour, deep)?))
 }
 
 fn read_file(path: &Path) -> Result<Vec<u8>> {
@@ -44,26 +41,17 @@ fn read_file(path: &Path) -> Result<Vec<u8>> {
             bail!("{path:?} does not exist; give the path of an image file")
         }
         Err(error) => {
-            return Err(error).with_context(|| {
-                format!("{path:?} cannot be read; give the path of an image file")
-            });
+            return Err(error).with_context(|| format!("{path:?} cannot be read; give the path of an image file"));
         }
     };
-    ensure!(
-        !kind.is_dir(),
-        "{path:?} is a folder; give the path of an image file"
-    );
-    ensure!(
-        kind.is_file(),
-        "{path:?} is not a regular file; save the image to a file first"
-    );
+    ensure!(!kind.is_dir(), "{path:?} is a folder; give the path of an image file");
+    ensure!(kind.is_file(), "{path:?} is not a regular file; save the image to a file first");
     ensure!(
         kind.len() <= MAX_BYTES,
         "{path:?} has {} bytes, but at most {MAX_BYTES} are read; crop or scale the image",
         kind.len()
     );
-    let bytes = fs::read(path)
-        .with_context(|| format!("{path:?} cannot be read; check its permissions"))?;
+    let bytes = fs::read(path).with_context(|| format!("{path:?} cannot be read; check its permissions"))?;
     ensure!(!bytes.is_empty(), "{path:?} is empty; save the image again");
     Ok(bytes)
 }
@@ -72,34 +60,19 @@ fn read_file(path: &Path) -> Result<Vec<u8>> {
 fn decoder<'a>(path: &Path, bytes: &'a [u8]) -> Result<impl ImageDecoder + use<'a>> {
     let reader = ImageReader::new(Cursor::new(bytes)).with_guessed_format()?;
     // The content tells the format, whatever the name says. Only TGA has no signature.
-    let is_tga = || {
-        path.extension()
-            .is_some_and(|ending| ending.eq_ignore_ascii_case("tga"))
-    };
-    let format = reader
-        .format()
-        .or_else(|| is_tga().then_some(ImageFormat::Tga));
+    let is_tga = || path.extension().is_some_and(|ending| ending.eq_ignore_ascii_case("tga"));
+    let format = reader.format().or_else(|| is_tga().then_some(ImageFormat::Tga));
     let Some(format) = format else {
-        bail!(
-            "{path:?} is not an image in a known format; save it as PNG, JPEG, PNM, TIFF, BMP or WebP"
-        );
+        bail!("{path:?} is not an image in a known format; save it as PNG, JPEG, PNM, TIFF, BMP or WebP");
     };
     let mut reader = ImageReader::with_format(reader.into_inner(), format);
     let mut limits = Limits::default();
     limits.max_alloc = Some(2 * MAX_BYTES); // the decoded image, which is checked below, and a decoder's own buffers
     reader.limits(limits);
-    ensure!(
-        is_whole(format, bytes),
-        "{path:?} is cut short: the end of its {format:?} data is missing; save it again"
-    );
-    let decoder = reader
-        .into_decoder()
-        .map_err(|error| damaged(path, &error))?;
+    ensure!(is_whole(format, bytes), "{path:?} is cut short: the end of its {format:?} data is missing; save it again");
+    let decoder = reader.into_decoder().map_err(|error| damaged(path, &error))?;
     let (width, height) = decoder.dimensions();
-    ensure!(
-        width > 0 && height > 0,
-        "{path:?} is {width}x{height}; both sides must be at least 1: save it again"
-    );
+    ensure!(width > 0 && height > 0, "{path:?} is {width}x{height}; both sides must be at least 1: save it again");
     ensure!(
         decoder.total_bytes() <= MAX_BYTES,
         "{path:?} declares {width}x{height} pixels, {} bytes, but at most {MAX_BYTES} are decoded; crop or scale it",
@@ -111,19 +84,14 @@ fn decoder<'a>(path: &Path, bytes: &'a [u8]) -> Result<impl ImageDecoder + use<'
 fn decode(path: &Path, decoder: impl ImageDecoder) -> Result<DynamicImage> {
     let image = DynamicImage::from_decoder(decoder).map_err(|error| damaged(path, &error))?;
     ensure!(
-        !matches!(
-            image,
-            DynamicImage::ImageRgb32F(_) | DynamicImage::ImageRgba32F(_)
-        ),
+        !matches!(image, DynamicImage::ImageRgb32F(_) | DynamicImage::ImageRgba32F(_)),
         "{path:?} has floating-point samples, but 8-bit or 16-bit ones are needed; convert it to a 16-bit PNG"
     );
     Ok(image)
 }
 
 fn damaged(path: &Path, error: &image::ImageError) -> anyhow::Error {
-    anyhow!(
-        "{path:?} cannot be decoded ({error}); it is damaged, cut short or of a rare kind: save it again as PNG"
-    )
+    anyhow!("{path:?} cannot be decoded ({error}); it is damaged, cut short or of a rare kind: save it again as PNG")
 }
 
 /// Whether the end of the image data is there, for the formats whose decoders are content with less.
@@ -151,9 +119,9 @@ fn is_whole(format: ImageFormat, bytes: &[u8]) -> bool {
                 rest = match (marker, after) {
                     (0xda, _) => return after.windows(2).any(|pair| pair == [0xff, 0xd9]),
                     (0xff, _) => &rest[1..], // padding
-                    (_, [high, low, ..]) => after
-                        .get(usize::from(u16::from_be_bytes([*high, *low]))..)
-                        .unwrap_or_default(),
+                    (_, [high, low, ..]) => {
+                        after.get(usize::from(u16::from_be_bytes([*high, *low]))..).unwrap_or_default()
+                    }
                     _ => return false,
                 };
             }
@@ -190,11 +158,7 @@ mod tests {
         let image = GrayImage::from_fn(256, 1, |x, _| Luma([x as u8]));
         let plain = gray(&to_image(image.clone().into(), false, false).unwrap());
         for (colour, deep) in [(false, true), (true, false), (true, true)] {
-            assert_eq!(
-                gray(&to_image(image.clone().into(), colour, deep).unwrap()),
-                plain,
-                "{colour} {deep}"
-            );
+            assert_eq!(gray(&to_image(image.clone().into(), colour, deep).unwrap()), plain, "{colour} {deep}");
         }
     }
 }

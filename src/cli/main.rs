@@ -25,18 +25,12 @@ enum Outcome {
 fn main() -> ExitCode {
     // Graphics drivers and wgpu's less trodden paths can panic. A user still gets one line and no backtrace.
     set_hook(Box::new(|panic| {
-        let place = panic
-            .location()
-            .map(|l| format!(" ({}:{})", l.file(), l.line()))
-            .unwrap_or_default();
+        let place = panic.location().map(|l| format!(" ({}:{})", l.file(), l.line())).unwrap_or_default();
         let payload = panic.payload();
         let text = payload.downcast_ref::<&str>().copied();
         let text = text.or_else(|| payload.downcast_ref::<String>().map(String::as_str));
         let text = text.unwrap_or("something that should not happen did");
-        tell(&format!(
-            "error: {}{place}; this is a bug, please report it",
-            one_line(text)
-        ));
+        tell(&format!("error: {}{place}; this is a bug, please report it", one_line(text)));
     }));
     let args = match args::parse() {
         Ok(args) => args,
@@ -59,11 +53,7 @@ fn execute(args: args::Args) -> anyhow::Result<Outcome> {
     let job = resolve::resolve(args)?;
     let report = run::run(&job)?;
     report.print(&job)?;
-    Ok(if report.check_passed() {
-        Outcome::Done
-    } else {
-        Outcome::CheckFailed
-    })
+    Ok(if report.check_passed() { Outcome::Done } else { Outcome::CheckFailed })
 }
 
 /// The exit code of a result; an error is told on the way.
@@ -85,11 +75,7 @@ fn error_line(error: &anyhow::Error) -> String {
 
 /// The lines of a text in one.
 fn one_line(text: &str) -> String {
-    text.lines()
-        .map(str::trim)
-        .filter(|line| !line.is_empty())
-        .collect::<Vec<_>>()
-        .join(" ")
+    text.lines().map(str::trim).filter(|line| !line.is_empty()).collect::<Vec<_>>().join(" ")
 }
 
 /// A message on stderr. That stderr is closed is no reason to stop.
@@ -108,9 +94,7 @@ mod tests {
         assert_eq!(exit_code(&result), 2);
         let line = error_line(result.as_ref().unwrap_err());
         assert_eq!(line.lines().count(), 1);
-        assert!(line.starts_with(
-            "error: the device failed while computing: Parent device is lost in Queue::submit"
-        ));
+        assert!(line.starts_with("error: the device failed while computing: Parent device is lost in Queue::submit"));
     }
 
     #[test]

@@ -38,12 +38,7 @@ pub struct Output {
 
 /// The files to write, each checked: its ending is known, its folder can be written, it is neither an input nor named
 /// twice. Without any, the default ones.
-pub fn resolve(
-    maps: &[PathBuf],
-    color: Option<&Path>,
-    inputs: [&PathBuf; 2],
-    params: &Params,
-) -> Result<Vec<Output>> {
+pub fn resolve(maps: &[PathBuf], color: Option<&Path>, inputs: [&PathBuf; 2], params: &Params) -> Result<Vec<Output>> {
     let mut wanted = Vec::new();
     for path in maps {
         wanted.push((path.clone(), map_format(path)?));
@@ -72,11 +67,7 @@ pub fn resolve(
             outputs.iter().all(|other| other.place != place),
             "output {path:?} is given twice; give each output its own name"
         );
-        outputs.push(Output {
-            path,
-            format,
-            place,
-        });
+        outputs.push(Output { path, format, place });
     }
     Ok(outputs)
 }
@@ -99,9 +90,7 @@ fn searched(params: &Params) -> (i64, i64) {
 }
 
 fn ending(path: &Path) -> String {
-    path.extension()
-        .map(|ending| ending.to_string_lossy().to_ascii_lowercase())
-        .unwrap_or_default()
+    path.extension().map(|ending| ending.to_string_lossy().to_ascii_lowercase()).unwrap_or_default()
 }
 
 fn map_format(path: &Path) -> Result<Format> {
@@ -110,12 +99,8 @@ fn map_format(path: &Path) -> Result<Format> {
         "pfm" => Format::Pfm,
         "npy" => Format::Npy,
         "tif" | "tiff" => Format::Tiff,
-        "" => bail!(
-            "output {path:?} has no ending, but it tells the format; add .png, .pfm, .npy, .tif or .tiff"
-        ),
-        other => bail!(
-            "output {path:?} ends in .{other}, but .png, .pfm, .npy, .tif and .tiff are known; take one"
-        ),
+        "" => bail!("output {path:?} has no ending, but it tells the format; add .png, .pfm, .npy, .tif or .tiff"),
+        other => bail!("output {path:?} ends in .{other}, but .png, .pfm, .npy, .tif and .tiff are known; take one"),
     })
 }
 
@@ -126,14 +111,9 @@ fn writable_place(path: &Path) -> Result<PathBuf> {
         _ => Path::new("."),
     };
     match fs::metadata(folder) {
-        Ok(kind) => ensure!(
-            kind.is_dir(),
-            "output {path:?} lies in {folder:?}, which is no folder; give another path"
-        ),
+        Ok(kind) => ensure!(kind.is_dir(), "output {path:?} lies in {folder:?}, which is no folder; give another path"),
         Err(error) if error.kind() == ErrorKind::NotFound => {
-            bail!(
-                "output {path:?} lies in {folder:?}, which does not exist; create the folder or give another path"
-            )
+            bail!("output {path:?} lies in {folder:?}, which does not exist; create the folder or give another path")
         }
         Err(error) => {
             return Err(error).with_context(|| format!("output {path:?} cannot be written"));
@@ -141,14 +121,8 @@ fn writable_place(path: &Path) -> Result<PathBuf> {
     }
     let place = match fs::metadata(path) {
         Ok(kind) => {
-            ensure!(
-                !kind.is_dir(),
-                "output {path:?} is a folder; give the name of a file"
-            );
-            ensure!(
-                kind.is_file(),
-                "output {path:?} is not a regular file; give another name"
-            );
+            ensure!(!kind.is_dir(), "output {path:?} is a folder; give the name of a file");
+            ensure!(kind.is_file(), "output {path:?} is not a regular file; give another name");
             ensure!(
                 !kind.permissions().readonly(),
                 "output {path:?} is read-only; make it writable or give another name"
@@ -160,16 +134,11 @@ fn writable_place(path: &Path) -> Result<PathBuf> {
         }
         Err(error) => Err(error),
     };
-    let place =
-        place.with_context(|| format!("output {path:?} cannot be written; give another path"))?;
+    let place = place.with_context(|| format!("output {path:?} cannot be written; give another path"))?;
     let folder = place.parent().unwrap_or(Path::new("/"));
     // The superuser can write where nobody was meant to. (On Windows a folder's flag means something else.)
-    let read_only =
-        cfg!(unix) && fs::metadata(folder).is_ok_and(|kind| kind.permissions().readonly());
-    ensure!(
-        !read_only,
-        "output {path:?} lies in a read-only folder; make the folder writable or give another path"
-    );
+    let read_only = cfg!(unix) && fs::metadata(folder).is_ok_and(|kind| kind.permissions().readonly());
+    ensure!(!read_only, "output {path:?} lies in a read-only folder; make the folder writable or give another path");
     temporary(folder).with_context(|| {
         format!("output {path:?} lies in a folder that cannot be written; check its permissions or give another path")
     })?;
@@ -203,39 +172,25 @@ pub fn write(outputs: &[Output], map: &DisparityMap, params: &Params) -> Result<
         written.push(stage().with_context(|| cannot_write(output))?);
     }
     for (file, output) in written.into_iter().zip(outputs) {
-        file.persist(&output.place)
-            .map_err(|error| error.error)
-            .with_context(|| cannot_write(output))?;
+        file.persist(&output.place).map_err(|error| error.error).with_context(|| cannot_write(output))?;
     }
     Ok(())
 }
 
 fn cannot_write(output: &Output) -> String {
-    format!(
-        "output {:?} cannot be written; check the space and the permissions of its folder",
-        output.path
-    )
+    format!("output {:?} cannot be written; check the space and the permissions of its folder", output.path)
 }
 
 /// The contents of a file.
 fn encode(format: Format, map: &DisparityMap, params: &Params) -> Result<Vec<u8>> {
     let (width, height) = (map.width, map.height);
-    let floats = |invalid: f32| {
-        map.data
-            .iter()
-            .map(move |&value| pixels(value).unwrap_or(invalid))
-    };
+    let floats = |invalid: f32| map.data.iter().map(move |&value| pixels(value).unwrap_or(invalid));
     let mut bytes = Cursor::new(Vec::new());
     match format {
         Format::Kitti => {
             let samples = kitti(map)?;
             let samples: Vec<u8> = samples.into_iter().flat_map(u16::to_ne_bytes).collect();
-            PngEncoder::new(&mut bytes).write_image(
-                &samples,
-                width,
-                height,
-                ExtendedColorType::L16,
-            )?;
+            PngEncoder::new(&mut bytes).write_image(&samples, width, height, ExtendedColorType::L16)?;
         }
         Format::Pfm => {
             write!(bytes, "Pf\n{width} {height}\n-1.0\n")?;
@@ -248,10 +203,7 @@ fn encode(format: Format, map: &DisparityMap, params: &Params) -> Result<Vec<u8>
         }
         Format::Npy => {
             let options = npyz::WriteOptions::<f32>::new().default_dtype();
-            let mut npy = options
-                .shape(&[height.into(), width.into()])
-                .writer(&mut bytes)
-                .begin_nd()?;
+            let mut npy = options.shape(&[height.into(), width.into()]).writer(&mut bytes).begin_nd()?;
             npy.extend(floats(f32::NAN))?;
             npy.finish()?;
         }
@@ -261,17 +213,8 @@ fn encode(format: Format, map: &DisparityMap, params: &Params) -> Result<Vec<u8>
             tiff.write_image::<tiff::encoder::colortype::Gray32Float>(width, height, &samples)?;
         }
         Format::Color => {
-            let samples: Vec<u8> = map
-                .data
-                .iter()
-                .flat_map(|&value| color(value, params))
-                .collect();
-            PngEncoder::new(&mut bytes).write_image(
-                &samples,
-                width,
-                height,
-                ExtendedColorType::Rgb8,
-            )?;
+            let samples: Vec<u8> = map.data.iter().flat_map(|&value| color(value, params)).collect();
+            PngEncoder::new(&mut bytes).write_image(&samples, width, height, ExtendedColorType::Rgb8)?;
         }
     }
     Ok(bytes.into_inner())
@@ -315,27 +258,16 @@ mod tests {
     use super::*;
 
     fn map(data: &[i16]) -> DisparityMap {
-        DisparityMap {
-            width: data.len() as u32,
-            height: 1,
-            data: data.into(),
-        }
+        DisparityMap { width: data.len() as u32, height: 1, data: data.into() }
     }
 
     #[test]
     fn kitti_samples_are_exact_and_never_wrap() {
         let samples = kitti(&map(&[DisparityMap::INVALID, 0, 1, 16, 4095])).unwrap();
         assert_eq!(samples, [0, 1, 16, 256, 65520]);
-        for (value, told) in [
-            (-1, "-0.0625 px"),
-            (4096, "256 px"),
-            (i16::MAX, "2047.9375 px"),
-        ] {
+        for (value, told) in [(-1, "-0.0625 px"), (4096, "256 px"), (i16::MAX, "2047.9375 px")] {
             let error = kitti(&map(&[0, value])).unwrap_err().to_string();
-            assert!(
-                error.contains(told) && error.contains("(1, 0)") && error.contains("255.9375"),
-                "{error}"
-            );
+            assert!(error.contains(told) && error.contains("(1, 0)") && error.contains("255.9375"), "{error}");
         }
     }
 

@@ -79,19 +79,8 @@ struct First {
 
 impl From<StageCheck> for Check {
     fn from(check: StageCheck) -> Self {
-        let first = check.first.map(|m| First {
-            x: m.x,
-            y: m.y,
-            d: m.d,
-            expected: m.expected,
-            got: m.got,
-        });
-        Self {
-            stage: check.stage,
-            elements: check.elements,
-            mismatches: check.mismatches,
-            first,
-        }
+        let first = check.first.map(|m| First { x: m.x, y: m.y, d: m.d, expected: m.expected, got: m.got });
+        Self { stage: check.stage, elements: check.elements, mismatches: check.mismatches, first }
     }
 }
 
@@ -110,10 +99,7 @@ fn stages<S: Serializer>(stages: &[StageTime], serializer: S) -> Result<S::Ok, S
         name: &'a str,
         ms: f64,
     }
-    serializer.collect_seq(stages.iter().map(|stage| Stage {
-        name: &stage.name,
-        ms: round(stage.ms),
-    }))
+    serializer.collect_seq(stages.iter().map(|stage| Stage { name: &stage.name, ms: round(stage.ms) }))
 }
 
 /// Paths need not be Unicode, JSON must.
@@ -124,10 +110,7 @@ fn paths<S: Serializer>(paths: &[PathBuf], serializer: S) -> Result<S::Ok, S::Er
 impl Report {
     /// Whether no comparison found a mismatch.
     pub fn check_passed(&self) -> bool {
-        self.check
-            .iter()
-            .flatten()
-            .all(|stage| stage.mismatches == 0)
+        self.check.iter().flatten().all(|stage| stage.mismatches == 0)
     }
 
     /// Prints what the job asked for.
@@ -149,47 +132,21 @@ impl Report {
             text += &check_table(check);
         }
         if !self.check_passed() {
-            crate::tell(
-                "check failed: the adapter and the CPU reference differ; no file was written",
-            );
+            crate::tell("check failed: the adapter and the CPU reference differ; no file was written");
         }
         to_stdout(&text)
     }
 
     fn summary(&self) -> Result<String> {
         let mut text = String::new();
-        writeln!(
-            text,
-            "adapter  {} ({}, {})",
-            self.adapter, self.backend, self.driver
-        )?;
+        writeln!(text, "adapter  {} ({}, {})", self.adapter, self.backend, self.driver)?;
         writeln!(text, "size     {} x {}", self.width, self.height)?;
         let last = i64::from(self.min_disparity) + i64::from(self.disparities) - 1;
-        writeln!(
-            text,
-            "range    {} disparities, {} to {last} px",
-            self.disparities, self.min_disparity
-        )?;
+        writeln!(text, "range    {} disparities, {} to {last} px", self.disparities, self.min_disparity)?;
         writeln!(text, "valid    {:.1} %", 100.0 * self.valid)?;
-        writeln!(
-            text,
-            "frame    {:.1} ms (first {:.1} ms)",
-            self.frame_ms.median, self.first_frame_ms
-        )?;
-        let outputs: Vec<_> = self
-            .outputs
-            .iter()
-            .map(|path| path.to_string_lossy())
-            .collect();
-        writeln!(
-            text,
-            "written  {}",
-            if outputs.is_empty() {
-                "nothing".into()
-            } else {
-                outputs.join(", ")
-            }
-        )?;
+        writeln!(text, "frame    {:.1} ms (first {:.1} ms)", self.frame_ms.median, self.first_frame_ms)?;
+        let outputs: Vec<_> = self.outputs.iter().map(|path| path.to_string_lossy()).collect();
+        writeln!(text, "written  {}", if outputs.is_empty() { "nothing".into() } else { outputs.join(", ") })?;
         Ok(text)
     }
 
@@ -199,11 +156,7 @@ impl Report {
             let share = if total > 0.0 { 100.0 * ms / total } else { 0.0 };
             [name.to_owned(), format!("{ms:.3}"), format!("{share:.1} %")]
         };
-        let mut rows: Vec<_> = self
-            .stages
-            .iter()
-            .map(|stage| row(&stage.name, stage.ms))
-            .collect();
+        let mut rows: Vec<_> = self.stages.iter().map(|stage| row(&stage.name, stage.ms)).collect();
         if !self.stages.is_empty() {
             // The medians of parts can add up to more than the median of the whole.
             let known: f64 = self.stages.iter().map(|stage| stage.ms).sum();
@@ -217,30 +170,15 @@ impl Report {
 fn check_table(check: &[Check]) -> String {
     let first = |first: &Option<First>| match first {
         None => "-".into(),
-        Some(First {
-            x,
-            y,
-            d,
-            expected,
-            got,
-        }) => {
+        Some(First { x, y, d, expected, got }) => {
             let d = d.map(|d| format!(", d {d}")).unwrap_or_default();
             format!("x {x}, y {y}{d}: expected {expected}, got {got}")
         }
     };
     let row = |check: &Check| {
-        [
-            check.stage.clone(),
-            check.elements.to_string(),
-            check.mismatches.to_string(),
-            first(&check.first),
-        ]
+        [check.stage.clone(), check.elements.to_string(), check.mismatches.to_string(), first(&check.first)]
     };
-    table(
-        ["stage", "elements", "mismatches", "first mismatch"],
-        check.iter().map(row),
-        1..3,
-    )
+    table(["stage", "elements", "mismatches", "first mismatch"], check.iter().map(row), 1..3)
 }
 
 /// Prints the adapters, the best first.
@@ -264,27 +202,13 @@ pub fn list_adapters(adapters: &[wgpu::Adapter], json: bool) -> Result<()> {
         })
         .collect();
     if listed.is_empty() {
-        crate::tell(
-            "note: there is no adapter; install a Vulkan driver, or compute with --backend cpu",
-        );
+        crate::tell("note: there is no adapter; install a Vulkan driver, or compute with --backend cpu");
     }
     if json {
         return to_stdout(&(serde_json::to_string(&listed)? + "\n"));
     }
-    let rows = listed.into_iter().map(|a| {
-        [
-            a.index.to_string(),
-            a.name,
-            a.backend,
-            a.driver,
-            a.kind.to_owned(),
-        ]
-    });
-    to_stdout(&table(
-        ["index", "name", "backend", "driver", "kind"],
-        rows,
-        0..0,
-    ))
+    let rows = listed.into_iter().map(|a| [a.index.to_string(), a.name, a.backend, a.driver, a.kind.to_owned()]);
+    to_stdout(&table(["index", "name", "backend", "driver", "kind"], rows, 0..0))
 }
 
 /// A table whose columns in `numbers` are aligned to the right.
@@ -309,10 +233,7 @@ fn table<const N: usize>(
 /// Prints. A reader that has seen enough, such as `head`, is no error.
 fn to_stdout(text: &str) -> Result<()> {
     let mut stdout = std::io::stdout().lock();
-    match stdout
-        .write_all(text.as_bytes())
-        .and_then(|()| stdout.flush())
-    {
+    match stdout.write_all(text.as_bytes()).and_then(|()| stdout.flush()) {
         Err(error) if error.kind() != ErrorKind::BrokenPipe => {
             Err(error).context("stdout cannot be written; give it a file or a pipe with room")
         }

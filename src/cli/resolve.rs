@@ -40,34 +40,21 @@ pub fn resolve(args: Args) -> Result<Job> {
     let params = params(&args)?;
     if args.backend == args::Backend::Cpu {
         if args.check {
-            bail!(
-                "--check compares an adapter with the CPU reference, but --backend is cpu; take auto or gpu"
-            );
+            bail!("--check compares an adapter with the CPU reference, but --backend is cpu; take auto or gpu");
         }
         if let Some(adapter) = &args.adapter {
             bail!("--adapter is {adapter:?}, but --backend cpu uses none; drop one of the two");
         }
     }
-    let repeat = args
-        .repeat
-        .as_ref()
-        .map(|given| match u32::try_from(given.value) {
-            Ok(frames @ 1..=MAX_REPEAT) => Ok(frames),
-            _ => Err(anyhow!(
-                "--repeat is {}, but must be from 1 to {MAX_REPEAT}; 20 is usual",
-                given.text
-            )),
-        });
+    let repeat = args.repeat.as_ref().map(|given| match u32::try_from(given.value) {
+        Ok(frames @ 1..=MAX_REPEAT) => Ok(frames),
+        _ => Err(anyhow!("--repeat is {}, but must be from 1 to {MAX_REPEAT}; 20 is usual", given.text)),
+    });
     let repeat = repeat.transpose()?.or(args.timings.then_some(1));
     let (Some(left), Some(right)) = (args.left, args.right) else {
         bail!("two images are needed, LEFT and RIGHT; see gpu-stereo --help");
     };
-    let outputs = crate::output::resolve(
-        &args.output,
-        args.color.as_deref(),
-        [&left, &right],
-        &params,
-    )?;
+    let outputs = crate::output::resolve(&args.output, args.color.as_deref(), [&left, &right], &params)?;
     Ok(Job {
         left,
         right,
@@ -147,13 +134,7 @@ fn params(args: &Args) -> Result<Params> {
 
 /// The library's complaint about a parameter, with the option and the value as they were typed.
 fn as_typed(error: Error, args: &Args) -> anyhow::Error {
-    let Error::Parameter {
-        name,
-        given,
-        allowed,
-        remedy,
-    } = error
-    else {
+    let Error::Parameter { name, given, allowed, remedy } = error else {
         return error.into();
     };
     let number = |option: &Option<WholeOrOff>| match option {
@@ -177,15 +158,9 @@ fn as_typed(error: Error, args: &Args) -> anyhow::Error {
 
 /// Options that change nothing are told: nothing is ignored in silence.
 fn tell_unused(params: &Params, args: &Args) {
-    let unused = |option: &str, with: &str| {
-        crate::tell(&format!("note: {option} changes nothing with {with}"))
-    };
+    let unused = |option: &str, with: &str| crate::tell(&format!("note: {option} changes nothing with {with}"));
     if params.method == Method::Bm {
-        let of_sgm = [
-            ("--paths", args.paths.is_some()),
-            ("--p1", args.p1.is_some()),
-            ("--p2", args.p2.is_some()),
-        ];
+        let of_sgm = [("--paths", args.paths.is_some()), ("--p1", args.p1.is_some()), ("--p2", args.p2.is_some())];
         for (option, given) in of_sgm {
             if given {
                 unused(option, "--method bm");

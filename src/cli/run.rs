@@ -6,9 +6,7 @@ use crate::report::{FrameMs, Report};
 use crate::resolve::Job;
 use crate::{input, output};
 use anyhow::{Result, bail, ensure};
-use gpu_stereo::{
-    DisparityMap, Error, Image, Params, StageCheck, StageTime, StereoMatcher, reference,
-};
+use gpu_stereo::{DisparityMap, Error, Image, Params, StageCheck, StageTime, StereoMatcher, reference};
 use std::time::Instant;
 
 /// What computes.
@@ -45,23 +43,12 @@ pub fn run(job: &Job) -> Result<Report> {
         }
     }
 
-    let check = if job.check {
-        Some(engine.check(&left, &right)?)
-    } else {
-        None
-    };
+    let check = if job.check { Some(engine.check(&left, &right)?) } else { None };
     let passed = check.iter().flatten().all(|stage| stage.mismatches == 0);
     if passed {
         output::write(&job.outputs, &map, &job.params)?;
     }
-    let outputs = if passed {
-        job.outputs
-            .iter()
-            .map(|output| output.path.clone())
-            .collect()
-    } else {
-        Vec::new()
-    };
+    let outputs = if passed { job.outputs.iter().map(|output| output.path.clone()).collect() } else { Vec::new() };
     let (times, stages): (Vec<_>, Vec<_>) = frames.into_iter().unzip();
     let (adapter, backend, driver) = engine.names();
     Ok(Report {
@@ -73,10 +60,7 @@ pub fn run(job: &Job) -> Result<Report> {
         min_disparity: job.params.min_disparity,
         disparities: job.params.disparities,
         valid: map.valid_fraction(),
-        frame_ms: FrameMs {
-            min: times.iter().copied().fold(f64::INFINITY, f64::min),
-            median: median(times),
-        },
+        frame_ms: FrameMs { min: times.iter().copied().fold(f64::INFINITY, f64::min), median: median(times) },
         first_frame_ms,
         stages: median_stages(stages),
         peak_device_bytes: engine.device_bytes(),
@@ -92,24 +76,15 @@ impl Engine {
         }
         let mut adapters = adapter::ranked();
         if let Some(wanted) = &job.adapter {
-            let names: Vec<_> = adapters
-                .iter()
-                .map(|adapter| adapter.get_info().name)
-                .collect();
+            let names: Vec<_> = adapters.iter().map(|adapter| adapter.get_info().name).collect();
             adapters = vec![adapters.swap_remove(adapter::choose(&names, wanted)?)];
         }
         let only = adapters.len() == 1 && job.adapter.is_some();
         for adapter in &adapters {
             let opened = adapter::open(adapter).and_then(|opened| {
                 let (width, height) = (image.width(), image.height());
-                let matcher = StereoMatcher::new(
-                    &opened.device,
-                    &opened.queue,
-                    width,
-                    height,
-                    image.format(),
-                    &job.params,
-                );
+                let matcher =
+                    StereoMatcher::new(&opened.device, &opened.queue, width, height, image.format(), &job.params);
                 opened.fault()?;
                 let matcher = matcher?;
                 Ok(Self::Adapter(Box::new(OnAdapter { opened, matcher })))
@@ -118,18 +93,13 @@ impl Engine {
                 Ok(engine) => return Ok(engine),
                 // An adapter that cannot run the kernels at all is passed over, but not in silence.
                 Err(error @ (Error::Adapter(_) | Error::Device(_))) if !only => {
-                    crate::tell(&crate::one_line(&format!(
-                        "note: {}: {error}",
-                        adapter.get_info().name
-                    )));
+                    crate::tell(&crate::one_line(&format!("note: {}: {error}", adapter.get_info().name)));
                 }
                 Err(error) => return Err(error.into()),
             }
         }
         if job.backend == Backend::Gpu {
-            bail!(
-                "--backend is gpu, but there is no usable adapter; install a Vulkan driver, or take auto or cpu"
-            );
+            bail!("--backend is gpu, but there is no usable adapter; install a Vulkan driver, or take auto or cpu");
         }
         if job.check {
             bail!(
@@ -147,8 +117,7 @@ impl Engine {
         // At the peak, in the aggregation: 8-bit costs, an 8-bit path and a 16-bit sum.
         let needed = 4 * columns * u64::from(image.height()) * u64::from(params.disparities);
         let mut trial = Vec::<u8>::new();
-        let given =
-            usize::try_from(needed).is_ok_and(|needed| trial.try_reserve_exact(needed).is_ok());
+        let given = usize::try_from(needed).is_ok_and(|needed| trial.try_reserve_exact(needed).is_ok());
         std::hint::black_box(&trial); // or the compiler drops the trial and takes it for granted
         ensure!(
             given,
@@ -200,11 +169,7 @@ impl Engine {
         match self {
             Self::Adapter(on) => {
                 let info = &on.opened.info;
-                (
-                    info.name.clone(),
-                    info.backend.to_string(),
-                    adapter::driver(info),
-                )
+                (info.name.clone(), info.backend.to_string(), adapter::driver(info))
             }
             Self::Reference => {
                 let version = concat!("gpu-stereo ", env!("CARGO_PKG_VERSION"));
@@ -237,27 +202,9 @@ fn median(mut values: Vec<f64>) -> f64 {
 
 /// The median time of each stage over the frames, in the stages' order.
 fn median_stages(frames: Vec<Vec<StageTime>>) -> Vec<StageTime> {
-    let names: Vec<_> = frames
-        .first()
-        .into_iter()
-        .flatten()
-        .map(|stage| stage.name.clone())
-        .collect();
-    let of_stage = |i: usize| {
-        frames
-            .iter()
-            .filter_map(|frame| frame.get(i))
-            .map(|stage| stage.ms)
-            .collect()
-    };
-    names
-        .into_iter()
-        .enumerate()
-        .map(|(i, name)| StageTime {
-            name,
-            ms: median(of_stage(i)),
-        })
-        .collect()
+    let names: Vec<_> = frames.first().into_iter().flatten().map(|stage| stage.name.clone()).collect();
+    let of_stage = |i: usize| frames.iter().filter_map(|frame| frame.get(i)).map(|stage| stage.ms).collect();
+    names.into_iter().enumerate().map(|(i, name)| StageTime { name, ms: median(of_stage(i)) }).collect()
 }
 
 #[cfg(test)]

@@ -84,11 +84,7 @@ pub fn compute(left: &Image, right: &Image, params: &Params) -> Result<Disparity
 ///
 /// # Errors
 /// As [`compute`].
-pub fn compute_timed(
-    left: &Image,
-    right: &Image,
-    params: &Params,
-) -> Result<(DisparityMap, Vec<StageTime>), Error> {
+pub fn compute_timed(left: &Image, right: &Image, params: &Params) -> Result<(DisparityMap, Vec<StageTime>), Error> {
     params.validate()?;
     crate::matcher::check_pair(left, right)?;
     let mut clock = Clock { last: Instant::now(), times: Vec::new() };
