@@ -42,14 +42,9 @@ fn pack(v: vec4<u32>) -> u32 {
     return v.x | (v.y << 8u) | (v.z << 16u) | (v.w << 24u);
 }
 
-// Four values of 16 bits from two words: the first holds the even two, the second the odd two.
-fn unpack_pairs(words: vec2<u32>) -> vec4<u32> {
-    return vec4(words.x & 0xffffu, words.y & 0xffffu, words.x >> 16u, words.y >> 16u);
-}
-
-// The four bytes of a word as two words of 16-bit values, the even two and the odd two.
-fn bytes_to_pairs(word: u32) -> vec2<u32> {
-    return vec2(word & 0xff00ffu, (word >> 8u) & 0xff00ffu);
+// Four values of 16 bits from two words: one holds the even two, the other the odd two.
+fn unpack_pairs(even: u32, odd: u32) -> vec4<u32> {
+    return vec4(even & 0xffffu, odd & 0xffffu, even >> 16u, odd >> 16u);
 }
 
 fn lowest(v: vec4<u32>) -> u32 {

@@ -1,14 +1,15 @@
-// Appended to the kernels that walk a path: the recurrence of semi-global matching on the packed state L', four
-// disparities a word. Disparities beyond the range hold 255, which is never the smallest and never a neighbour's way.
+// Appended to the kernels that walk a path: the recurrence of semi-global matching on the packed state L', sixteen
+// disparities a vector. Disparities beyond the range hold 255, which is never the smallest and never a neighbour's way.
 const NONE: u32 = 0xffffu;
 
+alias State = array<vec4<u32>, QUADS>;
+
 // min L'
-fn path_minimum(state: ptr<function, array<u32, WORDS>>) -> u32 {
+fn path_minimum(state: ptr<function, State>) -> u32 {
     var least = vec4(NONE);
     for (var q = 0u; q < QUADS; q++) {
-        for (var i = 0u; i < 4u; i++) {
-            least = min(least, unpack((*state)[4u * q + i]));
-        }
+        let words = (*state)[q];
+        least = min(least, min(min(unpack(words.x), unpack(words.y)), min(unpack(words.z), unpack(words.w))));
     }
     return lowest(least);
 }
@@ -19,9 +20,24 @@ fn smoothness(here: vec4<u32>, below: u32, above: u32, least: u32) -> u32 {
     return pack(min(min(here, neighbours), vec4(least + frame.p2))) - least * 0x01010101u;
 }
 
-// Marks the disparities beyond the range.
-fn path_close(state: ptr<function, array<u32, WORDS>>) {
-    for (var i = 0u; i < 4u; i++) {
-        (*state)[WORDS - 4u + i] |= BEYOND[i];
+// One step of a path for the sixteen disparities of vector q: returns their T and leaves L = costs + T in the state.
+// `below` is the L' of the disparity before them, and becomes that of the last of them.
+fn path_quad(state: ptr<function, State>, q: u32, costs: vec4<u32>, least: u32, below: ptr<function, u32>) -> vec4<u32> {
+    let words = (*state)[q];
+    let a = unpack(words.x);
+    let b = unpack(words.y);
+    let c = unpack(words.z);
+    let d = unpack(words.w);
+    let above = select((*state)[min(q + 1u, QUADS - 1u)].x & 255u, NONE, q + 1u == QUADS);
+    let terms = vec4(
+        smoothness(a, *below, b.x, least),
+        smoothness(b, a.w, c.x, least),
+        smoothness(c, b.w, d.x, least),
+        smoothness(d, c.w, above, least));
+    *below = d.w;
+    (*state)[q] = terms + costs;
+    if q + 1u == QUADS {
+        (*state)[q] |= BEYOND;
     }
+    return terms;
 }

@@ -17,20 +17,18 @@ fn left_at(column: u32, row: u32) -> vec4<i32> {
     return vec4(i32(extractBits(left[row * frame.left_stride + (column >> 2u)], (column & 3u) * 8u, 8u)));
 }
 
-// The right pixels that disparities 4 * k .. are compared with, four a word.
-fn window(column: u32, row: u32) -> array<u32, WORDS> {
+// The right pixels that the disparities are compared with, four a word.
+fn window(column: u32, row: u32) -> array<vec4<u32>, QUADS> {
     let j = frame.width - 1u + 2u * frame.block_radius - column;
     let start = row * frame.right_stride + (j >> 2u);
     let shift = (j & 3u) * 8u;
-    var words: array<u32, WORDS>;
-    var low = right[start];
+    var words: array<vec4<u32>, QUADS>;
+    var last = right[start];
     for (var q = 0u; q < QUADS; q++) {
-        for (var i = 0u; i < 4u; i++) {
-            let k = 4u * q + i;
-            let high = right[start + k + 1u];
-            words[k] = (low >> shift) | ((high << 1u) << (31u - shift));
-            low = high;
-        }
+        let at = start + 4u * q;
+        let next = vec4(right[at + 1u], right[at + 2u], right[at + 3u], right[at + 4u]);
+        words[q] = (vec4(last, next.xyz) >> vec4(shift)) | ((next << vec4(1u)) << vec4(31u - shift));
+        last = next.w;
     }
     return words;
 }
@@ -54,18 +52,14 @@ fn main(@builtin(global_invocation_id) id: vec3<u32>) {
     }
     let r = i32(frame.block_radius);
     let y = i32(pass_.first_row + begin);
-    var sums: array<u32, PAIRS>;
+    var sums: array<array<vec4<u32>, 2>, QUADS>;
     for (var j = -r; j <= r; j++) {
         let row = clamped_row(y - 1 + j);
         let value = left_at(column, row);
         let words = window(column, row);
         for (var q = 0u; q < QUADS; q++) {
-            for (var i = 0u; i < 4u; i++) {
-                let k = 4u * q + i;
-                let d = differences(value, words[k]);
-                sums[2u * k] += pair(d.x, d.z);
-                sums[2u * k + 1u] += pair(d.y, d.w);
-            }
+            add(&sums, q, differences(value, words[q].x), differences(value, words[q].y),
+                differences(value, words[q].z), differences(value, words[q].w));
         }
     }
     let to = min(begin + SEGMENT, pass_.rows);
@@ -73,21 +67,26 @@ fn main(@builtin(global_invocation_id) id: vec3<u32>) {
         let here = i32(pass_.first_row + line);
         let enters = clamped_row(here + r);
         let leaves = clamped_row(here - 1 - r);
-        let value_in = left_at(column, enters);
-        let value_out = left_at(column, leaves);
-        let words_in = window(column, enters);
-        let words_out = window(column, leaves);
+        let a = left_at(column, enters);
+        let b = left_at(column, leaves);
+        let words_a = window(column, enters);
+        let words_b = window(column, leaves);
         let at = (line * count + column) * 2u * QUADS;
         for (var q = 0u; q < QUADS; q++) {
-            for (var i = 0u; i < 4u; i++) {
-                let k = 4u * q + i;
-                let d = differences(value_in, words_in[k]) - differences(value_out, words_out[k]);
-                sums[2u * k] += pair(d.x, d.z);
-                sums[2u * k + 1u] += pair(d.y, d.w);
-            }
-            columns[at + 2u * q] = vec4(sums[8u * q], sums[8u * q + 1u], sums[8u * q + 2u], sums[8u * q + 3u]);
-            columns[at + 2u * q + 1u] =
-                vec4(sums[8u * q + 4u], sums[8u * q + 5u], sums[8u * q + 6u], sums[8u * q + 7u]);
+            add(&sums, q,
+                differences(a, words_a[q].x) - differences(b, words_b[q].x),
+                differences(a, words_a[q].y) - differences(b, words_b[q].y),
+                differences(a, words_a[q].z) - differences(b, words_b[q].z),
+                differences(a, words_a[q].w) - differences(b, words_b[q].w));
+            columns[at + 2u * q] = sums[q][0];
+            columns[at + 2u * q + 1u] = sums[q][1];
         }
     }
+}
+
+// Adds sixteen changes to the sums of vector q.
+fn add(sums: ptr<function, array<array<vec4<u32>, 2>, QUADS>>, q: u32,
+       a: vec4<i32>, b: vec4<i32>, c: vec4<i32>, d: vec4<i32>) {
+    (*sums)[q][0] += vec4(pair(a.x, a.z), pair(a.y, a.w), pair(b.x, b.z), pair(b.y, b.w));
+    (*sums)[q][1] += vec4(pair(c.x, c.z), pair(c.y, c.w), pair(d.x, d.z), pair(d.y, d.w));
 }

@@ -7,7 +7,7 @@
 // carry_in, carry_out (u8, [x][d]): L of the last row of the band before and of this band, for paths that cross bands.
 // Reference: src/reference/sgm_aggregate.rs
 
-@group(0) @binding(2) var<storage, read> cost: array<vec4<u32>>;
+@group(0) @binding(2) var cost: texture_storage_2d<rgba32uint, read>;
 @group(0) @binding(3) var<storage, read_write> paths: array<vec4<u32>>;
 @group(0) @binding(4) var<storage, read> carry_in: array<vec4<u32>>;
 @group(0) @binding(5) var<storage, read_write> carry_out: array<vec4<u32>>;
@@ -23,15 +23,11 @@ fn main(@builtin(global_invocation_id) id: vec3<u32>) {
     }
     var x = select(line, select(width - 1, 0, pass_.dx > 0), horizontal);
     let y = select(select(rows - 1, 0, pass_.dy > 0), line, horizontal);
-    var state: array<u32, WORDS>;
+    var state: State;
     let before = x - pass_.dx;
     if pass_.carried == 1u && before >= 0 && before < width {
         for (var q = 0u; q < QUADS; q++) {
-            let words = carry_in[u32(before) * QUADS + q];
-            state[4u * q] = words.x;
-            state[4u * q + 1u] = words.y;
-            state[4u * q + 2u] = words.z;
-            state[4u * q + 3u] = words.w;
+            state[q] = carry_in[u32(before) * QUADS + q];
         }
     }
     var at = y * width + x;
@@ -43,8 +39,8 @@ fn main(@builtin(global_invocation_id) id: vec3<u32>) {
         if !horizontal && (x < 0 || x >= width) {
             x -= pass_.dx * width;
             at -= pass_.dx * width;
-            for (var k = 0u; k < WORDS; k++) {
-                state[k] = 0u;
+            for (var q = 0u; q < QUADS; q++) {
+                state[q] = vec4(0u);
             }
         }
     }
@@ -53,36 +49,20 @@ fn main(@builtin(global_invocation_id) id: vec3<u32>) {
         let last = x - pass_.dx;
         if last >= 0 && last < width {
             for (var q = 0u; q < QUADS; q++) {
-                carry_out[u32(last) * QUADS + q] =
-                    vec4(state[4u * q], state[4u * q + 1u], state[4u * q + 2u], state[4u * q + 3u]);
+                carry_out[u32(last) * QUADS + q] = state[q];
             }
         }
     }
 }
 
-fn path_step(state: ptr<function, array<u32, WORDS>>, at: u32) {
-    let jump = path_minimum(state);
+fn path_step(state: ptr<function, State>, at: u32) {
+    let least = path_minimum(state);
     var below = NONE;
-    var here = unpack((*state)[0]);
     for (var q = 0u; q < QUADS; q++) {
-        let costs = cost[at + q];
         var sums = vec4(0u);
         if pass_.accumulate == 1u {
             sums = paths[at + q];
         }
-        var terms: vec4<u32>;
-        for (var i = 0u; i < 4u; i++) {
-            let k = 4u * q + i;
-            var next = vec4(NONE);
-            if k + 1u < WORDS {
-                next = unpack((*state)[min(k + 1u, WORDS - 1u)]);
-            }
-            terms[i] = smoothness(here, below, next.x, jump);
-            (*state)[k] = terms[i] + costs[i];
-            below = here.w;
-            here = next;
-        }
-        paths[at + q] = sums + terms;
+        paths[at + q] = sums + path_quad(state, q, cost_at(at + q), least, &below);
     }
-    path_close(state);
 }

@@ -5,7 +5,7 @@
 // One invocation: one row of the band, from right to left.
 // Reference: src/reference/winner.rs, src/reference/sgm_aggregate.rs
 
-@group(0) @binding(2) var<storage, read> cost: array<vec4<u32>>;
+@group(0) @binding(2) var cost: texture_storage_2d<rgba32uint, read>;
 @group(0) @binding(3) var<storage, read> forward: array<vec4<u32>>;
 @group(0) @binding(4) var<storage, read> paired0: array<vec4<u32>>;
 @group(0) @binding(5) var<storage, read> paired1: array<vec4<u32>>;
@@ -19,14 +19,9 @@ fn main(@builtin(global_invocation_id) id: vec3<u32>) {
         return;
     }
     let row = pass_.first_row + id.x;
-    var state: array<u32, WORDS>;
-    var costs: array<vec4<u32>, WORDS>;
-    var diagonal: array<vec4<u32>, WORDS>;
-    for (var q = 0u; q < QUADS; q++) {
-        for (var i = 0u; i < 4u; i++) {
-            diagonal[4u * q + i] = vec4(0xffffffffu);
-        }
-    }
+    var state: State;
+    var costs: Costs;
+    var diagonal = no_costs(0xffffffffu);
     var kept = RowWriter(INVALID, INVALID);
     let steps = row_steps();
     for (var i = 0; i < steps; i++) {
@@ -39,33 +34,34 @@ fn main(@builtin(global_invocation_id) id: vec3<u32>) {
 }
 
 // One step of the leftward path, and S of the pixel.
-fn walk(state: ptr<function, array<u32, WORDS>>, costs: ptr<function, array<vec4<u32>, WORDS>>, at: u32) {
+fn walk(state: ptr<function, State>, costs: ptr<function, Costs>, at: u32) {
     let least = path_minimum(state);
     var below = NONE;
-    var here = unpack((*state)[0]);
     for (var q = 0u; q < QUADS; q++) {
-        let c = cost[at + q];
+        let c = cost_at(at + q);
+        let t = path_quad(state, q, c, least, &below);
         let t0 = forward[at + q];
         let t1 = paired0[at + q];
-        var t2 = vec4(0u);
-        var t3 = vec4(0u);
+        // Sums of bytes in the 16-bit halves of words.
+        var even = PATHS * evens(c) + evens(t) + evens(t0) + evens(t1);
+        var odd = PATHS * odds(c) + odds(t) + odds(t0) + odds(t1);
         if PAIRED == 3u {
-            t2 = paired1[at + q];
-            t3 = paired2[at + q];
+            let t2 = paired1[at + q];
+            let t3 = paired2[at + q];
+            even += evens(t2) + evens(t3);
+            odd += odds(t2) + odds(t3);
         }
-        for (var i = 0u; i < 4u; i++) {
-            let k = 4u * q + i;
-            var next = vec4(NONE);
-            if k + 1u < WORDS {
-                next = unpack((*state)[min(k + 1u, WORDS - 1u)]);
-            }
-            let t = smoothness(here, below, next.x, least);
-            (*state)[k] = t + c[i];
-            (*costs)[k] = unpack_pairs(PATHS * bytes_to_pairs(c[i]) + bytes_to_pairs(t) + bytes_to_pairs(t0[i])
-                + bytes_to_pairs(t1[i]) + bytes_to_pairs(t2[i]) + bytes_to_pairs(t3[i]));
-            below = here.w;
-            here = next;
-        }
+        (*costs)[q][0] = unpack_pairs(even.x, odd.x);
+        (*costs)[q][1] = unpack_pairs(even.y, odd.y);
+        (*costs)[q][2] = unpack_pairs(even.z, odd.z);
+        (*costs)[q][3] = unpack_pairs(even.w, odd.w);
     }
-    path_close(state);
+}
+
+fn evens(words: vec4<u32>) -> vec4<u32> {
+    return words & vec4(0xff00ffu);
+}
+
+fn odds(words: vec4<u32>) -> vec4<u32> {
+    return (words >> vec4(8u)) & vec4(0xff00ffu);
 }

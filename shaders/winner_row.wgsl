@@ -6,6 +6,14 @@
 // cost < 2^20 and d < 2^12. Disparities beyond the range, and pixels beyond the row, cost COST_NONE.
 const COST_NONE: u32 = 0xfffffu;
 
+fn no_costs(value: u32) -> Costs {
+    var costs: Costs;
+    for (var q = 0u; q < QUADS; q++) {
+        costs[q] = array(vec4(value), vec4(value), vec4(value), vec4(value));
+    }
+    return costs;
+}
+
 // The two pixels of a word meet here: the right one is kept until the left one is known.
 struct RowWriter {
     left_kept: i32,
@@ -26,12 +34,12 @@ fn inside_row(x: i32) -> bool {
 
 // Chooses at column x, and writes what is complete: of the left map if x lies in the image, of the right map if the
 // right pixel seen by disparity 0 does.
-fn choose(costs: ptr<function, array<vec4<u32>, WORDS>>, diagonal: ptr<function, array<vec4<u32>, WORDS>>,
+fn choose(costs: ptr<function, Costs>, diagonal: ptr<function, Costs>,
           kept: ptr<function, RowWriter>, row: u32, x: i32) {
     if inside_row(x) {
         for (var i = 0u; i < 4u; i++) {
-            let k = WORDS - 4u + i;
-            (*costs)[k] = select((*costs)[k], vec4(COST_NONE), unpack(BEYOND[i]) != vec4(0u));
+            let beyond = unpack(BEYOND[i]) != vec4(0u);
+            (*costs)[QUADS - 1u][i] = select((*costs)[QUADS - 1u][i], vec4(COST_NONE), beyond);
         }
         let value = winner(costs, x);
         if (x & 1) == 0 {
@@ -39,11 +47,7 @@ fn choose(costs: ptr<function, array<vec4<u32>, WORDS>>, diagonal: ptr<function,
         }
         (*kept).left_kept = value;
     } else {
-        for (var q = 0u; q < QUADS; q++) {
-            for (var i = 0u; i < 4u; i++) {
-                (*costs)[4u * q + i] = vec4(COST_NONE);
-            }
-        }
+        *costs = no_costs(COST_NONE);
     }
     let value = roll(diagonal, costs);
     let seen = x - frame.min_disparity;
@@ -60,11 +64,11 @@ fn keys(costs: vec4<u32>, k: u32) -> vec4<u32> {
 }
 
 // The disparity in 1/16 px of the pixel at column x.
-fn winner(costs: ptr<function, array<vec4<u32>, WORDS>>, x: i32) -> i32 {
+fn winner(costs: ptr<function, Costs>, x: i32) -> i32 {
     var least = vec4(0xffffffffu);
     for (var q = 0u; q < QUADS; q++) {
         for (var i = 0u; i < 4u; i++) {
-            least = min(least, keys((*costs)[4u * q + i], 4u * q + i));
+            least = min(least, keys((*costs)[q][i], 4u * q + i));
         }
     }
     let best = lowest(least) & 0xfffu;
@@ -78,7 +82,7 @@ fn winner(costs: ptr<function, array<vec4<u32>, WORDS>>, x: i32) -> i32 {
     for (var q = 0u; q < QUADS; q++) {
         for (var i = 0u; i < 4u; i++) {
             let k = 4u * q + i;
-            let c = (*costs)[k];
+            let c = (*costs)[q][i];
             let d = vec4(4u * k) + vec4(0u, 1u, 2u, 3u);
             before = select(before, c, d + vec4(1u) == vec4(best));
             after = select(after, c, d == vec4(best + 1u));
@@ -111,19 +115,15 @@ fn winner(costs: ptr<function, array<vec4<u32>, WORDS>>, x: i32) -> i32 {
 
 // The right view: diagonal[d] is the smallest key so far of the right pixel that disparity d sees from this column;
 // one column to the left, the same right pixel is seen by disparity d - 1. Returns the right pixel seen by disparity 0.
-fn roll(diagonal: ptr<function, array<vec4<u32>, WORDS>>, costs: ptr<function, array<vec4<u32>, WORDS>>) -> i32 {
-    var here = (*diagonal)[0];
+fn roll(diagonal: ptr<function, Costs>, costs: ptr<function, Costs>) -> i32 {
     for (var q = 0u; q < QUADS; q++) {
+        let after = select((*diagonal)[min(q + 1u, QUADS - 1u)][0].x, 0xffffffffu, q + 1u == QUADS);
         for (var i = 0u; i < 4u; i++) {
-            let k = 4u * q + i;
-            var next = vec4(0xffffffffu);
-            if k + 1u < WORDS {
-                next = (*diagonal)[min(k + 1u, WORDS - 1u)];
-            }
-            (*diagonal)[k] = min(vec4(here.yzw, next.x), keys((*costs)[k], k));
-            here = next;
+            let above = select((*diagonal)[q][min(i + 1u, 3u)].x, after, i == 3u);
+            let seen = vec4((*diagonal)[q][i].yzw, above);
+            (*diagonal)[q][i] = min(seen, keys((*costs)[q][i], 4u * q + i));
         }
     }
-    let key = (*diagonal)[0].x;
+    let key = (*diagonal)[0][0].x;
     return select(16 * (frame.min_disparity + i32(key & 0xfffu)), INVALID, (key >> 12u) == COST_NONE);
 }

@@ -47,6 +47,9 @@ pub(crate) struct Rows {
 /// keeps a device busy is a waste of memory.
 const COLUMNS_BYTES: u64 = 32 << 20;
 
+/// Texels of 16 bytes in a row of the texture that holds a band of the cost, which is filled line by line.
+pub(crate) const COST_TEXELS: u32 = 1024;
+
 /// The sizes of everything. A volume is cut into bands of rows, each in a buffer of its own, none larger than one
 /// storage binding may be; column sums are computed for one chunk of a band at a time.
 #[derive(Clone, Debug)]
@@ -78,6 +81,16 @@ fn cut(rows: Rows, most: u32) -> Vec<Rows> {
 }
 
 impl Sizes {
+    /// Rows of the texture that holds the cost of `rows` rows of the image.
+    pub(crate) fn cost_texture_rows(&self, rows: u32) -> u32 {
+        (u64::from(rows) * self.volume_row).div_ceil(16 * u64::from(COST_TEXELS)) as u32
+    }
+
+    /// Bytes of the buffer of a volume of `rows` rows: whole rows of the texture.
+    pub(crate) fn volume(&self, rows: u32) -> u64 {
+        16 * u64::from(COST_TEXELS) * u64::from(self.cost_texture_rows(rows))
+    }
+
     pub(crate) fn new(
         width: u32,
         height: u32,
@@ -102,23 +115,27 @@ impl Sizes {
         let words = 4 * params.disparities.div_ceil(16);
         let reach = 2 * params.radius();
         let gray_stride = width.div_ceil(4);
-        let left_stride = (width + reach).div_ceil(4);
-        let right_stride = (width - 1 + reach) / 4 + words + 1;
+        // Rows of the planes are copied into textures: 256 bytes are the unit of that.
+        let left_stride = (width + reach).div_ceil(4).next_multiple_of(64);
+        let right_stride = ((width - 1 + reach) / 4 + words + 1).next_multiple_of(64);
         let map_stride = width.div_ceil(2);
         let rows = |stride: u32| 4 * u64::from(stride) * u64::from(height);
         fits("a prefiltered image", rows(right_stride), smaller)?;
 
         let volume_row = 4 * u64::from(width) * u64::from(words);
         let columns_row = 8 * u64::from(width + reach) * u64::from(words);
+        // Volumes are made of whole rows of the cost's texture.
+        let texture_row = 16 * u64::from(COST_TEXELS);
+        let volume_allowed = (allowed / texture_row).min(limits.max_texture_dimension_2d.into()) * texture_row;
         let fewer = "use fewer disparities or narrower images";
-        fits("a row of the matching cost", volume_row, fewer)?;
+        fits("a row of the matching cost", volume_row.next_multiple_of(texture_row), fewer)?;
         fits("a row of column sums", columns_row, fewer)?;
         // A column's first row costs as much as a block of rows: short chunks are slow.
         let chunk_bytes = COLUMNS_BYTES.max(128 * columns_row).min(allowed);
         let most = |bytes: u64, row: u64| (bytes / row).clamp(1, u64::from(height)) as u32;
         let whole = Rows { first: 0, count: height };
         let bands = match params.method {
-            Method::Sgm => cut(whole, most(allowed, volume_row)),
+            Method::Sgm => cut(whole, most(volume_allowed, volume_row)),
             Method::Bm => vec![whole],
         };
         let chunks = bands.iter().map(|&band| cut(band, most(chunk_bytes, columns_row))).collect();

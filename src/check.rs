@@ -152,7 +152,7 @@ impl StereoMatcher {
                     }
                 }
                 let mut encoder = self.device.create_command_encoder(&wgpu::CommandEncoderDescriptor::default());
-                self.record_step(&mut encoder, step, None);
+                self.record_steps(&mut encoder, step.stage(), std::slice::from_ref(step), None);
                 self.queue.submit([encoder.finish()]);
             })?;
             if stages.iter().all(|stage| stage.stage != step.stage()) {

@@ -1,15 +1,22 @@
 //! The table of kernels: everything that turns a WGSL file into a pipeline.
 
+use crate::buffers::COST_TEXELS;
 use crate::params::{Params, Paths, Prefilter};
 use crate::{Error, PixelFormat};
 
-/// What a kernel does with a storage buffer.
+/// What a kernel does with a storage resource.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Access {
     Read,
     Write,
+    /// A texture of this format, read as a storage texture.
+    Texels(wgpu::TextureFormat),
 }
-use Access::{Read, Write};
+use Access::{Read, Texels, Write};
+
+/// Texels of 4 and of 16 bytes.
+const WORD: Access = Texels(wgpu::TextureFormat::R32Uint);
+const QUAD: Access = Texels(wgpu::TextureFormat::Rgba32Uint);
 
 /// A row of the table.
 #[derive(Debug)]
@@ -18,7 +25,7 @@ pub(crate) struct Kernel {
     pub(crate) name: &'static str,
     /// The kernel and the fragments appended to it.
     pub(crate) sources: &'static [&'static str],
-    /// The storage buffers from binding 2 on; 0 and 1 are the uniform blocks.
+    /// The storage resources from binding 2 on; 0 and 1 are the uniform blocks.
     pub(crate) storage: &'static [Access],
 }
 
@@ -31,10 +38,11 @@ pub(crate) const KERNELS: &[Kernel] = &[
     Kernel { name: "gray", sources: wgsl!("gray", "common"), storage: &[Read, Write] },
     Kernel { name: "prefilter", sources: wgsl!("prefilter", "common"), storage: &[Read, Write] },
     Kernel { name: "sad_columns", sources: wgsl!("sad_columns", "common"), storage: &[Read, Read, Write] },
-    Kernel { name: "sad_cost", sources: wgsl!("sad_cost", "common"), storage: &[Read, Write] },
-    Kernel { name: "sgm_aggregate", sources: wgsl!("sgm_aggregate", "path_step", "common"), storage: &[Read, Write, Read, Write] },
-    Kernel { name: "winner", sources: wgsl!("winner", "path_step", "winner_row", "common"), storage: &[Read, Read, Read, Read, Read, Write, Write] },
-    Kernel { name: "block_match", sources: wgsl!("block_match", "winner_row", "common"), storage: &[Read, Write, Write] },
+    Kernel { name: "sad_cost", sources: wgsl!("sad_cost", "column_sums", "costs", "quantise", "common"), storage: &[Read, Write] },
+    Kernel { name: "sad_cost_small", sources: wgsl!("sad_cost_small", "quantise", "common"), storage: &[WORD, WORD, Write] },
+    Kernel { name: "sgm_aggregate", sources: wgsl!("sgm_aggregate", "path_step", "cost_texels", "common"), storage: &[QUAD, Write, Read, Write] },
+    Kernel { name: "winner", sources: wgsl!("winner", "path_step", "winner_row", "costs", "cost_texels", "common"), storage: &[QUAD, Read, Read, Read, Read, Write, Write] },
+    Kernel { name: "block_match", sources: wgsl!("block_match", "column_sums", "costs", "winner_row", "common"), storage: &[Read, Write, Write] },
     Kernel { name: "lr_check", sources: wgsl!("lr_check", "common"), storage: &[Read, Read, Write] },
     Kernel { name: "median", sources: wgsl!("median", "common"), storage: &[Read, Write] },
 ];
@@ -67,9 +75,11 @@ pub(crate) fn constants(kernel: &Kernel, params: &Params, format: PixelFormat) -
         ("SEGMENT", number(SEGMENT)),
         ("DISPARITIES", number(params.disparities)),
         ("QUADS", number(quads)),
-        ("WORDS", number(4 * quads)),
-        ("PAIRS", number(8 * quads)),
+        ("COST_TEXELS", number(COST_TEXELS)),
         ("BEYOND", ("vec4<u32>", format!("vec4({})", beyond.join(", ")))),
+        ("BLOCK", number(params.block)),
+        ("SMALL_VALUES", number((params.prefiltered_max() < 128).into())),
+        ("SUMMABLE", number(255 / params.prefiltered_max())),
         ("PATHS", number(paths)),
         ("PAIRED", number(paired)),
         ("SUBPIXEL", number(params.subpixel.into())),
@@ -103,17 +113,25 @@ pub(crate) struct Compiled {
 
 pub(crate) fn compile(device: &wgpu::Device, kernel: &Kernel, params: &Params, format: PixelFormat) -> Compiled {
     let label = format!("gpu-stereo.{}", kernel.name);
-    let entry = |binding: u32, ty, has_dynamic_offset| wgpu::BindGroupLayoutEntry {
+    let buffer = |ty, has_dynamic_offset| wgpu::BindingType::Buffer { ty, has_dynamic_offset, min_binding_size: None };
+    let storage = kernel.storage.iter().map(|access| match access {
+        Read => buffer(wgpu::BufferBindingType::Storage { read_only: true }, false),
+        Write => buffer(wgpu::BufferBindingType::Storage { read_only: false }, false),
+        Texels(format) => wgpu::BindingType::StorageTexture {
+            access: wgpu::StorageTextureAccess::ReadOnly,
+            format: *format,
+            view_dimension: wgpu::TextureViewDimension::D2,
+        },
+    });
+    let uniform = wgpu::BufferBindingType::Uniform;
+    let types = [buffer(uniform, false), buffer(uniform, true)].into_iter().chain(storage);
+    let entry = |(binding, ty)| wgpu::BindGroupLayoutEntry {
         binding,
         visibility: wgpu::ShaderStages::COMPUTE,
-        ty: wgpu::BindingType::Buffer { ty, has_dynamic_offset, min_binding_size: None },
+        ty,
         count: None,
     };
-    let mut entries =
-        vec![entry(0, wgpu::BufferBindingType::Uniform, false), entry(1, wgpu::BufferBindingType::Uniform, true)];
-    for (binding, access) in (2..).zip(kernel.storage) {
-        entries.push(entry(binding, wgpu::BufferBindingType::Storage { read_only: *access == Read }, false));
-    }
+    let entries: Vec<_> = (0..).zip(types).map(entry).collect();
     let layout =
         device.create_bind_group_layout(&wgpu::BindGroupLayoutDescriptor { label: Some(&label), entries: &entries });
     let module = shader_module(
@@ -122,6 +140,7 @@ pub(crate) fn compile(device: &wgpu::Device, kernel: &Kernel, params: &Params, f
             label: Some(&label),
             source: wgpu::ShaderSource::Wgsl(source(kernel, params, format).into()),
         },
+        params,
     );
     let pipeline_layout = device.create_pipeline_layout(&wgpu::PipelineLayoutDescriptor {
         label: Some(&label),
@@ -143,22 +162,38 @@ pub(crate) fn compile(device: &wgpu::Device, kernel: &Kernel, params: &Params, f
     Compiled { layout, pipeline }
 }
 
-/// Bounds checks stay on; only naga's guard against endless loops is left out. It puts a counter into every loop, which
-/// keeps Mesa from unrolling the loops over a path's state, so that the state stays in memory: 2.4 times slower on
-/// lavapipe (docs/PERFORMANCE.md).
+/// The kernels run without naga's guards against endless loops and against indices out of range, unless
+/// [`Params::shader_checks`] asks for them. Both keep Mesa from unrolling the loops over a path's state, which then stays
+/// in memory: 2 to 5 times slower on lavapipe (docs/PERFORMANCE.md). The exactness tests run with and without them.
 #[allow(unsafe_code)]
-fn shader_module(device: &wgpu::Device, descriptor: wgpu::ShaderModuleDescriptor<'_>) -> wgpu::ShaderModule {
-    let checks = wgpu::ShaderRuntimeChecks { force_loop_bounding: false, ..wgpu::ShaderRuntimeChecks::checked() };
-    // SAFETY: what the checks left out guard against is a loop that does not end. Every loop of the kernels counts up
-    // to a constant or to a size from the uniform blocks, which the matcher fills and checks.
+fn shader_module(
+    device: &wgpu::Device,
+    descriptor: wgpu::ShaderModuleDescriptor<'_>,
+    params: &Params,
+) -> wgpu::ShaderModule {
+    if params.shader_checks {
+        return device.create_shader_module(descriptor);
+    }
+    let checks = wgpu::ShaderRuntimeChecks {
+        force_loop_bounding: false,
+        bounds_checks: false,
+        ..wgpu::ShaderRuntimeChecks::checked()
+    };
+    // SAFETY: every loop of the kernels counts up to a constant or to a size from the uniform blocks, and every index is
+    // made of such sizes; the matcher fills the blocks and sizes the buffers from one source (src/buffers.rs).
     unsafe { device.create_shader_module_trusted(descriptor, checks) }
 }
 
 /// The limits that the kernels need, whatever the settings.
 pub(crate) fn check_limits(limits: &wgpu::Limits) -> Result<(), Error> {
-    let most = KERNELS.iter().map(|kernel| kernel.storage.len() as u32).max().unwrap_or(0);
+    let most = KERNELS
+        .iter()
+        .map(|kernel| kernel.storage.iter().filter(|access| matches!(access, Read | Write)).count() as u32)
+        .max()
+        .unwrap_or(0);
     let needs = [
         ("max_storage_buffers_per_shader_stage", limits.max_storage_buffers_per_shader_stage, most),
+        ("max_storage_textures_per_shader_stage", limits.max_storage_textures_per_shader_stage, 2),
         ("max_compute_invocations_per_workgroup", limits.max_compute_invocations_per_workgroup, LANES),
         ("max_compute_workgroup_size_x", limits.max_compute_workgroup_size_x, LANES),
         ("max_dynamic_uniform_buffers_per_pipeline_layout", limits.max_dynamic_uniform_buffers_per_pipeline_layout, 1),

@@ -2,7 +2,7 @@
 
 use std::sync::OnceLock;
 
-use crate::buffers::{Frame, Pass, Rows, Sizes};
+use crate::buffers::{COST_TEXELS, Frame, Pass, Rows, Sizes};
 use crate::kernels::{self, Compiled, KERNELS, LANES};
 use crate::reference::Direction;
 use crate::{DisparityMap, Error, Image, Median, Method, Params, PixelFormat, readback};
@@ -29,7 +29,7 @@ pub(crate) enum Output {
     Median,
 }
 
-/// One dispatch.
+/// One dispatch, and what is copied after it.
 #[derive(Debug)]
 pub(crate) struct Step {
     kernel: usize,
@@ -38,6 +38,8 @@ pub(crate) struct Step {
     workgroups: [u32; 2],
     pub(crate) output: Output,
     pub(crate) buffer: wgpu::Buffer,
+    /// The texture that `buffer` is copied into when it is complete, row by row.
+    copy_to: Option<wgpu::Texture>,
 }
 
 impl Step {
@@ -88,8 +90,19 @@ pub(crate) fn check_pair(left: &Image, right: &Image) -> Result<(), Error> {
     )))
 }
 
+/// The largest block that `sad_cost_small` takes: 15 * 15 * 255 fits the 16 bits that its sums have.
+const SMALL_BLOCK: u32 = 15;
+
 /// Distance of the blocks in the uniform buffer of [`Pass`]es: the largest alignment that WebGPU allows a device to ask.
 const PASS_STRIDE: u32 = 256;
+
+/// What a kernel is bound to.
+#[derive(Clone, Copy)]
+enum Bound<'a> {
+    Buffer(&'a wgpu::Buffer),
+    Texture(&'a wgpu::TextureView),
+}
+use Bound::{Buffer, Texture};
 
 /// Builds buffers and steps; becomes a [`StereoMatcher`].
 struct Builder<'a> {
@@ -117,11 +130,31 @@ impl Builder<'_> {
 
     /// A volume with a byte a disparity, a buffer a band.
     fn volume(&mut self, name: &str, sizes: &Sizes) -> Vec<wgpu::Buffer> {
-        sizes.bands.iter().map(|band| self.buffer(name, u64::from(band.count) * sizes.volume_row)).collect()
+        sizes.bands.iter().map(|band| self.buffer(name, sizes.volume(band.count))).collect()
+    }
+
+    /// Copies what the last step left into a texture of `texel_bytes` a texel and `width` texels a row.
+    fn copy_to_texture(&mut self, width: u32, height: u32, texel_bytes: u32) -> wgpu::TextureView {
+        self.device_bytes += u64::from(texel_bytes) * u64::from(width) * u64::from(height);
+        let texture = self.device.create_texture(&wgpu::TextureDescriptor {
+            label: Some("gpu-stereo.copy"),
+            size: wgpu::Extent3d { width, height, depth_or_array_layers: 1 },
+            mip_level_count: 1,
+            sample_count: 1,
+            dimension: wgpu::TextureDimension::D2,
+            format: if texel_bytes == 4 { wgpu::TextureFormat::R32Uint } else { wgpu::TextureFormat::Rgba32Uint },
+            usage: wgpu::TextureUsages::STORAGE_BINDING | wgpu::TextureUsages::COPY_DST,
+            view_formats: &[],
+        });
+        let view = texture.create_view(&wgpu::TextureViewDescriptor::default());
+        if let Some(step) = self.steps.last_mut() {
+            step.copy_to = Some(texture);
+        }
+        view
     }
 
     /// One dispatch of `lanes` x `rows` invocations. The last of `storage` that the kernel writes is what it leaves.
-    fn step(&mut self, name: &str, storage: &[&wgpu::Buffer], pass: Pass, lanes: u32, rows: u32, output: Output) {
+    fn step(&mut self, name: &str, storage: &[Bound<'_>], pass: Pass, lanes: u32, rows: u32, output: Output) {
         let Some(kernel) = KERNELS.iter().position(|kernel| kernel.name == name) else {
             unreachable!("{name} is not in the table of kernels");
         };
@@ -133,8 +166,12 @@ impl Builder<'_> {
             wgpu::BindGroupEntry { binding: 0, resource: self.frame.as_entire_binding() },
             wgpu::BindGroupEntry { binding: 1, resource: wgpu::BindingResource::Buffer(uniform) },
         ];
-        for (binding, buffer) in (2..).zip(storage) {
-            entries.push(wgpu::BindGroupEntry { binding, resource: buffer.as_entire_binding() });
+        for (binding, bound) in (2..).zip(storage) {
+            let resource = match bound {
+                Bound::Buffer(buffer) => buffer.as_entire_binding(),
+                Bound::Texture(view) => wgpu::BindingResource::TextureView(view),
+            };
+            entries.push(wgpu::BindGroupEntry { binding, resource });
         }
         let bind_group = self.device.create_bind_group(&wgpu::BindGroupDescriptor {
             label: Some(&format!("gpu-stereo.{name}")),
@@ -142,9 +179,12 @@ impl Builder<'_> {
             entries: &entries,
         });
         let written = KERNELS[kernel].storage.iter().position(|access| *access == kernels::Access::Write);
-        let buffer = storage[written.unwrap_or(0)].clone();
-        let workgroups = [lanes.div_ceil(LANES), rows];
-        self.steps.push(Step { kernel, bind_group, pass: self.passes.len() as u32, workgroups, output, buffer });
+        let Some(Bound::Buffer(buffer)) = written.map(|i| storage[i]) else {
+            unreachable!("{name} writes no buffer");
+        };
+        let (buffer, workgroups, pass_index) =
+            (buffer.clone(), [lanes.div_ceil(LANES), rows], self.passes.len() as u32);
+        self.steps.push(Step { kernel, bind_group, pass: pass_index, workgroups, output, buffer, copy_to: None });
         self.passes.push(pass);
     }
 }
@@ -216,18 +256,31 @@ impl StereoMatcher {
         };
         let Frame { width, height, gray_stride, left_stride, right_stride, map_stride, .. } = sizes.frame;
 
+        let small = params.method == Method::Sgm && params.block <= SMALL_BLOCK;
         let sources = [b.buffer("source.left", sizes.source), b.buffer("source.right", sizes.source)];
         let grays = [b.buffer("gray.left", sizes.gray), b.buffer("gray.right", sizes.gray)];
         let planes = [b.buffer("prefilter.left", sizes.left), b.buffer("prefilter.right", sizes.right)];
         let most_chunk = sizes.chunks.iter().flatten().map(|chunk| chunk.count).max().unwrap_or(1);
-        let columns = b.buffer("sad_columns", u64::from(most_chunk) * sizes.columns_row);
+        let columns_bytes = if small { 4 } else { u64::from(most_chunk) * sizes.columns_row };
+        let columns = b.buffer("sad_columns", columns_bytes);
         let [left_map, right_map] = [b.buffer("winner.left", sizes.map), b.buffer("winner.right", sizes.map)];
 
+        let mut plane_views = Vec::new();
         for side in 0..2 {
             let (i, pass) = (side as usize, Pass { side, ..Pass::default() });
-            b.step("gray", &[&sources[i], &grays[i]], pass, gray_stride, height, Output::Gray { side });
+            b.step("gray", &[Buffer(&sources[i]), Buffer(&grays[i])], pass, gray_stride, height, Output::Gray { side });
             let stride = [left_stride, right_stride][i];
-            b.step("prefilter", &[&grays[i], &planes[i]], pass, stride, height, Output::Prefiltered { side });
+            b.step(
+                "prefilter",
+                &[Buffer(&grays[i]), Buffer(&planes[i])],
+                pass,
+                stride,
+                height,
+                Output::Prefiltered { side },
+            );
+            if small {
+                plane_views.push(b.copy_to_texture(stride, height, 4));
+            }
         }
 
         let column_step = |b: &mut Builder<'_>, chunk: Rows| {
@@ -236,7 +289,7 @@ impl StereoMatcher {
             let segments = chunk.count.div_ceil(kernels::SEGMENT);
             b.step(
                 "sad_columns",
-                &[&planes[0], &planes[1], &columns],
+                &[Buffer(&planes[0]), Buffer(&planes[1]), Buffer(&columns)],
                 pass,
                 lanes,
                 segments,
@@ -250,18 +303,38 @@ impl StereoMatcher {
                 for &chunk in sizes.chunks.iter().flatten() {
                     let pass = column_step(&mut b, chunk);
                     let output = Output::Views { rows: chunk, last: chunk.first + chunk.count == height };
-                    b.step("block_match", &[&columns, &left_map, &right_map], pass, chunk.count, 1, output);
+                    b.step(
+                        "block_match",
+                        &[Buffer(&columns), Buffer(&left_map), Buffer(&right_map)],
+                        pass,
+                        chunk.count,
+                        1,
+                        output,
+                    );
                 }
             }
             Method::Sgm => {
-                let cost = b.volume("sad_cost", &sizes);
+                // The cost is computed into what is later the first pair's volume, and copied into a texture band by band:
+                // lavapipe reads 16 bytes of an image in a quarter of the time that a buffer takes, but writes buffers
+                // faster (docs/PERFORMANCE.md).
+                let first_paired = b.volume("sgm_aggregate", &sizes);
+                let mut cost = Vec::new();
                 for (band, (rows, chunks)) in sizes.bands.iter().zip(&sizes.chunks).enumerate() {
-                    for &chunk in chunks {
+                    if small {
+                        let pass = Pass { first_row: rows.first, rows: rows.count, ..Pass::default() };
+                        let planes = [Texture(&plane_views[0]), Texture(&plane_views[1])];
+                        let storage = [planes[0], planes[1], Buffer(&first_paired[band])];
+                        let output = Output::Cost { chunk: *rows, volume_row: 0 };
+                        b.step("sad_cost_small", &storage, pass, rows.count.div_ceil(2), 1, output);
+                    }
+                    for &chunk in chunks.iter().filter(|_| !small) {
                         let volume_row = chunk.first - rows.first;
                         let pass = Pass { volume_row, ..column_step(&mut b, chunk) };
                         let output = Output::Cost { chunk, volume_row };
-                        b.step("sad_cost", &[&columns, &cost[band]], pass, chunk.count, 1, output);
+                        let storage = [Buffer(&columns), Buffer(&first_paired[band])];
+                        b.step("sad_cost", &storage, pass, chunk.count, 1, output);
                     }
+                    cost.push(b.copy_to_texture(COST_TEXELS, sizes.cost_texture_rows(rows.count), 16));
                 }
                 // The pairs of opposite directions that cross rows, then the horizontal one, which ends in the winner.
                 let directions = Direction::all(params.paths);
@@ -269,9 +342,12 @@ impl StereoMatcher {
                 let carry_bytes = sizes.volume_row;
                 let carry =
                     [b.buffer("sgm_aggregate.carry", carry_bytes), b.buffer("sgm_aggregate.carry", carry_bytes)];
-                let mut paired = Vec::new();
-                for pair in across.chunks_exact(2) {
-                    let paths = b.volume("sgm_aggregate", &sizes);
+                let mut paired = vec![first_paired];
+                for (i, pair) in across.chunks_exact(2).enumerate() {
+                    if i > 0 {
+                        paired.push(b.volume("sgm_aggregate", &sizes));
+                    }
+                    let paths = &paired[i];
                     for (second, direction) in pair.iter().enumerate() {
                         let count = sizes.bands.len();
                         for i in 0..count {
@@ -285,15 +361,19 @@ impl StereoMatcher {
                                 accumulate: second as u32,
                                 ..Pass::default()
                             };
-                            let storage = [&cost[band], &paths[band], &carry[i % 2], &carry[1 - i % 2]];
+                            let storage = [
+                                Texture(&cost[band]),
+                                Buffer(&paths[band]),
+                                Buffer(&carry[i % 2]),
+                                Buffer(&carry[1 - i % 2]),
+                            ];
                             let output = Output::Paths { directions: pair[..=second].to_vec(), band: rows };
                             b.step("sgm_aggregate", &storage, pass, width, 1, output);
                         }
                     }
-                    paired.push(paths);
                 }
                 let most_band = sizes.bands.iter().map(|band| band.count).max().unwrap_or(1);
-                let forward = b.buffer("sgm_aggregate.forward", u64::from(most_band) * sizes.volume_row);
+                let forward = b.buffer("sgm_aggregate.forward", sizes.volume(most_band));
                 for (band, &rows) in sizes.bands.iter().enumerate() {
                     let pass = Pass {
                         first_row: rows.first,
@@ -302,11 +382,19 @@ impl StereoMatcher {
                         dy: along[0].dy,
                         ..Pass::default()
                     };
-                    let storage = [&cost[band], &forward, &carry[0], &carry[1]];
+                    let storage = [Texture(&cost[band]), Buffer(&forward), Buffer(&carry[0]), Buffer(&carry[1])];
                     let output = Output::Paths { directions: vec![along[0]], band: rows };
                     b.step("sgm_aggregate", &storage, pass, rows.count, 1, output);
-                    let pair = |i: usize| &paired[i.min(paired.len() - 1)][band];
-                    let storage = [&cost[band], &forward, pair(0), pair(1), pair(2), &left_map, &right_map];
+                    let pair = |i: usize| Buffer(&paired[i.min(paired.len() - 1)][band]);
+                    let storage = [
+                        Texture(&cost[band]),
+                        Buffer(&forward),
+                        pair(0),
+                        pair(1),
+                        pair(2),
+                        Buffer(&left_map),
+                        Buffer(&right_map),
+                    ];
                     let output = Output::Views { rows, last: rows.first + rows.count == height };
                     b.step("winner", &storage, pass, rows.count, 1, output);
                 }
@@ -316,12 +404,26 @@ impl StereoMatcher {
         let mut output = left_map;
         if params.lr_check.is_some() {
             let checked = b.buffer("lr_check", sizes.map);
-            b.step("lr_check", &[&output, &right_map, &checked], Pass::default(), map_stride, height, Output::Checked);
+            b.step(
+                "lr_check",
+                &[Buffer(&output), Buffer(&right_map), Buffer(&checked)],
+                Pass::default(),
+                map_stride,
+                height,
+                Output::Checked,
+            );
             output = checked;
         }
         if params.median == Median::Three {
             let filtered = b.buffer("median", sizes.map);
-            b.step("median", &[&output, &filtered], Pass::default(), map_stride, height, Output::Median);
+            b.step(
+                "median",
+                &[Buffer(&output), Buffer(&filtered)],
+                Pass::default(),
+                map_stride,
+                height,
+                Output::Median,
+            );
             output = filtered;
         }
 
@@ -391,31 +493,37 @@ impl StereoMatcher {
 
     /// Records the work of one frame, from the uploaded pair to [`StereoMatcher::output`].
     pub fn record(&self, encoder: &mut wgpu::CommandEncoder) {
-        let mut pass = encoder
-            .begin_compute_pass(&wgpu::ComputePassDescriptor { label: Some("gpu-stereo"), timestamp_writes: None });
-        for step in &self.steps {
-            self.dispatch(&mut pass, step);
+        // A compute pass ends where something is copied.
+        for steps in self.steps.split_inclusive(|step| step.copy_to.is_some()) {
+            self.record_steps(encoder, "gpu-stereo", steps, None);
         }
     }
 
-    fn dispatch(&self, pass: &mut wgpu::ComputePass<'_>, step: &Step) {
-        if let Some(compiled) = &self.pipelines[step.kernel] {
-            pass.set_pipeline(&compiled.pipeline);
-            pass.set_bind_group(0, &step.bind_group, &[step.pass * PASS_STRIDE]);
-            pass.dispatch_workgroups(step.workgroups[0], step.workgroups[1], 1);
-        }
-    }
-
-    /// Records one step in a compute pass of its own.
-    pub(crate) fn record_step(
+    /// Records steps in one compute pass. Only the last one may copy.
+    pub(crate) fn record_steps(
         &self,
         encoder: &mut wgpu::CommandEncoder,
-        step: &Step,
+        label: &str,
+        steps: &[Step],
         timestamp_writes: Option<wgpu::ComputePassTimestampWrites<'_>>,
     ) {
-        let label = Some(step.stage());
+        let label = Some(label);
         let mut pass = encoder.begin_compute_pass(&wgpu::ComputePassDescriptor { label, timestamp_writes });
-        self.dispatch(&mut pass, step);
+        for step in steps {
+            if let Some(compiled) = &self.pipelines[step.kernel] {
+                pass.set_pipeline(&compiled.pipeline);
+                pass.set_bind_group(0, &step.bind_group, &[step.pass * PASS_STRIDE]);
+                pass.dispatch_workgroups(step.workgroups[0], step.workgroups[1], 1);
+            }
+        }
+        drop(pass);
+        if let Some((step, texture)) = steps.last().and_then(|step| Some((step, step.copy_to.as_ref()?))) {
+            let texel = if texture.format() == wgpu::TextureFormat::R32Uint { 4 } else { 16 };
+            let bytes_per_row = Some(texel * texture.width());
+            let layout = wgpu::TexelCopyBufferLayout { offset: 0, bytes_per_row, rows_per_image: None };
+            let source = wgpu::TexelCopyBufferInfo { buffer: &step.buffer, layout };
+            encoder.copy_buffer_to_texture(source, texture.as_image_copy(), texture.size());
+        }
     }
 
     /// Uploads a pair, computes its map and reads it back. Blocks until it is there.
@@ -478,13 +586,13 @@ impl StereoMatcher {
             readback: readback::buffer(&self.device, "gpu-stereo.timestamps", bytes),
         });
         let map = self.run(left, right, |encoder| {
-            for (i, step) in (0..).zip(&self.steps) {
+            for (i, step) in (0..).zip(self.steps.chunks(1)) {
                 let writes = wgpu::ComputePassTimestampWrites {
                     query_set: &timer.queries,
                     beginning_of_pass_write_index: Some(2 * i),
                     end_of_pass_write_index: Some(2 * i + 1),
                 };
-                self.record_step(encoder, step, Some(writes));
+                self.record_steps(encoder, step[0].stage(), step, Some(writes));
             }
             encoder.resolve_query_set(&timer.queries, 0..count, &timer.resolved, 0);
             encoder.copy_buffer_to_buffer(&timer.resolved, 0, &timer.readback, 0, bytes);

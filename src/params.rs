@@ -83,6 +83,8 @@ pub struct Params {
     pub median: Median,
     /// Refine the winner to 1/16 pixel with a parabola.
     pub subpixel: bool,
+    /// Compile the kernels with checks of every index and loop: slower, the same result. For a device that misbehaves.
+    pub shader_checks: bool,
 }
 
 impl Params {
@@ -111,6 +113,7 @@ impl Params {
             lr_check: Some(1),
             median: Median::Three,
             subpixel: true,
+            shader_checks: false,
         }
     }
 

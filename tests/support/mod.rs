@@ -1,6 +1,8 @@
 //! What the tests share: a device, and pairs made from a seed.
 #![allow(dead_code, clippy::unwrap_used, clippy::expect_used)]
 
+use std::io::Write as _;
+
 use gpu_stereo::{Image, Params, Pixels, StageCheck, wgpu};
 use rand::{Rng, SeedableRng};
 use rand_chacha::ChaCha8Rng;
@@ -15,7 +17,8 @@ pub fn device_with(change: impl FnOnce(&mut wgpu::Limits)) -> Option<(wgpu::Adap
             "no adapter was found: install a Vulkan driver (Debian: mesa-vulkan-drivers), or set GPU_STEREO_NO_ADAPTER=1 \
              to go on without the tests that need one"
         );
-        println!("NOT TESTED: there is no adapter, and GPU_STEREO_NO_ADAPTER is set");
+        // Past libtest's capture, which hides what a passing test prints.
+        let _ = writeln!(std::io::stderr(), "NOT TESTED: there is no adapter, and GPU_STEREO_NO_ADAPTER is set");
         return None;
     };
     let mut limits = gpu_stereo::StereoMatcher::required_limits(&adapter);
@@ -95,7 +98,7 @@ pub fn random_params(random: &mut ChaCha8Rng) -> Params {
     let mut params = if random.random_bool(0.3) { Params::bm(disparities) } else { Params::sgm(disparities) };
     params.min_disparity = *[0, 0, 0, 1, 5, -1, -7, -40, 30].get(random.random_range(0..9)).unwrap();
     params.paths = if random.random() { Paths::Eight } else { Paths::Four };
-    params.block = 2 * random.random_range(0..8) + 1;
+    params.block = 2 * random.random_range(0..10) + 1;
     params.prefilter = [Prefilter::XSobel, Prefilter::Sobel, Prefilter::None][random.random_range(0..3)];
     params.prefilter_cap = random.random_range(1..=127);
     params.p2 = random.random_range(0..=127);
@@ -104,5 +107,6 @@ pub fn random_params(random: &mut ChaCha8Rng) -> Params {
     params.lr_check = if random.random_bool(0.3) { None } else { Some(random.random_range(0..4)) };
     params.median = if random.random_bool(0.3) { Median::Off } else { Median::Three };
     params.subpixel = random.random_bool(0.7);
+    params.shader_checks = random.random_bool(0.3);
     params
 }
