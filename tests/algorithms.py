@@ -1,0 +1,282 @@
+"""docs/ALGORITHMS.md once more, in plain Python: following that page alone, to show that it is enough.
+
+    python3 algorithms.py FOLDER    for each case in FOLDER (case.json, left.raw, right.raw), write STAGE.raw beside it
+    python3 algorithms.py --example print the worked example of the page
+
+Needs nothing but Python 3.8. Raw files are little endian; tests/algorithms.rs writes the cases and compares the stages.
+"""
+
+import array
+import json
+import math
+import os
+import sys
+
+INVALID = -32768
+SAMPLES = {"gray8": ("B", 1), "gray16": ("H", 1), "rgba8": ("B", 4), "rgba16": ("H", 4)}
+FOUR = [(0, 1), (0, -1), (1, 0), (-1, 0)]
+EIGHT = FOUR + [(1, 1), (-1, -1), (-1, 1), (1, -1)]
+
+
+def clamp(v, lo, hi):
+    return min(max(v, lo), hi)
+
+
+def q(v):
+    return (v + 8) >> 4
+
+
+class Chain:
+    """The stages by their names. Images are [y][x], volumes [y][x][d]."""
+
+    def __init__(self, case):
+        self.width, self.height = case["width"], case["height"]
+        self.smallest, self.count = case["min_disparity"], case["disparities"]
+        self.case = case
+        self.radius = (case["block"] - 1) // 2
+        self.largest_value = 255 if case["prefilter"] == "none" else 2 * case["prefilter_cap"]
+
+    def inside(self, x):
+        return 0 <= x <= self.width - 1
+
+    def points_inside(self, x, v):
+        return self.inside(x - q(v))
+
+    def at(self, image, x, y):
+        return image[clamp(y, 0, self.height - 1)][clamp(x, 0, self.width - 1)]
+
+    def over_pixels(self, formula):
+        return [[formula(x, y) for x in range(self.width)] for y in range(self.height)]
+
+    def gray(self, kind, samples):
+        def luma(x, y):
+            p = (y * self.width + x) * SAMPLES[kind][1]
+            if kind.startswith("gray"):
+                value = samples[p]
+            else:
+                value = (9798 * samples[p] + 19235 * samples[p + 1] + 3735 * samples[p + 2] + 16384) >> 15
+            return (value + 128) // 257 if kind.endswith("16") else value
+
+        return self.over_pixels(luma)
+
+    def prefilter(self, g):
+        kind, cap = self.case["prefilter"], self.case["prefilter_cap"]
+
+        def derivative(x, y, across):
+            total = 0
+            for weight, j in ((1, -1), (2, 0), (1, 1)):
+                if across:
+                    total += weight * (self.at(g, x + 1, y + j) - self.at(g, x - 1, y + j))
+                else:
+                    total += weight * (self.at(g, x + j, y + 1) - self.at(g, x + j, y - 1))
+            return total
+
+        def value(x, y):
+            if kind == "none":
+                return g[y][x]
+            gx = derivative(x, y, True)
+            if kind == "xsobel":
+                return clamp(gx, -cap, cap) + cap
+            return min(math.isqrt(gx**2 + derivative(x, y, False) ** 2), 2 * cap)
+
+        return self.over_pixels(value)
+
+    def sad_columns(self, left, right):
+        rows = range(-self.radius, self.radius + 1)
+
+        def entry(x, y, d):
+            seen = x - (self.smallest + d)
+            return sum(abs(self.at(left, x, y + j) - self.at(right, seen, y + j)) for j in rows)
+
+        columns = range(-self.radius, self.width + self.radius)
+        return [[[entry(x, y, d) for d in range(self.count)] for x in columns] for y in range(self.height)]
+
+    def block_sums(self, columns):
+        def sums(x, y):
+            return [sum(values) for values in zip(*columns[y][x : x + 2 * self.radius + 1])]
+
+        return self.over_pixels(sums)
+
+    def scale(self):
+        largest = self.case["block"] ** 2 * self.largest_value
+        return (59 * 1550 * 2**14 + largest // 2) // largest
+
+    def sad_cost(self, columns):
+        scale = self.scale()
+        return [[[(s * scale + 2**23) >> 24 for s in pixel] for pixel in row] for row in self.block_sums(columns)]
+
+    def path_costs(self, cost, dx, dy):
+        """L of one direction. Pixels are visited so that the pixel before comes first."""
+        p1, p2 = self.case["p1"], self.case["p2"]
+        path = self.over_pixels(lambda x, y: None)
+        for y in range(self.height) if dy >= 0 else reversed(range(self.height)):
+            for x in range(self.width) if dx >= 0 else reversed(range(self.width)):
+                smooth = [0] * self.count
+                if self.inside(x - dx) and 0 <= y - dy < self.height:
+                    before = path[y - dy][x - dx]
+                    m = min(before)
+                    for d, stay in enumerate(before):
+                        steps = [before[e] + p1 for e in (d - 1, d + 1) if 0 <= e < self.count]
+                        smooth[d] = min([stay, m + p2] + steps) - m
+                path[y][x] = [c + t for c, t in zip(cost[y][x], smooth)]
+        return path
+
+    def sgm_aggregate(self, cost):
+        paths = [self.path_costs(cost, dx, dy) for dx, dy in (FOUR if self.case["paths"] == 4 else EIGHT)]
+        return self.over_pixels(lambda x, y: [sum(values) for values in zip(*(path[y][x] for path in paths))])
+
+    def winner(self, cost):
+        last, ratio = self.count - 1, self.case["uniqueness"]
+
+        def left(x, y):
+            s = cost[y][x]
+            best = s.index(min(s))
+            if ratio > 0:
+                for d in range(self.count):
+                    if abs(d - best) > 1 and not s[d] * (100 - ratio) > s[best] * 100:
+                        return INVALID
+            v = 16 * (self.smallest + best)
+            if self.case["subpixel"] and 0 < best < last:
+                a, b, c = s[best - 1 : best + 2]
+                k = a + c - 2 * b
+                v += (16 * (a - c) + k - 1) // (2 * k)
+            return v if self.points_inside(x, v) else INVALID
+
+        def right(x, y):
+            least, value = None, INVALID
+            for d in range(self.count):
+                seen_from = x + self.smallest + d
+                if self.inside(seen_from) and (least is None or cost[y][seen_from][d] < least):
+                    least, value = cost[y][seen_from][d], 16 * (self.smallest + d)
+            return value
+
+        return self.over_pixels(left), self.over_pixels(right)
+
+    def lr_check(self, left, right):
+        if self.case["lr_check"] == "off":
+            return left
+
+        def checked(x, y):
+            v = left[y][x]
+            if v == INVALID or not self.points_inside(x, v):
+                return INVALID
+            w = right[y][x - q(v)]
+            return v if w != INVALID and abs(w // 16 - q(v)) <= self.case["lr_check"] else INVALID
+
+        return self.over_pixels(checked)
+
+    def median(self, disparities):
+        if self.case["median"] == "off":
+            return disparities
+
+        def fifth(x, y):
+            v = sorted(self.at(disparities, x + i, y + j) for j in (-1, 0, 1) for i in (-1, 0, 1))[4]
+            return v if self.points_inside(x, v) else INVALID
+
+        return self.over_pixels(fifth)
+
+    def run(self, left, right):
+        """All stages in the order of the chain: (name, C type, values)."""
+        sides = []
+        for side, samples in (("left", left), ("right", right)):
+            gray = self.gray(self.case["format"], samples)
+            plane = self.prefilter(gray)
+            yield "gray_" + side, "B", gray
+            yield "prefilter_" + side, "B", plane
+            sides.append(plane)
+        columns = self.sad_columns(*sides)
+        yield "sad_columns", "H", columns
+        if self.case["method"] == "sgm":
+            cost = self.sad_cost(columns)
+            yield "sad_cost_scale", "I", [self.scale()]
+            yield "sad_cost", "B", cost
+            cost = self.sgm_aggregate(cost)
+            yield "sgm_aggregate", "H", cost
+        else:
+            cost = self.block_sums(columns)
+        view, other = self.winner(cost)
+        yield "winner_left", "h", view
+        yield "winner_right", "h", other
+        view = self.lr_check(view, other)
+        yield "lr_check", "h", view
+        yield "median", "h", self.median(view)
+
+
+def flat(values):
+    return [v for value in values for v in flat(value)] if isinstance(values, list) else [values]
+
+
+def read(path, code):
+    samples = array.array(code)
+    with open(path, "rb") as file:
+        samples.frombytes(file.read())
+    if sys.byteorder == "big":
+        samples.byteswap()
+    return samples
+
+
+def write(path, code, values):
+    samples = array.array(code, flat(values))  # raises OverflowError where a value does not fit the width of the page
+    if sys.byteorder == "big":
+        samples.byteswap()
+    with open(path, "wb") as file:
+        file.write(samples.tobytes())
+
+
+def run_case(folder):
+    with open(os.path.join(folder, "case.json"), encoding="utf-8") as file:
+        case = json.load(file)
+    code = SAMPLES[case["format"]][0]
+    images = [read(os.path.join(folder, side + ".raw"), code) for side in ("left", "right")]
+    for name, code, values in Chain(case).run(*images):
+        write(os.path.join(folder, name + ".raw"), code, values)
+
+
+EXAMPLE = dict(
+    width=6, height=1, format="gray8", method="sgm", paths=4, min_disparity=0, disparities=3, block=3, prefilter="none",
+    prefilter_cap=31, p1=2, p2=6, uniqueness=0, lr_check=0, median=3, subpixel=True,
+)
+EXAMPLE_PAIR = [10, 40, 70, 60, 200, 90], [40, 66, 190, 210, 90, 90]
+
+
+def example():
+    """The tables of the worked example."""
+    chain = Chain(EXAMPLE)
+    stages = {name: values[0] for name, _, values in chain.run(*EXAMPLE_PAIR)}
+    columns, cost = [stages["sad_columns"]], [stages["sad_cost"]]
+
+    def show(title, values, first=0):
+        print(title)
+        if isinstance(values[0], list):
+            values = list(zip(*values))
+            print("      x " + "".join("%6d" % (first + x) for x in range(len(values[0]))))
+            for d, row in enumerate(values):
+                print("  d = %d " % d + "".join("%6d" % v for v in row))
+        else:
+            print("        " + "".join("%6s" % ("inv" if v == INVALID else v) for v in values))
+
+    show("left gray", stages["gray_left"])
+    show("right gray", stages["gray_right"])
+    show("sad_columns, x = c - 1", columns[0], -1)
+    show("block sums", chain.block_sums(columns)[0])
+    show("sad_cost C, scale = %d" % chain.scale(), cost[0])
+    show("L of (0, 1) and of (0, -1): one row, so every path starts and L = C", chain.path_costs(cost, 0, 1)[0])
+    show("L of (1, 0)", chain.path_costs(cost, 1, 0)[0])
+    show("L of (-1, 0)", chain.path_costs(cost, -1, 0)[0])
+    show("sgm_aggregate S", stages["sgm_aggregate"])
+    show("winner, left view", stages["winner_left"])
+    show("winner, right view", stages["winner_right"])
+    show("lr_check", stages["lr_check"])
+    show("median", stages["median"])
+
+
+if __name__ == "__main__":
+    if len(sys.argv) != 2:
+        sys.exit(__doc__)
+    if sys.argv[1] == "--example":
+        example()
+    else:
+        folders = sorted(entry.path for entry in os.scandir(sys.argv[1]) if entry.is_dir())
+        for folder in folders:
+            run_case(folder)
+        print("%d cases" % len(folders))

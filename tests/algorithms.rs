@@ -1,0 +1,322 @@
+//! docs/ALGORITHMS.md is enough to write the chain again: tests/algorithms.py follows the page alone, and
+//! every stage of it equals the reference.
+#![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)]
+
+mod support;
+
+use gpu_stereo::{DisparityMap, Image, Median, Method, Params, Paths, PixelFormat, Pixels, Prefilter, reference};
+use rand::{Rng, SeedableRng};
+use rand_chacha::ChaCha8Rng;
+use std::io::Write;
+use std::path::{Path, PathBuf};
+use std::process::Command;
+
+const PAGE: &str = include_str!("../docs/ALGORITHMS.md");
+const SCRIPT: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/tests/algorithms.py");
+
+/// Runs the script; `None` where there is no Python, and then says so.
+fn python(argument: &str) -> Option<String> {
+    let probe = Command::new("python3").args(["-c", "import sys; sys.exit(sys.version_info < (3, 8))"]).status();
+    let missing = match probe {
+        Ok(status) if status.success() => None,
+        Ok(_) => Some("python3 does not run or is older than 3.8".to_string()),
+        Err(error) => Some(format!("python3 does not start: {error}")),
+    };
+    if let Some(why) = missing {
+        // Not eprintln!, which the test harness holds back when a test passes.
+        writeln!(std::io::stderr(), "NOT TESTED: docs/ALGORITHMS.md against the reference, {why}").unwrap();
+        return None;
+    }
+    let output = Command::new("python3").args([SCRIPT, argument]).output().unwrap();
+    assert!(output.status.success(), "tests/algorithms.py failed:\n{}", String::from_utf8_lossy(&output.stderr));
+    Some(String::from_utf8(output.stdout).unwrap())
+}
+
+/// The settings by the page's names.
+fn settings(params: &Params) -> Vec<(&'static str, String)> {
+    let number = |n: u32| n.to_string();
+    vec![
+        ("min_disparity", params.min_disparity.to_string()),
+        ("disparities", number(params.disparities)),
+        ("method", if params.method == Method::Sgm { "sgm" } else { "bm" }.into()),
+        ("paths", number(if params.paths == Paths::Four { 4 } else { 8 })),
+        ("block", number(params.block)),
+        ("prefilter", format!("{:?}", params.prefilter).to_lowercase()),
+        ("prefilter_cap", number(params.prefilter_cap)),
+        ("p1", number(params.p1)),
+        ("p2", number(params.p2)),
+        ("uniqueness", number(params.uniqueness)),
+        ("lr_check", params.lr_check.map_or("off".into(), number)),
+        ("median", if params.median == Median::Off { "off" } else { "3" }.into()),
+        ("subpixel", if params.subpixel { "on" } else { "off" }.into()),
+    ]
+}
+
+fn json(image: &Image, params: &Params) -> String {
+    let format = match image.format() {
+        PixelFormat::Gray8 => "gray8",
+        PixelFormat::Gray16 => "gray16",
+        PixelFormat::Rgba8 => "rgba8",
+        PixelFormat::Rgba16 => "rgba16",
+        other => panic!("no name for {other:?}"),
+    };
+    let mut fields = vec![
+        format!("\"width\": {}", image.width()),
+        format!("\"height\": {}", image.height()),
+        format!("\"format\": \"{format}\""),
+    ];
+    for (name, value) in settings(params) {
+        let value = match (name, value.as_str()) {
+            ("subpixel", value) => (value == "on").to_string(),
+            (_, value) if value.parse::<i64>().is_ok() => value.to_string(),
+            (_, value) => format!("\"{value}\""),
+        };
+        fields.push(format!("\"{name}\": {value}"));
+    }
+    format!("{{{}}}\n", fields.join(", "))
+}
+
+fn bytes16(samples: &[u16]) -> Vec<u8> {
+    samples.iter().flat_map(|v| v.to_le_bytes()).collect()
+}
+
+fn map_bytes(map: &DisparityMap) -> Vec<u8> {
+    map.data.iter().flat_map(|v| v.to_le_bytes()).collect()
+}
+
+fn samples(image: &Image) -> Vec<u8> {
+    match image.pixels() {
+        Pixels::Gray8(s) | Pixels::Rgba8(s) => s.clone(),
+        Pixels::Gray16(s) | Pixels::Rgba16(s) => bytes16(s),
+        other => panic!("no bytes of {other:?}"),
+    }
+}
+
+/// Every stage of the reference by the name of its file, the last one being the map.
+fn stages(left: &Image, right: &Image, params: &Params) -> Vec<(&'static str, usize, Vec<u8>)> {
+    let gray = [reference::gray(left), reference::gray(right)];
+    let planes = [reference::prefilter(&gray[0], params), reference::prefilter(&gray[1], params)];
+    let columns = reference::sad_columns(&planes[0], &planes[1], params);
+    let mut stages = vec![
+        ("gray_left", 1, gray[0].data.clone()),
+        ("gray_right", 1, gray[1].data.clone()),
+        ("prefilter_left", 1, planes[0].data.clone()),
+        ("prefilter_right", 1, planes[1].data.clone()),
+        ("sad_columns", 2, bytes16(&columns.data)),
+    ];
+    let views = if params.method == Method::Sgm {
+        let cost = reference::sad_cost(&columns, params);
+        let aggregate = reference::sgm_aggregate(&cost, params);
+        stages.push(("sad_cost_scale", 4, reference::sad_cost_scale(params).to_le_bytes().to_vec()));
+        stages.push(("sad_cost", 1, cost.data));
+        stages.push(("sgm_aggregate", 2, bytes16(&aggregate.data)));
+        reference::winner(&aggregate, params)
+    } else {
+        reference::block_match(&columns, params)
+    };
+    stages.push(("winner_left", 2, map_bytes(&views.left)));
+    stages.push(("winner_right", 2, map_bytes(&views.right)));
+    let checked = match params.lr_check {
+        Some(px) => reference::lr_check(&views.left, &views.right, px),
+        None => views.left,
+    };
+    stages.push(("lr_check", 2, map_bytes(&checked)));
+    stages.push(("median", 2, map_bytes(&reference::compute(left, right, params).unwrap())));
+    stages
+}
+
+struct Case {
+    left: Image,
+    right: Image,
+    params: Params,
+}
+
+/// Few gray levels in large steps: many equal costs, and the extremes of every sum.
+fn few_levels(width: u32, height: u32, format: u32, random: &mut ChaCha8Rng) -> Image {
+    let levels = [0, 0, 0, u16::MAX, u16::MAX, 0x4000];
+    let samples: Vec<u16> =
+        (0..width * height * if format < 2 { 1 } else { 4 }).map(|_| levels[random.random_range(0..6)]).collect();
+    let narrow = |samples: Vec<u16>| samples.into_iter().map(|v| (v >> 8) as u8).collect();
+    let pixels = match format {
+        0 => Pixels::Gray8(narrow(samples)),
+        1 => Pixels::Gray16(samples),
+        2 => Pixels::Rgba8(narrow(samples)),
+        _ => Pixels::Rgba16(samples),
+    };
+    Image::new(width, height, pixels).unwrap()
+}
+
+/// Uniform noise over all samples, for the rounding of `gray`.
+fn noise(width: u32, height: u32, format: u32, random: &mut ChaCha8Rng) -> Image {
+    let count = width * height;
+    let pixels = match format {
+        0 => Pixels::Gray8((0..count).map(|_| random.random()).collect()),
+        1 => Pixels::Gray16((0..count).map(|_| random.random()).collect()),
+        2 => Pixels::Rgba8((0..4 * count).map(|_| random.random()).collect()),
+        _ => Pixels::Rgba16((0..4 * count).map(|_| random.random()).collect()),
+    };
+    Image::new(width, height, pixels).unwrap()
+}
+
+fn cases() -> Vec<Case> {
+    let mut cases = Vec::new();
+    // Pairs with a truth, in every format, with random parameters.
+    for seed in 0..48 {
+        let mut random = ChaCha8Rng::seed_from_u64(seed);
+        let params = support::random_params(&mut random);
+        let (width, height) = (random.random_range(1..40), random.random_range(1..10));
+        let (left, right) = support::pair(width, height, seed);
+        let format = seed as u32 % 4;
+        cases.push(Case { left: support::as_format(&left, format), right: support::as_format(&right, format), params });
+    }
+    // Ties, and noise; small ranges so that a winner often has neighbours of equal cost.
+    for seed in 100..148 {
+        let mut random = ChaCha8Rng::seed_from_u64(seed);
+        let mut params = support::random_params(&mut random);
+        params.disparities = random.random_range(1..9);
+        params.block = 2 * random.random_range(0..3) + 1;
+        params.min_disparity = random.random_range(-5..5);
+        if random.random() {
+            params.p2 = random.random_range(0..12);
+            params.p1 = random.random_range(0..=params.p2);
+        }
+        let (width, height) = (random.random_range(1..24), random.random_range(1..9));
+        let format = seed as u32 % 4;
+        let image = if seed % 8 < 4 { few_levels } else { noise };
+        let left = image(width, height, format, &mut random);
+        let right = image(width, height, format, &mut random);
+        cases.push(Case { left, right, params });
+    }
+    // The ends of the ranges.
+    let mut edge = |width, height, seed: u64, change: &dyn Fn(&mut Params)| {
+        for mut params in [Params::sgm(7), Params::bm(7)] {
+            change(&mut params);
+            let mut random = ChaCha8Rng::seed_from_u64(seed);
+            let left = few_levels(width, height, 0, &mut random);
+            let right = few_levels(width, height, 0, &mut random);
+            cases.push(Case { left, right, params });
+        }
+    };
+    edge(1, 1, 200, &|_| ());
+    edge(1, 5, 201, &|_| ());
+    edge(13, 1, 202, &|_| ());
+    edge(6, 3, 203, &|params| {
+        params.min_disparity = -Params::MAX_ABS_DISPARITY;
+        params.disparities = 2 * Params::MAX_ABS_DISPARITY as u32 + 1;
+        params.lr_check = Some(4095);
+        params.block = 1;
+    });
+    edge(9, 4, 204, &|params| params.min_disparity = Params::MAX_ABS_DISPARITY - 6);
+    edge(9, 4, 205, &|params| params.min_disparity = -Params::MAX_ABS_DISPARITY);
+    edge(9, 4, 206, &|params| {
+        params.block = Params::MAX_BLOCK;
+        params.prefilter = Prefilter::None;
+        params.paths = Paths::Eight;
+        params.p1 = Params::MAX_P2;
+        params.p2 = Params::MAX_P2;
+    });
+    edge(17, 5, 207, &|params| {
+        params.block = 1;
+        params.prefilter_cap = Params::MAX_CAP;
+        params.prefilter = Prefilter::Sobel;
+        params.paths = Paths::Eight;
+        params.p1 = 0;
+        params.p2 = Params::MAX_P2;
+    });
+    edge(17, 5, 208, &|params| {
+        params.prefilter_cap = 1;
+        params.p1 = 0;
+        params.p2 = 0;
+        params.uniqueness = 99;
+    });
+    // One step of gray in a flat pair: all ties.
+    for params in [Params::sgm(5), Params::bm(5)] {
+        let image = |at: usize| {
+            let samples = (0..60).map(|i| if i % 12 < at { 90 } else { 91 }).collect();
+            Image::new(12, 5, Pixels::Gray8(samples)).unwrap()
+        };
+        cases.push(Case { left: image(6), right: image(4), params });
+    }
+    // Luma exactly half way between two levels.
+    let half = |&(r, g, b): &(u32, u32, u32)| (9798 * r + 19235 * g + 3735 * b) % 32768 == 16384;
+    let colours = (0..256).flat_map(|r| (0..256).flat_map(move |g| (0..256).map(move |b| (r, g, b))));
+    let halves: Vec<u8> =
+        colours.filter(half).take(120).flat_map(|(r, g, b)| [r as u8, g as u8, b as u8, 255]).collect();
+    let image = |samples: &[u8]| Image::new(12, 5, Pixels::Rgba8(samples.to_vec())).unwrap();
+    cases.push(Case { left: image(&halves[..240]), right: image(&halves[240..]), params: Params::sgm(5) });
+    cases
+}
+
+#[test]
+fn a_second_implementation_from_the_page_gives_the_same_bits() {
+    let cases = cases();
+    let root = PathBuf::from(env!("CARGO_TARGET_TMPDIR")).join("algorithms");
+    if root.exists() {
+        std::fs::remove_dir_all(&root).unwrap(); // what an earlier run wrote must not be taken for this one's
+    }
+    let folder = |i: usize| root.join(format!("{i:03}"));
+    for (i, Case { left, right, params }) in cases.iter().enumerate() {
+        std::fs::create_dir_all(folder(i)).unwrap();
+        std::fs::write(folder(i).join("case.json"), json(left, params)).unwrap();
+        std::fs::write(folder(i).join("left.raw"), samples(left)).unwrap();
+        std::fs::write(folder(i).join("right.raw"), samples(right)).unwrap();
+    }
+    let Some(said) = python(root.to_str().unwrap()) else { return };
+    assert_eq!(said.trim(), format!("{} cases", cases.len()));
+
+    let (mut valid, mut invalid, mut refined) = (0, 0, 0);
+    for (i, Case { left, right, params }) in cases.iter().enumerate() {
+        for (stage, size, expected) in stages(left, right, params) {
+            compare(&folder(i), stage, size, &expected, &json(left, params));
+        }
+        let map = reference::compute(left, right, params).unwrap();
+        valid += map.data.iter().filter(|&&v| v != DisparityMap::INVALID).count();
+        invalid += map.data.iter().filter(|&&v| v == DisparityMap::INVALID).count();
+        refined += map.data.iter().filter(|&&v| v % 16 != 0).count();
+    }
+    // The cases say something: maps are neither empty nor full, and not of whole pixels only.
+    assert!(valid > 2000 && invalid > 2000 && refined > 500, "{valid} valid, {invalid} invalid, {refined} refined");
+}
+
+fn compare(folder: &Path, stage: &str, size: usize, expected: &[u8], case: &str) {
+    let found = std::fs::read(folder.join(stage).with_extension("raw")).unwrap();
+    assert!(!expected.is_empty() && found.len() == expected.len(), "{stage}: {} bytes, case {case}", found.len());
+    let first = found.iter().zip(expected).position(|(a, b)| a != b).map(|byte| byte / size);
+    let element = |bytes: &[u8], i: usize| bytes[i * size..][..size].to_vec();
+    if let Some(i) = first {
+        panic!(
+            "{stage}: element {i} is {:?} by the page and {:?} by the reference (little endian), {}, case {case}",
+            element(&found, i),
+            element(expected, i),
+            folder.display()
+        );
+    }
+}
+
+#[test]
+fn the_worked_example_is_what_the_formulas_give() {
+    let Some(example) = python("--example") else { return };
+    let on_page: Vec<&str> = PAGE.lines().map(str::trim_end).collect();
+    let lines: Vec<String> = example.lines().map(|line| format!("    {line}").trim_end().to_string()).collect();
+    assert!(lines.len() > 30);
+    assert!(
+        on_page.windows(lines.len()).any(|window| window == lines),
+        "the page does not hold what python3 tests/algorithms.py --example prints"
+    );
+}
+
+#[test]
+fn the_table_of_parameters_has_the_defaults() {
+    let rows: Vec<Vec<&str>> = PAGE
+        .lines()
+        .filter(|line| line.contains("| `--"))
+        .map(|line| line.trim_matches('|').split('|').map(str::trim).collect())
+        .collect();
+    let (sgm, bm) = (settings(&Params::sgm(64)), settings(&Params::bm(64)));
+    assert_eq!(rows.len(), sgm.len());
+    for ((row, (name, sgm)), (_, bm)) in rows.iter().zip(&sgm).zip(&bm) {
+        assert!(row[0].starts_with(&format!("`{name}`")), "{row:?} where {name} was expected");
+        let given = |value: &str| if *name == "disparities" { "must be given".into() } else { value.to_string() };
+        assert_eq!((row[4], row[5]), (given(sgm).as_str(), given(bm).as_str()), "the defaults of {name}");
+    }
+}
