@@ -81,12 +81,15 @@ fn winner(costs: ptr<function, Costs>, x: i32) -> i32 {
     var rivals = vec4(0u);
     for (var q = 0u; q < QUADS; q++) {
         for (var i = 0u; i < 4u; i++) {
-            let k = 4u * q + i;
             let c = (*costs)[q][i];
-            let d = vec4(4u * k) + vec4(0u, 1u, 2u, 3u);
-            before = select(before, c, d + vec4(1u) == vec4(best));
-            after = select(after, c, d == vec4(best + 1u));
-            rivals += select(vec4(0u), vec4(1u), c <= vec4(limit));
+            let d = vec4(4u * (4u * q + i)) + vec4(0u, 1u, 2u, 3u);
+            if SUBPIXEL == 1u || UNIQUENESS == 1u {
+                before = select(before, c, d + vec4(1u) == vec4(best));
+                after = select(after, c, d == vec4(best + 1u));
+            }
+            if UNIQUENESS == 1u {
+                rivals += select(vec4(0u), vec4(1u), c <= vec4(limit));
+            }
         }
     }
     let a = before.x | before.y | before.z | before.w;
@@ -107,7 +110,7 @@ fn winner(costs: ptr<function, Costs>, x: i32) -> i32 {
         allowed += 1u;
     }
     let found = rivals.x + rivals.y + rivals.z + rivals.w;
-    if (frame.uniqueness != 0u && found > allowed) || !points_inside(x, value) {
+    if (UNIQUENESS == 1u && found > allowed) || !points_inside(x, value) {
         value = INVALID;
     }
     return value;

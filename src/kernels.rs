@@ -25,6 +25,8 @@ pub(crate) struct Kernel {
     pub(crate) name: &'static str,
     /// The kernel and the fragments appended to it.
     pub(crate) sources: &'static [&'static str],
+    /// Invocations a workgroup, along x.
+    pub(crate) lanes: u32,
     /// The storage resources from binding 2 on; 0 and 1 are the uniform blocks.
     pub(crate) storage: &'static [Access],
 }
@@ -35,20 +37,17 @@ macro_rules! wgsl {
 
 #[rustfmt::skip]
 pub(crate) const KERNELS: &[Kernel] = &[
-    Kernel { name: "gray", sources: wgsl!("gray", "common"), storage: &[Read, Write] },
-    Kernel { name: "prefilter", sources: wgsl!("prefilter", "common"), storage: &[Read, Write] },
-    Kernel { name: "sad_columns", sources: wgsl!("sad_columns", "common"), storage: &[Read, Read, Write] },
-    Kernel { name: "sad_cost", sources: wgsl!("sad_cost", "column_sums", "costs", "quantise", "common"), storage: &[Read, Write] },
-    Kernel { name: "sad_cost_small", sources: wgsl!("sad_cost_small", "quantise", "common"), storage: &[WORD, WORD, Write] },
-    Kernel { name: "sgm_aggregate", sources: wgsl!("sgm_aggregate", "path_step", "cost_texels", "common"), storage: &[QUAD, Write, Read, Write] },
-    Kernel { name: "winner", sources: wgsl!("winner", "path_step", "winner_row", "costs", "cost_texels", "common"), storage: &[QUAD, Read, Read, Read, Read, Write, Write] },
-    Kernel { name: "block_match", sources: wgsl!("block_match", "column_sums", "costs", "winner_row", "common"), storage: &[Read, Write, Write] },
-    Kernel { name: "lr_check", sources: wgsl!("lr_check", "common"), storage: &[Read, Read, Write] },
-    Kernel { name: "median", sources: wgsl!("median", "common"), storage: &[Read, Write] },
+    Kernel { name: "gray", lanes: 128, sources: wgsl!("gray", "common"), storage: &[Read, Write] },
+    Kernel { name: "prefilter", lanes: 128, sources: wgsl!("prefilter", "common"), storage: &[Read, Write] },
+    Kernel { name: "sad_columns", lanes: 32, sources: wgsl!("sad_columns", "common"), storage: &[Read, Read, Write] },
+    Kernel { name: "sad_cost", lanes: 32, sources: wgsl!("sad_cost", "column_sums", "costs", "quantise", "common"), storage: &[Read, Write] },
+    Kernel { name: "sad_cost_small", lanes: 32, sources: wgsl!("sad_cost_small", "quantise", "common"), storage: &[WORD, WORD, Write] },
+    Kernel { name: "sgm_aggregate", lanes: 32, sources: wgsl!("sgm_aggregate", "path_step", "cost_texels", "common"), storage: &[QUAD, Write, Read, Write] },
+    Kernel { name: "winner", lanes: 32, sources: wgsl!("winner", "path_step", "winner_row", "costs", "cost_texels", "common"), storage: &[QUAD, Read, Read, Read, Read, Write, Write] },
+    Kernel { name: "block_match", lanes: 32, sources: wgsl!("block_match", "column_sums", "costs", "winner_row", "common"), storage: &[Read, Write, Write] },
+    Kernel { name: "lr_check", lanes: 128, sources: wgsl!("lr_check", "common"), storage: &[Read, Read, Write] },
+    Kernel { name: "median", lanes: 128, sources: wgsl!("median", "common"), storage: &[Read, Write] },
 ];
-
-/// Invocations a workgroup of every kernel, along x.
-pub(crate) const LANES: u32 = 32;
 
 /// Rows that one invocation of `sad_columns` walks.
 pub(crate) const SEGMENT: u32 = 128;
@@ -71,7 +70,7 @@ pub(crate) fn constants(kernel: &Kernel, params: &Params, format: PixelFormat) -
     };
     let number = |value: u32| ("u32", format!("{value}u"));
     let table = [
-        ("LANES", number(LANES)),
+        ("LANES", number(kernel.lanes)),
         ("SEGMENT", number(SEGMENT)),
         ("DISPARITIES", number(params.disparities)),
         ("QUADS", number(quads)),
@@ -83,6 +82,7 @@ pub(crate) fn constants(kernel: &Kernel, params: &Params, format: PixelFormat) -
         ("PATHS", number(paths)),
         ("PAIRED", number(paired)),
         ("SUBPIXEL", number(params.subpixel.into())),
+        ("UNIQUENESS", number((params.uniqueness > 0).into())),
         ("FORMAT", number(format as u32)),
         ("GRAY8", number(PixelFormat::Gray8 as u32)),
         ("GRAY16", number(PixelFormat::Gray16 as u32)),
@@ -191,11 +191,12 @@ pub(crate) fn check_limits(limits: &wgpu::Limits) -> Result<(), Error> {
         .map(|kernel| kernel.storage.iter().filter(|access| matches!(access, Read | Write)).count() as u32)
         .max()
         .unwrap_or(0);
+    let lanes = KERNELS.iter().map(|kernel| kernel.lanes).max().unwrap_or(0);
     let needs = [
         ("max_storage_buffers_per_shader_stage", limits.max_storage_buffers_per_shader_stage, most),
         ("max_storage_textures_per_shader_stage", limits.max_storage_textures_per_shader_stage, 2),
-        ("max_compute_invocations_per_workgroup", limits.max_compute_invocations_per_workgroup, LANES),
-        ("max_compute_workgroup_size_x", limits.max_compute_workgroup_size_x, LANES),
+        ("max_compute_invocations_per_workgroup", limits.max_compute_invocations_per_workgroup, lanes),
+        ("max_compute_workgroup_size_x", limits.max_compute_workgroup_size_x, lanes),
         ("max_dynamic_uniform_buffers_per_pipeline_layout", limits.max_dynamic_uniform_buffers_per_pipeline_layout, 1),
     ];
     let missing: Vec<String> = needs

@@ -3,7 +3,7 @@
 use std::sync::OnceLock;
 
 use crate::buffers::{COST_TEXELS, Frame, Pass, Rows, Sizes};
-use crate::kernels::{self, Compiled, KERNELS, LANES};
+use crate::kernels::{self, Compiled, KERNELS};
 use crate::reference::Direction;
 use crate::{DisparityMap, Error, Image, Median, Method, Params, PixelFormat, readback};
 
@@ -183,7 +183,7 @@ impl Builder<'_> {
             unreachable!("{name} writes no buffer");
         };
         let (buffer, workgroups, pass_index) =
-            (buffer.clone(), [lanes.div_ceil(LANES), rows], self.passes.len() as u32);
+            (buffer.clone(), [lanes.div_ceil(KERNELS[kernel].lanes), rows], self.passes.len() as u32);
         self.steps.push(Step { kernel, bind_group, pass: pass_index, workgroups, output, buffer, copy_to: None });
         self.passes.push(pass);
     }
