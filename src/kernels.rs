@@ -91,7 +91,10 @@ pub(crate) fn constants(kernel: &Kernel, params: &Params, format: PixelFormat) -
 
 /// The whole text of a specialised kernel.
 pub(crate) fn source(kernel: &Kernel, params: &Params, format: PixelFormat) -> String {
-    format!("{}\n{}\n", kernel.sources.join("\n"), constants(kernel, params, format))
+    let text = format!("{}\n{}\n", kernel.sources.join("\n"), constants(kernel, params, format));
+    #[cfg(test)]
+    let text = tests::edited(kernel.name, text);
+    text
 }
 
 /// A kernel compiled for a device.
@@ -170,3 +173,6 @@ pub(crate) fn check_limits(limits: &wgpu::Limits) -> Result<(), Error> {
         .collect();
     if missing.is_empty() { Ok(()) } else { Err(Error::Device(missing.join("; "))) }
 }
+
+#[cfg(test)]
+mod tests;
