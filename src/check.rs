@@ -108,7 +108,7 @@ impl<'a> Expected<'a> {
     }
 }
 
-fn each_row<'b>(rows: Rows, bytes: &'b [u8], stride: u64) -> impl Iterator<Item = (usize, &'b [u8])> {
+fn each_row(rows: Rows, bytes: &[u8], stride: u64) -> impl Iterator<Item = (usize, &[u8])> {
     (rows.first as usize..).zip(bytes.chunks_exact(stride as usize)).take(rows.count as usize)
 }
 

@@ -56,16 +56,16 @@ impl Image {
     /// # Errors
     /// If a side is 0, or the number of samples is not what the size and the format need.
     pub fn new(width: u32, height: u32, pixels: Pixels) -> Result<Self, Error> {
-        let (samples, channels) = match &pixels {
+        let (samples, a_pixel) = match &pixels {
             Pixels::Gray8(s) => (s.len(), 1),
             Pixels::Gray16(s) => (s.len(), 1),
             Pixels::Rgba8(s) => (s.len(), 4),
             Pixels::Rgba16(s) => (s.len(), 4),
         };
-        let needed = channels * u64::from(width) * u64::from(height);
-        if width == 0 || height == 0 || samples as u64 != needed {
+        if width == 0 || height == 0 || samples as u128 != u128::from(width) * u128::from(height) * a_pixel {
             return Err(Error::Image(format!(
-                "an image of {width}x{height} was given {samples} samples, but needs {needed}, and at least one pixel"
+                "an image of {width}x{height} was given {samples} samples; both sides must be at least 1 and the \
+                 samples {a_pixel} a pixel"
             )));
         }
         Ok(Self { width, height, pixels })

@@ -21,8 +21,10 @@ const QUAD: Access = Texels(wgpu::TextureFormat::Rgba32Uint);
 /// A row of the table.
 #[derive(Debug)]
 pub(crate) struct Kernel {
-    /// The stage's name: of its file, its reference, its label, its timing.
+    /// Its name: of its file and its label.
     pub(crate) name: &'static str,
+    /// The stage that it computes: the name of its reference, its timing and its row of a check.
+    pub(crate) stage: &'static str,
     /// The kernel and the fragments appended to it.
     pub(crate) sources: &'static [&'static str],
     /// Invocations a workgroup, along x.
@@ -37,16 +39,16 @@ macro_rules! wgsl {
 
 #[rustfmt::skip]
 pub(crate) const KERNELS: &[Kernel] = &[
-    Kernel { name: "gray", lanes: 128, sources: wgsl!("gray", "common"), storage: &[Read, Write] },
-    Kernel { name: "prefilter", lanes: 128, sources: wgsl!("prefilter", "common"), storage: &[Read, Write] },
-    Kernel { name: "sad_columns", lanes: 32, sources: wgsl!("sad_columns", "common"), storage: &[Read, Read, Write] },
-    Kernel { name: "sad_cost", lanes: 32, sources: wgsl!("sad_cost", "column_sums", "costs", "quantise", "common"), storage: &[Read, Write] },
-    Kernel { name: "sad_cost_small", lanes: 32, sources: wgsl!("sad_cost_small", "quantise", "common"), storage: &[WORD, WORD, Write] },
-    Kernel { name: "sgm_aggregate", lanes: 32, sources: wgsl!("sgm_aggregate", "path_step", "cost_texels", "common"), storage: &[QUAD, Write, Read, Write] },
-    Kernel { name: "winner", lanes: 32, sources: wgsl!("winner", "path_step", "winner_row", "costs", "cost_texels", "common"), storage: &[QUAD, Read, Read, Read, Read, Write, Write] },
-    Kernel { name: "block_match", lanes: 32, sources: wgsl!("block_match", "column_sums", "costs", "winner_row", "common"), storage: &[Read, Write, Write] },
-    Kernel { name: "lr_check", lanes: 128, sources: wgsl!("lr_check", "common"), storage: &[Read, Read, Write] },
-    Kernel { name: "median", lanes: 128, sources: wgsl!("median", "common"), storage: &[Read, Write] },
+    Kernel { name: "gray", stage: "gray", lanes: 128, sources: wgsl!("gray", "common"), storage: &[Read, Write] },
+    Kernel { name: "prefilter", stage: "prefilter", lanes: 128, sources: wgsl!("prefilter", "common"), storage: &[Read, Write] },
+    Kernel { name: "sad_columns", stage: "sad_columns", lanes: 32, sources: wgsl!("sad_columns", "common"), storage: &[Read, Read, Write] },
+    Kernel { name: "sad_cost", stage: "sad_cost", lanes: 32, sources: wgsl!("sad_cost", "column_sums", "costs", "quantise", "common"), storage: &[Read, Write] },
+    Kernel { name: "sad_cost_small", stage: "sad_cost", lanes: 32, sources: wgsl!("sad_cost_small", "quantise", "common"), storage: &[WORD, WORD, Write] },
+    Kernel { name: "sgm_aggregate", stage: "sgm_aggregate", lanes: 32, sources: wgsl!("sgm_aggregate", "path_step", "cost_texels", "common"), storage: &[QUAD, Write, Read, Write] },
+    Kernel { name: "winner", stage: "winner", lanes: 32, sources: wgsl!("winner", "path_step", "winner_row", "costs", "cost_texels", "common"), storage: &[QUAD, Read, Read, Read, Read, Write, Write] },
+    Kernel { name: "block_match", stage: "block_match", lanes: 32, sources: wgsl!("block_match", "column_sums", "costs", "winner_row", "common"), storage: &[Read, Write, Write] },
+    Kernel { name: "lr_check", stage: "lr_check", lanes: 128, sources: wgsl!("lr_check", "common"), storage: &[Read, Read, Write] },
+    Kernel { name: "median", stage: "median", lanes: 128, sources: wgsl!("median", "common"), storage: &[Read, Write] },
 ];
 
 /// Rows that one invocation of `sad_columns` walks.
@@ -101,7 +103,10 @@ pub(crate) fn constants(kernel: &Kernel, params: &Params, format: PixelFormat) -
 
 /// The whole text of a specialised kernel.
 pub(crate) fn source(kernel: &Kernel, params: &Params, format: PixelFormat) -> String {
-    format!("{}\n{}\n", kernel.sources.join("\n"), constants(kernel, params, format))
+    let text = format!("{}\n{}\n", kernel.sources.join("\n"), constants(kernel, params, format));
+    #[cfg(test)]
+    let text = tests::edited(kernel.name, text);
+    text
 }
 
 /// A kernel compiled for a device.
@@ -206,3 +211,6 @@ pub(crate) fn check_limits(limits: &wgpu::Limits) -> Result<(), Error> {
         .collect();
     if missing.is_empty() { Ok(()) } else { Err(Error::Device(missing.join("; "))) }
 }
+
+#[cfg(test)]
+mod tests;

@@ -1,6 +1,9 @@
 //! Dense stereo matching in WGSL compute shaders.
 #![cfg_attr(test, allow(clippy::unwrap_used))]
 
+#[cfg(test)]
+extern crate self as gpu_stereo; // for tests/support, which the unit tests share
+
 mod buffers;
 mod check;
 mod error;

@@ -44,7 +44,7 @@ pub(crate) struct Step {
 
 impl Step {
     pub(crate) fn stage(&self) -> &'static str {
-        KERNELS[self.kernel].name
+        KERNELS[self.kernel].stage
     }
 }
 

@@ -1,0 +1,405 @@
+//! Every row of the table: valid WGSL, the folder's files, the Rust twins' layouts, WebGPU's limits; and the proof that
+//! a wrong shader is found.
+
+use std::cell::RefCell;
+use std::collections::BTreeSet;
+use std::mem::offset_of;
+use std::path::{Path, PathBuf};
+
+use super::*;
+use crate::StereoMatcher;
+use crate::buffers::{Frame, Pass};
+use wgpu::naga;
+
+#[path = "../../tests/support/mod.rs"]
+mod support;
+
+thread_local! {
+    /// Kernel, what is replaced in its text, and by what: a test's change, for the matchers that its thread makes.
+    static EDIT: RefCell<Option<[&'static str; 3]>> = const { RefCell::new(None) };
+}
+
+/// The text of a kernel with the test's change.
+pub(super) fn edited(name: &str, text: String) -> String {
+    EDIT.with_borrow(|edit| match edit {
+        Some([kernel, from, to]) if *kernel == name => text.replace(from, to),
+        _ => text,
+    })
+}
+
+/// Settings that between them give every constant of [`constants`] every kind of value.
+fn specialisations() -> Vec<(Params, PixelFormat)> {
+    let formats = [PixelFormat::Gray8, PixelFormat::Gray16, PixelFormat::Rgba8, PixelFormat::Rgba16];
+    let mut all = Vec::new();
+    for disparities in [1, 16, 17, 64, 65, 256] {
+        for paths in [Paths::Four, Paths::Eight] {
+            for prefilter in [Prefilter::XSobel, Prefilter::Sobel, Prefilter::None] {
+                for base in [Params::sgm(disparities), Params::bm(disparities)] {
+                    for subpixel in [false, true] {
+                        let params = Params { paths, prefilter, subpixel, ..base.clone() };
+                        let params = Params { block: if subpixel { 5 } else { 21 }, ..params };
+                        all.extend(formats.map(|format| (params.clone(), format)));
+                    }
+                }
+            }
+        }
+    }
+    all
+}
+
+/// The different texts of a kernel over all [`specialisations`].
+fn texts(kernel: &Kernel) -> BTreeSet<String> {
+    specialisations().iter().map(|(params, format)| source(kernel, params, *format)).collect()
+}
+
+fn parse(kernel: &Kernel, text: &str) -> naga::Module {
+    match naga::front::wgsl::parse_str(text) {
+        Ok(module) => module,
+        Err(error) => panic!("{}.wgsl: {}", kernel.name, error.emit_to_string(text)),
+    }
+}
+
+fn folder(path: &str) -> PathBuf {
+    Path::new(env!("CARGO_MANIFEST_DIR")).join(path)
+}
+
+/// The files with `extension` in a folder of the project: name without extension, and text.
+fn files(path: &str, extension: &str) -> Vec<(String, String)> {
+    let paths = std::fs::read_dir(folder(path)).unwrap().map(|entry| entry.unwrap().path());
+    let wanted = paths.filter(|path| path.extension().is_some_and(|e| e == extension));
+    wanted
+        .map(|path| (path.file_stem().unwrap().to_str().unwrap().into(), std::fs::read_to_string(&path).unwrap()))
+        .collect()
+}
+
+#[test]
+fn every_kernel_is_valid_wgsl() {
+    assert!(!KERNELS.is_empty(), "the table of kernels is empty");
+    for kernel in KERNELS {
+        let texts = texts(kernel);
+        assert!(!texts.is_empty(), "{} has no text", kernel.name);
+        for text in texts {
+            let module = parse(kernel, &text);
+            let mut validator =
+                naga::valid::Validator::new(naga::valid::ValidationFlags::all(), naga::valid::Capabilities::empty());
+            if let Err(error) = validator.validate(&module) {
+                panic!("{}.wgsl: {}", kernel.name, error.emit_to_string(&text));
+            }
+        }
+    }
+}
+
+#[test]
+fn the_table_and_the_folders_name_the_same_kernels() {
+    let names: BTreeSet<&str> = KERNELS.iter().map(|kernel| kernel.name).collect();
+    assert_eq!(names.len(), KERNELS.len(), "two kernels have one name");
+
+    let shaders = files("shaders", "wgsl");
+    for (file, text) in &shaders {
+        let used = KERNELS.iter().filter(|kernel| kernel.sources.contains(&text.as_str())).count();
+        assert!(used > 0, "shaders/{file}.wgsl is in no row of the table");
+        let has_entry = text.contains("@compute");
+        assert_eq!(has_entry, names.contains(file.as_str()), "shaders/{file}.wgsl: entry points and rows differ");
+    }
+    for kernel in KERNELS {
+        let own = shaders.iter().find(|(file, _)| file == kernel.name);
+        let own = own.unwrap_or_else(|| panic!("shaders/{}.wgsl does not exist", kernel.name));
+        assert_eq!(kernel.sources[0], own.1, "{}: its own file must come first in its row", kernel.name);
+        assert_eq!(kernel.sources.iter().filter(|source| source.contains("@compute")).count(), 1, "{}", kernel.name);
+    }
+
+    let references = files("src/reference", "rs");
+    let references: BTreeSet<&str> = references.iter().map(|(file, _)| file.as_str()).filter(|f| *f != "mod").collect();
+    let stages: BTreeSet<&str> = KERNELS.iter().map(|kernel| kernel.stage).collect();
+    assert_eq!(references, stages, "src/reference (left) and the table (right) name different stages");
+}
+
+#[test]
+fn every_shader_starts_with_its_header() {
+    for (file, text) in files("shaders", "wgsl") {
+        let header: Vec<&str> = text.lines().take_while(|line| line.starts_with("//")).collect();
+        assert!(!header.is_empty(), "shaders/{file}.wgsl has no header");
+        assert!(header.len() <= 9, "shaders/{file}.wgsl: the header has {} lines, at most 9 are read", header.len());
+        let named = header.iter().find_map(|line| line.strip_prefix("// Reference: "));
+        if let Some(kernel) = KERNELS.iter().find(|kernel| kernel.name == file) {
+            assert!(header[0].starts_with(&format!("// {file}: ")), "shaders/{file}.wgsl: its first line names it");
+            let last = header[header.len() - 1];
+            assert!(last.starts_with("// Reference: "), "shaders/{file}.wgsl: the header ends with {last:?}");
+            let own = format!("src/reference/{}.rs", kernel.stage);
+            assert!(named.is_some_and(|n| n.split(", ").any(|n| n == own)), "shaders/{file}.wgsl does not name {own}");
+        }
+        for path in named.into_iter().flat_map(|named| named.split(", ")) {
+            assert!(folder(path).is_file(), "shaders/{file}.wgsl names {path}, which does not exist");
+        }
+    }
+}
+
+/// Name, offset and kind of each member, and the size: of a Rust struct. A member left out does not compile.
+macro_rules! layout {
+    ($type:ident { $($field:ident),+ $(,)? }) => {{
+        let $type { $($field),+ } = $type::default();
+        let members = vec![$((
+            stringify!($field).to_string(),
+            offset_of!($type, $field) as u32,
+            std::any::type_name_of_val(&$field).to_string(),
+        )),+];
+        (members, size_of::<$type>() as u32)
+    }};
+}
+
+/// The same of a WGSL struct.
+fn reflected(module: &naga::Module, name: &str) -> (Vec<(String, u32, String)>, u32) {
+    let found = module.types.iter().find(|(_, ty)| ty.name.as_deref() == Some(name));
+    let Some((_, naga::Type { inner: naga::TypeInner::Struct { members, span }, .. })) = found else {
+        panic!("there is no struct {name}");
+    };
+    let kind = |member: &naga::StructMember| match module.types[member.ty].inner {
+        naga::TypeInner::Scalar(naga::Scalar::U32) => "u32".to_string(),
+        naga::TypeInner::Scalar(naga::Scalar::I32) => "i32".to_string(),
+        ref other => format!("{other:?}"),
+    };
+    let members = members.iter().map(|m| (m.name.clone().unwrap(), m.offset, kind(m))).collect();
+    (members, *span)
+}
+
+fn frame_layout() -> (Vec<(String, u32, String)>, u32) {
+    layout!(Frame {
+        width,
+        height,
+        min_disparity,
+        block_radius,
+        prefilter_cap,
+        cost_scale,
+        p1,
+        p2,
+        uniqueness,
+        lr_max_difference,
+        gray_stride,
+        left_stride,
+        right_stride,
+        map_stride,
+    })
+}
+
+fn pass_layout() -> (Vec<(String, u32, String)>, u32) {
+    layout!(Pass { first_row, rows, volume_row, dx, dy, carried, accumulate, side })
+}
+
+#[test]
+fn uniform_blocks_are_laid_out_as_their_rust_twins() {
+    for kernel in KERNELS {
+        let module = parse(kernel, &source(kernel, &Params::sgm(64), PixelFormat::Gray8));
+        assert_eq!(reflected(&module, "Frame"), frame_layout(), "Frame in WGSL (left) and Rust (right)");
+        assert_eq!(reflected(&module, "Pass"), pass_layout(), "Pass in WGSL (left) and Rust (right)");
+    }
+}
+
+/// The test of the test above: members that change places, and one of another kind.
+#[test]
+fn a_changed_uniform_block_is_noticed() {
+    let kernel = &KERNELS[0];
+    let text = source(kernel, &Params::sgm(64), PixelFormat::Gray8);
+    for (from, to) in [
+        ("    p1: u32,\n    p2: u32,\n", "    p2: u32,\n    p1: u32,\n"),
+        ("    min_disparity: i32,\n", "    min_disparity: u32,\n"),
+        ("    height: u32,\n", "    @align(16) height: u32,\n"),
+    ] {
+        let changed = text.replace(from, to);
+        assert_ne!(changed, text, "{from:?} is no longer in the text");
+        assert_ne!(reflected(&parse(kernel, &changed), "Frame"), frame_layout(), "{to:?} went unnoticed");
+    }
+}
+
+#[test]
+fn bindings_agree_with_the_table() {
+    for kernel in KERNELS {
+        for text in texts(kernel) {
+            let module = parse(kernel, &text);
+            let mut bindings: Vec<(u32, String)> = Vec::new();
+            for (_, variable) in module.global_variables.iter() {
+                let Some(at) = &variable.binding else { continue };
+                assert_eq!(at.group, 0, "{}: {:?}", kernel.name, variable.name);
+                let kind = match variable.space {
+                    naga::AddressSpace::Uniform => module.types[variable.ty].name.clone().unwrap_or_default(),
+                    naga::AddressSpace::Storage { access } if access == naga::StorageAccess::LOAD => "Read".into(),
+                    naga::AddressSpace::Storage { .. } => "Write".into(),
+                    naga::AddressSpace::Handle => match module.types[variable.ty].inner {
+                        naga::TypeInner::Image {
+                            class: naga::ImageClass::Storage { format: naga::StorageFormat::R32Uint, access },
+                            ..
+                        } if access == naga::StorageAccess::LOAD => "Texels(R32Uint)".into(),
+                        naga::TypeInner::Image {
+                            class: naga::ImageClass::Storage { format: naga::StorageFormat::Rgba32Uint, access },
+                            ..
+                        } if access == naga::StorageAccess::LOAD => "Texels(Rgba32Uint)".into(),
+                        ref other => format!("{other:?}"),
+                    },
+                    other => format!("{other:?}"),
+                };
+                bindings.push((at.binding, kind));
+            }
+            bindings.sort();
+            let storage = kernel.storage.iter().map(|access| format!("{access:?}"));
+            let expected = ["Frame".to_string(), "Pass".to_string()].into_iter().chain(storage);
+            let expected: Vec<(u32, String)> = (0..).zip(expected).collect();
+            assert_eq!(bindings, expected, "{}: bindings in WGSL (left) and in the table (right)", kernel.name);
+        }
+    }
+}
+
+#[test]
+fn webgpu_default_limits_suffice() {
+    let limits = wgpu::Limits::default();
+    assert!(check_limits(&limits).is_ok());
+    for kernel in KERNELS {
+        let name = kernel.name;
+        let storage = kernel.storage.iter().filter(|access| matches!(access, Read | Write)).count() as u32;
+        assert!(storage <= limits.max_storage_buffers_per_shader_stage, "{name} has {storage} storage buffers");
+        for text in texts(kernel) {
+            let module = parse(kernel, &text);
+            assert_eq!(module.entry_points.len(), 1, "{name}: one entry point a kernel");
+            let entry = &module.entry_points[0];
+            assert_eq!(entry.name, "main", "{name}");
+            let [x, y, z] = entry.workgroup_size;
+            let lanes = x * y * z;
+            assert!(lanes <= limits.max_compute_invocations_per_workgroup, "{name}: {lanes} invocations a workgroup");
+            assert!(x <= limits.max_compute_workgroup_size_x, "{name}: {x} invocations along x");
+            assert!(y <= limits.max_compute_workgroup_size_y, "{name}: {y} invocations along y");
+            assert!(z <= limits.max_compute_workgroup_size_z, "{name}: {z} invocations along z");
+            let shared = module.global_variables.iter().filter(|(_, v)| v.space == naga::AddressSpace::WorkGroup);
+            let bytes: u32 = shared.map(|(_, v)| module.types[v.ty].inner.size(module.to_ctx())).sum();
+            assert!(bytes <= limits.max_compute_workgroup_storage_size, "{name}: {bytes} bytes of workgroup memory");
+        }
+    }
+}
+
+/// wgpu itself accepts every pipeline with the table's layout, and every bind group of a matcher. The backend `noop`
+/// has no driver, so this also holds where there is no adapter.
+#[test]
+fn pipelines_and_matchers_are_made_without_a_driver() {
+    let (device, queue) = wgpu::Device::noop(&wgpu::DeviceDescriptor::default());
+    for kernel in KERNELS {
+        let mut seen = BTreeSet::new();
+        for (params, format) in specialisations() {
+            if seen.insert(source(kernel, &params, format)) {
+                let made = crate::readback::guarded(&device, || compile(&device, kernel, &params, format));
+                assert!(made.is_ok(), "{} with {params:?}, {format:?}: {}", kernel.name, made.unwrap_err());
+            }
+        }
+    }
+    for (params, format) in specialisations().into_iter().step_by(7) {
+        for (width, height) in [(1, 1), (2, 3), (301, 45)] {
+            let matcher = StereoMatcher::new(&device, &queue, width, height, format, &params);
+            assert!(matcher.is_ok(), "{width}x{height} in {format:?}, {params:?}: {}", matcher.unwrap_err());
+        }
+    }
+}
+
+/// A kernel that lacks a binding is refused where the pipeline is made: the test of the test above.
+#[test]
+fn a_wrong_row_of_the_table_is_refused() {
+    let (device, _queue) = wgpu::Device::noop(&wgpu::DeviceDescriptor::default());
+    for kernel in KERNELS {
+        let row = Kernel { storage: &kernel.storage[1..], ..*kernel };
+        let made = crate::readback::guarded(&device, || compile(&device, &row, &Params::sgm(16), PixelFormat::Gray8));
+        assert!(made.is_err(), "{} was accepted with a binding too few", kernel.name);
+    }
+}
+
+/// A change to a shader, and settings that show it.
+struct Mutant {
+    kernel: &'static str,
+    from: &'static str,
+    to: &'static str,
+    change: fn(&mut Params),
+}
+
+const fn mutant(kernel: &'static str, from: &'static str, to: &'static str, change: fn(&mut Params)) -> Mutant {
+    Mutant { kernel, from, to, change }
+}
+
+fn bm(params: &mut Params) {
+    *params = Params::bm(params.disparities);
+}
+
+/// A block for which the column sums are kept in memory.
+fn wide(params: &mut Params) {
+    params.block = 17;
+}
+
+fn eight(params: &mut Params) {
+    params.paths = Paths::Eight;
+}
+
+/// One rule a row: a weight, a rounding, a border, a tie, a penalty, a test of the winner.
+const MUTANTS: &[Mutant] = &[
+    mutant("gray", "16384u", "0u", |_| ()),
+    mutant("gray", "3735u", "3734u", |_| ()),
+    mutant("prefilter", "clamp(x, 0, last)", "clamp(x, 0, last - 1)", |_| ()),
+    mutant("prefilter", "frame.height) - 1)", "frame.height) - 2)", |_| ()),
+    mutant("prefilter", "frame.min_disparity", "(frame.min_disparity + 1)", |_| ()),
+    mutant("prefilter", "2 * cap", "2 * cap - 1", |params| params.prefilter = Prefilter::Sobel),
+    mutant("prefilter", "return root;", "return root + 1u;", |params| params.prefilter = Prefilter::Sobel),
+    mutant("sad_columns", "frame.height) - 1)", "frame.height))", wide),
+    mutant("sad_columns", "here + r)", "here + r - 1)", wide),
+    mutant("sad_cost", "1u << 23u", "1u << 22u", wide),
+    mutant("sad_cost", "frame.cost_scale", "(frame.cost_scale + 9000u)", wide),
+    mutant("sad_cost_small", "1u << 23u", "1u << 22u", |_| ()),
+    mutant("sad_cost_small", "frame.height) - 1)", "frame.height) - 2)", |_| ()),
+    mutant("sad_cost_small", "first, start - c)", "first, start - c + 1u)", |_| ()),
+    mutant("sad_cost_small", "- kept[0]", "- kept[1]", |_| ()),
+    mutant("sad_cost_small", "j % SUMMABLE == 0u", "j % (SUMMABLE + 3u) == 0u", |params| params.prefilter_cap = 63),
+    mutant("sgm_aggregate", "frame.p1", "frame.p2", |_| ()),
+    mutant("sgm_aggregate", "frame.p2", "frame.p1", |_| ()),
+    mutant("sgm_aggregate", "frame.p2", "frame.p1", eight),
+    mutant("sgm_aggregate", "x >= width", "x > width", eight),
+    mutant("winner", "frame.p1", "frame.p2", |_| ()),
+    mutant("winner", "PATHS *", "(PATHS - 1u) *", |_| ()),
+    mutant("winner", "curvature - 1u", "curvature", |_| ()),
+    mutant("winner", "<= vec4(limit)", "< vec4(limit)", |params| params.uniqueness = 1),
+    mutant("winner", "frame.uniqueness)", "(frame.uniqueness + 1u))", |params| params.uniqueness = 10),
+    mutant("winner", "disparity + 8", "disparity + 7", |_| ()),
+    mutant("winner", "seen < i32(frame.width)", "seen <= i32(frame.width)", |_| ()),
+    mutant("block_match", "<= vec4(limit)", "< vec4(limit)", |params| {
+        bm(params);
+        (params.block, params.prefilter_cap, params.uniqueness) = (1, 4, 50);
+    }),
+    mutant("block_match", "2u * frame.block_radius", "2u * frame.block_radius - 1u", bm),
+    mutant("block_match", "curvature - 1u", "curvature", bm),
+    mutant("lr_check", "frame.lr_max_difference", "(frame.lr_max_difference + 1u)", |_| ()),
+    mutant("lr_check", "(value + 8)", "value", |_| ()),
+    mutant("median", "frame.width) - 1)", "frame.width))", |_| ()),
+    mutant("median", "min(id.y + 1u, frame.height - 1u)", "id.y", |_| ()),
+    mutant("median", "points_inside(x, value)", "true", |_| ()),
+];
+
+/// The check finds each mutant, and in the stage that it is in: the stages before stay exact.
+#[test]
+fn a_mutated_shader_is_caught() {
+    let Some((adapter, device, queue)) = support::device() else { return };
+    let (width, height, seed) = (93, 41, 5);
+    let (left, right) = support::pair(width, height, seed);
+    let (left, right) = (support::as_format(&left, 2), support::as_format(&right, 2));
+    let mut wrong = Vec::new();
+    for Mutant { kernel, from, to, change } in MUTANTS {
+        let case = format!("{kernel} with {to:?} for {from:?}, seed {seed}, on {}", adapter.get_info().name);
+        let row = KERNELS.iter().find(|row| row.name == *kernel).unwrap_or_else(|| panic!("no kernel for {case}"));
+        let mut params = Params { min_disparity: -2, ..Params::sgm(21) };
+        change(&mut params);
+        let text = source(row, &params, left.format());
+        assert!(text.contains(from), "{case}: that is no longer in the text, break the same rule in its new words");
+
+        EDIT.set(Some([kernel, from, to]));
+        let matcher = StereoMatcher::new(&device, &queue, width, height, left.format(), &params);
+        EDIT.set(None);
+        let stages = matcher.unwrap().check(&left, &right).unwrap();
+        let at = stages.iter().position(|stage| stage.stage == row.stage).unwrap_or_else(|| panic!("{case}: not run"));
+        let before: u64 = stages[..at].iter().map(|stage| stage.mismatches).sum();
+        if stages[at].mismatches == 0 || before > 0 {
+            wrong.push(format!("{case}: {} mismatches there, {before} in the stages before", stages[at].mismatches));
+        }
+    }
+    assert!(wrong.is_empty(), "not caught, or blamed on another stage:\n{}", wrong.join("\n"));
+    let without: Vec<_> = KERNELS.iter().filter(|row| MUTANTS.iter().all(|m| m.kernel != row.name)).collect();
+    assert!(without.is_empty(), "no mutant of {without:?}");
+}

@@ -1,0 +1,405 @@
+//! The library inside another program: its errors, its promises about the caller's encoder and device, and the proof
+//! that the check finds a single wrong value.
+#![allow(clippy::unwrap_used)]
+
+mod support;
+
+use std::collections::BTreeSet;
+
+use gpu_stereo::reference::{self, Direction, Volume};
+use gpu_stereo::{DisparityMap, Error, Image, Params, Paths, PixelFormat, Pixels, StereoMatcher, wgpu};
+
+type Change = fn(&mut Params);
+
+/// Each row of [`Params::validate`]: what is set, the parameter's name, the value given, and what is allowed.
+const REFUSED: [(Change, &str, &str, &str); 16] = [
+    (|p| p.min_disparity = -2048, "min-disp", "-2048", "-2047 to 2047"),
+    (|p| p.min_disparity = 2048, "min-disp", "2048", "-2047 to 2047"),
+    (|p| p.min_disparity = i32::MIN, "min-disp", "-2147483648", "-2047 to 2047"),
+    (|p| p.disparities = 0, "disp", "0", "1 to 2048"),
+    (|p| p.disparities = 2049, "disp", "2049", "1 to 2048"),
+    (|p| p.disparities = u32::MAX, "disp", "4294967295", "1 to 2048"),
+    (|p| (p.min_disparity, p.disparities) = (2040, 9), "disp", "9", "1 to 8"),
+    (|p| p.block = 0, "block", "0", "odd and from 1 to 51"),
+    (|p| p.block = 4, "block", "4", "odd and from 1 to 51"),
+    (|p| p.block = 53, "block", "53", "odd and from 1 to 51"),
+    (|p| p.prefilter_cap = 0, "prefilter-cap", "0", "1 to 127"),
+    (|p| p.prefilter_cap = 128, "prefilter-cap", "128", "1 to 127"),
+    (|p| p.p2 = 128, "p2", "128", "p1 to 127"),
+    (|p| (p.p1, p.p2) = (8, 7), "p1", "8", "0 to p2, which is 7"),
+    (|p| p.uniqueness = 100, "uniqueness", "100", "0 (off) to 99"),
+    (|p| p.lr_check = Some(4096), "lr-check", "4096", "0 to 4095"),
+];
+
+#[test]
+fn a_refused_parameter_is_named_with_what_is_allowed() {
+    let (device, queue) = wgpu::Device::noop(&wgpu::DeviceDescriptor::default());
+    let (left, right) = support::pair(4, 4, 0);
+    for (change, name, given, allowed) in REFUSED {
+        for mut params in [Params::sgm(16), Params::bm(16)] {
+            change(&mut params);
+            let errors = [
+                params.validate().unwrap_err(),
+                StereoMatcher::new(&device, &queue, 4, 4, PixelFormat::Gray8, &params).unwrap_err(),
+                reference::compute(&left, &right, &params).unwrap_err(),
+            ];
+            for error in errors {
+                assert!(matches!(error, Error::Parameter { .. }), "{error:?}");
+                let message = error.to_string();
+                assert!(message.starts_with(&format!("{name} is {given}, but must be ")), "{message}");
+                assert!(message.contains(allowed), "{message:?} does not say {allowed:?}");
+                assert!(!message.contains('\n') && message.contains("; "), "no remedy, or no line: {message:?}");
+            }
+        }
+    }
+}
+
+/// The last value that each rule allows, on both sides.
+#[test]
+fn the_ends_of_the_ranges_are_allowed() {
+    let ends: [Change; 12] = [
+        |p| (p.min_disparity, p.disparities) = (-2047, 4095),
+        |p| (p.min_disparity, p.disparities) = (2047, 1),
+        |p| p.disparities = 1,
+        |p| p.disparities = 2048,
+        |p| p.block = 1,
+        |p| p.block = 51,
+        |p| p.prefilter_cap = 1,
+        |p| p.prefilter_cap = 127,
+        |p| (p.p1, p.p2) = (0, 0),
+        |p| (p.p1, p.p2) = (127, 127),
+        |p| p.uniqueness = 99,
+        |p| p.lr_check = Some(4095),
+    ];
+    let setup = support::device();
+    let (left, right) = support::pair(21, 5, 4);
+    for change in ends {
+        for mut params in [Params::sgm(16), Params::bm(16)] {
+            change(&mut params);
+            let expected = reference::compute(&left, &right, &params).unwrap();
+            if params.disparities > 256 {
+                // Mesa's CPU driver takes minutes to compile these: what wgpu makes of them is all that is tested.
+                let (device, queue) = wgpu::Device::noop(&wgpu::DeviceDescriptor::default());
+                StereoMatcher::new(&device, &queue, 21, 5, left.format(), &params).unwrap();
+                continue;
+            }
+            let Some((_, device, queue)) = &setup else { continue };
+            let matcher = StereoMatcher::new(device, queue, 21, 5, left.format(), &params).unwrap();
+            assert!(matcher.compute(&left, &right).unwrap() == expected, "{params:?}, seed 4");
+        }
+    }
+}
+
+#[test]
+fn images_of_the_wrong_size_or_format_are_refused() {
+    let message = |error: Error| {
+        assert!(matches!(error, Error::Image(_)), "{error:?}");
+        error.to_string()
+    };
+    let refused = [
+        (0, 1, Pixels::Gray8(vec![])),
+        (1, 0, Pixels::Gray16(vec![])),
+        (2, 2, Pixels::Gray8(vec![0; 3])),
+        (2, 2, Pixels::Gray8(vec![0; 5])),
+        (u32::MAX, u32::MAX, Pixels::Gray8(vec![0])),
+        (2, 2, Pixels::Rgba8(vec![0; 12])),
+        (2, 2, Pixels::Rgba8(vec![0; 17])), // a pixel and a quarter too many
+        (2, 2, Pixels::Rgba16(vec![0; 19])),
+    ];
+    for (width, height, pixels) in refused {
+        let case = format!("{width}x{height} from {pixels:?}");
+        match Image::new(width, height, pixels) {
+            Ok(_) => panic!("{case} was accepted"),
+            Err(error) => assert!(message(error).contains(&format!("{width}x{height}")), "{case}"),
+        }
+    }
+
+    let (left, right) = support::pair(8, 6, 0);
+    let (other, _) = support::pair(8, 5, 0);
+    let colour = support::as_format(&left, 2);
+    let params = Params::sgm(16);
+    let text = message(reference::compute(&left, &other, &params).unwrap_err());
+    assert!(text.contains("8x6") && text.contains("8x5"), "{text}");
+
+    let Some((_, device, queue)) = support::device() else { return };
+    for (width, height) in [(0, 6), (8, 0), (70_000, 1), (1, 70_000)] {
+        let matcher = StereoMatcher::new(&device, &queue, width, height, PixelFormat::Gray8, &params);
+        let text = message(matcher.unwrap_err());
+        assert!(text.contains(&format!("{width}x{height}")), "{text}");
+    }
+    let matcher = StereoMatcher::new(&device, &queue, 8, 6, PixelFormat::Gray8, &params).unwrap();
+    for (left, right, expected) in [
+        (&left, &other, ["8x6", "8x5"]),
+        (&other, &other, ["8x5", "8x6"]),
+        (&colour, &colour, ["Rgba8", "Gray8"]),
+        (&left, &colour, ["Rgba8", "Gray8"]),
+    ] {
+        for error in [
+            matcher.upload(left, right).unwrap_err(),
+            matcher.compute(left, right).unwrap_err(),
+            matcher.compute_timed(left, right).unwrap_err(),
+            matcher.check(left, right).unwrap_err(),
+        ] {
+            let text = message(error);
+            assert!(expected.iter().all(|part| text.contains(part)), "{text:?} does not say {expected:?}");
+        }
+    }
+    assert!(matcher.compute(&left, &right).is_ok(), "a refused pair spoilt the matcher");
+}
+
+#[test]
+fn what_does_not_fit_the_device_is_told_in_bytes() {
+    let setup = support::device_with(|limits| limits.max_storage_buffer_binding_size = 24 << 10);
+    let Some((_, device, queue)) = setup else { return };
+    let cases = [
+        (200, 200, PixelFormat::Gray8, Params::sgm(1), 200 * 200),
+        (100, 62, PixelFormat::Rgba8, Params::bm(1), 100 * 62 * 4),
+        (100, 2, PixelFormat::Gray8, Params::sgm(500), 100 * 512),
+    ];
+    for (width, height, format, params, bytes) in cases {
+        let error = StereoMatcher::new(&device, &queue, width, height, format, &params).unwrap_err();
+        let Error::TooLarge { needed, allowed, .. } = error else { panic!("{error:?}") };
+        assert_eq!((needed, allowed), (bytes, 24 << 10), "{error}");
+        let text = error.to_string();
+        assert!(text.contains(&needed.to_string()) && text.contains(&allowed.to_string()), "{text}");
+    }
+}
+
+#[test]
+fn a_device_without_the_limits_is_told_all_that_it_lacks() {
+    let setup = support::device_with(|limits| {
+        limits.max_storage_buffers_per_shader_stage = 2;
+        limits.max_compute_invocations_per_workgroup = 8;
+    });
+    let Some((_, device, queue)) = setup else { return };
+    let error = StereoMatcher::new(&device, &queue, 8, 8, PixelFormat::Gray8, &Params::sgm(16)).unwrap_err();
+    assert!(matches!(error, Error::Device(_)), "{error:?}");
+    for part in ["max_storage_buffers_per_shader_stage is 2", "max_compute_invocations_per_workgroup is 8"] {
+        assert!(error.to_string().contains(part), "{error}");
+    }
+}
+
+/// No more is needed than every WebGPU device has.
+#[test]
+fn webgpu_default_limits_suffice() {
+    let setup = support::device_with(|limits| *limits = wgpu::Limits::default());
+    let Some((adapter, device, queue)) = setup else { return };
+    let (left, right) = support::pair(70, 50, 11);
+    for mut params in [Params::sgm(130), Params::bm(130)] {
+        params.paths = Paths::Eight;
+        let matcher = StereoMatcher::new(&device, &queue, 70, 50, left.format(), &params).unwrap();
+        support::assert_equal(&matcher.check(&left, &right).unwrap(), &adapter, &(&params, 11));
+        assert!(matcher.compute(&left, &right).unwrap() == reference::compute(&left, &right, &params).unwrap());
+    }
+}
+
+#[test]
+fn matchers_may_be_sent_and_shared() {
+    fn send_and_sync<T: Send + Sync + 'static>() {}
+    send_and_sync::<StereoMatcher>();
+    send_and_sync::<Error>();
+}
+
+/// The bytes of a buffer, by the caller's own means.
+fn download(device: &wgpu::Device, queue: &wgpu::Queue, buffer: &wgpu::Buffer) -> Vec<u8> {
+    let staging = device.create_buffer(&wgpu::BufferDescriptor {
+        label: None,
+        size: buffer.size(),
+        usage: wgpu::BufferUsages::MAP_READ | wgpu::BufferUsages::COPY_DST,
+        mapped_at_creation: false,
+    });
+    let mut encoder = device.create_command_encoder(&wgpu::CommandEncoderDescriptor::default());
+    encoder.copy_buffer_to_buffer(buffer, 0, &staging, 0, buffer.size());
+    queue.submit([encoder.finish()]);
+    staging.map_async(wgpu::MapMode::Read, .., |result| result.unwrap());
+    device.poll(wgpu::PollType::wait_indefinitely()).unwrap();
+    staging.get_mapped_range(..).unwrap().to_vec()
+}
+
+/// `record` only records: nothing happens before the caller submits, and then `output` holds what `compute` returns,
+/// laid out as its documentation says.
+#[test]
+fn record_leaves_the_submission_to_the_caller() {
+    let Some((_, device, queue)) = support::device() else { return };
+    for (seed, width) in [(1, 33), (2, 40)] {
+        let (left, right) = support::pair(width, 21, seed);
+        for params in [Params::sgm(24), Params::bm(24)] {
+            let matcher = StereoMatcher::new(&device, &queue, width, 21, left.format(), &params).unwrap();
+            let sentinel = vec![0x5a; matcher.output().size() as usize];
+            queue.write_buffer(matcher.output(), 0, &sentinel);
+
+            let mut encoder = device.create_command_encoder(&wgpu::CommandEncoderDescriptor::default());
+            matcher.upload(&left, &right).unwrap();
+            matcher.record(&mut encoder);
+            assert!(download(&device, &queue, matcher.output()) == sentinel, "something was submitted, {params:?}");
+            queue.submit([encoder.finish()]);
+            let bytes = download(&device, &queue, matcher.output());
+
+            let expected = matcher.compute(&left, &right).unwrap();
+            let words = (width as usize).div_ceil(2);
+            assert_eq!(bytes.len(), 21 * 4 * words, "each row is padded to a whole word");
+            for (row, expected) in bytes.chunks_exact(4 * words).zip(expected.data.chunks_exact(width as usize)) {
+                let row: Vec<i16> = row.chunks_exact(2).map(|v| i16::from_le_bytes([v[0], v[1]])).collect();
+                assert_eq!(row[..width as usize], *expected, "{params:?}, seed {seed}");
+            }
+        }
+    }
+}
+
+/// Two frames of two matchers in one encoder of the caller's.
+#[test]
+fn several_matchers_share_an_encoder() {
+    let Some((_, device, queue)) = support::device() else { return };
+    let (left, right) = support::pair(44, 19, 6);
+    let chains = [Params::sgm(20), Params::bm(31)];
+    let matchers =
+        chains.clone().map(|params| StereoMatcher::new(&device, &queue, 44, 19, left.format(), &params).unwrap());
+    let mut encoder = device.create_command_encoder(&wgpu::CommandEncoderDescriptor::default());
+    for matcher in &matchers {
+        matcher.upload(&left, &right).unwrap();
+        matcher.record(&mut encoder);
+    }
+    queue.submit([encoder.finish()]);
+    for (matcher, params) in matchers.iter().zip(&chains) {
+        let expected = reference::compute(&left, &right, params).unwrap();
+        let bytes = download(&device, &queue, matcher.output());
+        let data: Vec<i16> = bytes.chunks_exact(2).map(|v| i16::from_le_bytes([v[0], v[1]])).collect();
+        assert!(data == expected.data, "{params:?}, seed 6");
+    }
+}
+
+#[test]
+fn timings_name_the_stages_and_change_nothing() {
+    let Some((adapter, device, queue)) = support::device() else { return };
+    let (left, right) = support::pair(50, 30, 8);
+    for params in [Params::sgm(16), Params::bm(16)] {
+        let matcher = StereoMatcher::new(&device, &queue, 50, 30, left.format(), &params).unwrap();
+        let stages: Vec<String> = matcher.check(&left, &right).unwrap().into_iter().map(|s| s.stage).collect();
+        for _ in 0..2 {
+            let (map, times) = matcher.compute_timed(&left, &right).unwrap();
+            assert!(map == matcher.compute(&left, &right).unwrap(), "{params:?}, seed 8");
+            if adapter.features().contains(wgpu::Features::TIMESTAMP_QUERY) {
+                let names: Vec<&String> = times.iter().map(|time| &time.name).collect();
+                assert_eq!(names, stages.iter().collect::<Vec<_>>());
+                assert!(times.iter().all(|time| time.ms >= 0.0 && time.ms.is_finite()), "{times:?}");
+            } else {
+                assert!(times.is_empty(), "times without timestamps: {times:?}");
+            }
+        }
+    }
+}
+
+/// A device that is gone is an error of the call, not a panic of the caller's error handler.
+#[test]
+fn a_destroyed_device_is_an_error() {
+    let Some((_, device, queue)) = support::device() else { return };
+    let (left, right) = support::pair(20, 10, 0);
+    let params = Params::sgm(16);
+    let matcher = StereoMatcher::new(&device, &queue, 20, 10, left.format(), &params).unwrap();
+    device.destroy();
+    for result in [
+        matcher.compute(&left, &right).map(|_| ()),
+        matcher.compute_timed(&left, &right).map(|_| ()),
+        matcher.check(&left, &right).map(|_| ()),
+        StereoMatcher::new(&device, &queue, 20, 10, left.format(), &params).map(|_| ()),
+    ] {
+        let error = result.unwrap_err();
+        assert!(matches!(error, Error::Lost(_)), "{error:?}");
+        assert!(!error.to_string().contains('\n'), "{error}");
+    }
+}
+
+/// What the reference says of an element of a stage's first buffer.
+fn expected_values(left: &Image, right: &Image, params: &Params) -> impl Fn(&str, u32, u32, Option<u32>) -> i64 {
+    let (left_gray, right_gray) = (reference::gray(left), reference::gray(right));
+    let plane = reference::prefilter(&left_gray, params);
+    let columns = reference::sad_columns(&plane, &reference::prefilter(&right_gray, params), params);
+    let cost = reference::sad_cost(&columns, params);
+    let path = reference::aggregate_direction(&cost, Direction::all(params.paths)[0], params);
+    let sum = reference::sgm_aggregate(&cost, params);
+    let winner = reference::winner(&sum, params);
+    let block_match = reference::block_match(&columns, params);
+    let finished = reference::compute(left, right, params).unwrap();
+    let views = if params.method == gpu_stereo::Method::Sgm { winner.clone() } else { block_match.clone() };
+    let checked = reference::lr_check(&views.left, &views.right, params.lr_check.unwrap());
+    let radius = i64::from(params.block / 2);
+    move |stage, x, y, d| {
+        fn volume<T: Copy + Into<i64>>(volume: &Volume<T>, x: u32, y: u32, d: Option<u32>) -> i64 {
+            let (x, y, d) = (x as usize, y as usize, d.expect("a value for each disparity") as usize);
+            volume.data[(y * volume.width + x) * volume.disparities + d].into()
+        }
+        let map = |map: &DisparityMap| i64::from(map.data[(y * map.width + x) as usize]);
+        match stage {
+            "gray" => left_gray.clamped(x.into(), y.into()).into(),
+            "prefilter" => plane.clamped(i64::from(x) - radius, y.into()).into(),
+            "sad_columns" => volume(&columns, x, y, d),
+            "sad_cost" => volume(&cost, x, y, d),
+            "sgm_aggregate" => volume(&path, x, y, d) - volume(&cost, x, y, d), // the device keeps L - C
+            "winner" => map(&winner.left),
+            "block_match" => map(&block_match.left),
+            "lr_check" => map(&checked),
+            "median" => map(&finished),
+            other => panic!("no reference for {other}: add it here"),
+        }
+    }
+}
+
+/// Every byte of every stage's first buffer, spoilt alone: one mismatch in that stage and none in another, at a place
+/// where the reference has the value that the mismatch says; none for padding. Each element is reached.
+#[test]
+fn the_check_finds_each_spoilt_byte() {
+    let Some((_, device, queue)) = support::device() else { return };
+    let (width, height, seed) = (3, 3, 12);
+    let (left, right) = support::pair(width, height, seed);
+    for mut params in [Params::sgm(3), Params::bm(3)] {
+        (params.block, params.min_disparity, params.prefilter_cap) = (3, -1, 90);
+        let expected = expected_values(&left, &right, &params);
+        let matcher = StereoMatcher::new(&device, &queue, width, height, left.format(), &params).unwrap();
+        let mut lengths: Vec<(String, usize)> = Vec::new();
+        let clean = matcher
+            .check_with(&left, &right, |stage, bytes| {
+                if lengths.iter().all(|(known, _)| known != stage) {
+                    lengths.push((stage.into(), bytes.len()));
+                }
+            })
+            .unwrap();
+        assert!(clean.iter().all(|stage| stage.mismatches == 0), "{clean:?}");
+        assert_eq!(lengths.len(), clean.len(), "a stage reads nothing back");
+
+        for (spoilt, length) in lengths {
+            let mut reached = BTreeSet::new();
+            for at in 0..length {
+                let mut first = true;
+                let stages = matcher
+                    .check_with(&left, &right, |stage, bytes| {
+                        if stage == spoilt && std::mem::take(&mut first) {
+                            bytes[at] ^= 0x41;
+                        }
+                    })
+                    .unwrap();
+                for stage in &stages {
+                    let case = format!("byte {at} of {spoilt} spoilt, {params:?}, seed {seed}: {stages:?}");
+                    if stage.stage != spoilt {
+                        assert_eq!((stage.mismatches, stage.first), (0, None), "{case}");
+                    } else if let Some(found) = stage.first {
+                        assert_eq!(stage.mismatches, 1, "{case}");
+                        assert_eq!(found.expected, expected(&spoilt, found.x, found.y, found.d), "{case}");
+                        let change = (found.expected ^ found.got) & 0xffff;
+                        assert!(change == 0x41 || change == 0x4100, "{case}");
+                        reached.insert((found.y, found.x, found.d));
+                    } else {
+                        assert_eq!(stage.mismatches, 0, "{case}");
+                    }
+                }
+            }
+            let elements = clean.iter().find(|stage| stage.stage == spoilt).unwrap().elements;
+            assert!(reached.len() > 1 && reached.len() as u64 <= elements, "{spoilt}: {reached:?}");
+            let (last_y, ..) = reached.last().unwrap();
+            assert_eq!(*last_y, height - 1, "{spoilt}: {reached:?}");
+            // A stage with a disparity each has all of them at each place.
+            let places: BTreeSet<_> = reached.iter().map(|(y, x, _)| (y, x)).collect();
+            let disparities: BTreeSet<_> = reached.iter().map(|(_, _, d)| d).collect();
+            assert_eq!(reached.len(), places.len() * disparities.len(), "{spoilt}: {reached:?}");
+        }
+    }
+}
