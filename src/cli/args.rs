@@ -89,6 +89,10 @@ pub struct Args {
     #[arg(long, value_enum, value_name = "on|off")]
     pub subpixel: Option<OnOff>,
 
+    /// Compile the kernels with checks of every index and loop: slower, the same result [default: off]
+    #[arg(long, value_enum, value_name = "on|off")]
+    pub shader_checks: Option<OnOff>,
+
     /// auto: the best GPU, else a CPU adapter, else the CPU reference; gpu: any adapter; cpu: the reference
     #[arg(long, value_enum, default_value_t = Backend::Auto)]
     pub backend: Backend,

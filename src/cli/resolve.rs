@@ -124,6 +124,9 @@ fn params(args: &Args) -> Result<Params> {
             args::Median::Off => Median::Off,
         };
     }
+    if let Some(checks) = args.shader_checks {
+        params.shader_checks = checks == args::OnOff::On;
+    }
     if let Some(subpixel) = args.subpixel {
         params.subpixel = subpixel == args::OnOff::On;
     }
