@@ -1,4 +1,55 @@
-//! Dense stereo matching in WGSL compute shaders.
+//! Dense stereo matching in WGSL compute shaders, equal to a plain CPU reference to the bit.
+//!
+//! Two rectified images go in, the disparity of every left pixel comes out. The stages, in order:
+//!
+//! 1. `gray`: 8 bits of luma from 8-bit or 16-bit, gray or colour samples.
+//! 2. `prefilter`: the horizontal Sobel derivative, the gradient magnitude, or the gray image itself ([`Prefilter`]).
+//! 3. `sad_columns`, `sad_cost`: the sum of absolute differences over a block for each disparity, quantised to 0..=89.
+//! 4. `sgm_aggregate`: semi-global matching along 4 or 8 directions ([`Paths`]).
+//! 5. `winner`: the disparity of the smallest aggregate, the uniqueness test, 1/16 px by a parabola, the right view.
+//!    With [`Method::Bm`], `block_match` does this on the block sums, in place of `sad_cost`, 4 and 5.
+//! 6. `lr_check`: a left pixel keeps its disparity if the right view agrees.
+//! 7. `median`: 3x3.
+//!
+//! docs/ALGORITHMS.md defines every stage in exact integers. [`mod@reference`] is that definition in Rust,
+//! [`StereoMatcher`] the schedule that computes it on a device. No result depends on the device, the order of
+//! evaluation or a rounding mode.
+//!
+//! # In another program
+//!
+//! The matcher works on the caller's device. It needs no optional feature, and WebGPU's default limits suffice;
+//! [`StereoMatcher::required_limits`] raises them so that large pairs are cut into fewer bands.
+//!
+//! ```no_run
+//! use gpu_stereo::{DisparityMap, Error, Image, Params, Pixels, StereoMatcher, reference, wgpu};
+//!
+//! fn frame(device: &wgpu::Device, queue: &wgpu::Queue, l: Vec<u8>, r: Vec<u8>) -> Result<DisparityMap, Error> {
+//!     let left = Image::new(741, 500, Pixels::Gray8(l))?;
+//!     let right = Image::new(741, 500, Pixels::Gray8(r))?;
+//!     let params = Params::sgm(64);
+//!     let matcher = StereoMatcher::new(device, queue, 741, 500, left.format(), &params)?; // once
+//!
+//!     // In the caller's own frame: `record` neither submits nor waits.
+//!     matcher.upload(&left, &right)?;
+//!     let mut encoder = device.create_command_encoder(&wgpu::CommandEncoderDescriptor::default());
+//!     matcher.record(&mut encoder);
+//!     let _map: &wgpu::Buffer = matcher.output(); // i16 in 1/16 px, two pixels a word: for the caller's next pass
+//!     queue.submit([encoder.finish()]);
+//!
+//!     // Is this device right? The blocking convenience beside the definition.
+//!     let map = matcher.compute(&left, &right)?;
+//!     assert_eq!(map, reference::compute(&left, &right, &params)?);
+//!     Ok(map)
+//! }
+//! ```
+//!
+//! [`StereoMatcher::check`] compares after every stage instead and names the first value that differs.
+//!
+//! `wgpu` is exported again, so that the caller's device and the matcher's are of one version.
+//!
+//! # Features
+//!
+//! `cli` (default): the command `gpu-stereo` and its file formats. The library alone: `default-features = false`.
 #![cfg_attr(test, allow(clippy::unwrap_used))]
 
 #[cfg(test)]
