@@ -47,6 +47,9 @@ pub(crate) struct Rows {
 /// keeps a device busy is a waste of memory.
 const COLUMNS_BYTES: u64 = 32 << 20;
 
+/// The largest block that `sad_cost_small` takes: 15 * 15 * 255 fits the 16 bits that its sums have.
+const SMALL_BLOCK: u32 = 15;
+
 /// Texels of 16 bytes in a row of the texture that holds a band of the cost, which is filled line by line.
 pub(crate) const COST_TEXELS: u32 = 1024;
 
@@ -67,7 +70,9 @@ pub(crate) struct Sizes {
     /// Bytes of a row of column sums.
     pub(crate) columns_row: u64,
     pub(crate) bands: Vec<Rows>,
-    /// The chunks of each band.
+    /// Whether the cost is computed by `sad_cost_small`, from planes in textures and without column sums.
+    pub(crate) small_block: bool,
+    /// The chunks of each band; none if `small_block`.
     pub(crate) chunks: Vec<Vec<Rows>>,
 }
 
@@ -138,7 +143,11 @@ impl Sizes {
             Method::Sgm => cut(whole, most(volume_allowed, volume_row)),
             Method::Bm => vec![whole],
         };
-        let chunks = bands.iter().map(|&band| cut(band, most(chunk_bytes, columns_row))).collect();
+        let small_block = params.method == Method::Sgm
+            && params.block <= SMALL_BLOCK
+            && left_stride.max(right_stride).max(height) <= limits.max_texture_dimension_2d;
+        let chunks_of = |&band: &Rows| if small_block { vec![] } else { cut(band, most(chunk_bytes, columns_row)) };
+        let chunks = bands.iter().map(chunks_of).collect();
         Ok(Self {
             frame: Frame {
                 width,
@@ -164,6 +173,7 @@ impl Sizes {
             volume_row,
             columns_row,
             bands,
+            small_block,
             chunks,
         })
     }

@@ -90,9 +90,6 @@ pub(crate) fn check_pair(left: &Image, right: &Image) -> Result<(), Error> {
     )))
 }
 
-/// The largest block that `sad_cost_small` takes: 15 * 15 * 255 fits the 16 bits that its sums have.
-const SMALL_BLOCK: u32 = 15;
-
 /// Distance of the blocks in the uniform buffer of [`Pass`]es: the largest alignment that WebGPU allows a device to ask.
 const PASS_STRIDE: u32 = 256;
 
@@ -256,13 +253,11 @@ impl StereoMatcher {
         };
         let Frame { width, height, gray_stride, left_stride, right_stride, map_stride, .. } = sizes.frame;
 
-        let small = params.method == Method::Sgm && params.block <= SMALL_BLOCK;
         let sources = [b.buffer("source.left", sizes.source), b.buffer("source.right", sizes.source)];
         let grays = [b.buffer("gray.left", sizes.gray), b.buffer("gray.right", sizes.gray)];
         let planes = [b.buffer("prefilter.left", sizes.left), b.buffer("prefilter.right", sizes.right)];
-        let most_chunk = sizes.chunks.iter().flatten().map(|chunk| chunk.count).max().unwrap_or(1);
-        let columns_bytes = if small { 4 } else { u64::from(most_chunk) * sizes.columns_row };
-        let columns = b.buffer("sad_columns", columns_bytes);
+        let most_chunk = sizes.chunks.iter().flatten().map(|chunk| chunk.count).max().unwrap_or(0);
+        let columns = b.buffer("sad_columns", u64::from(most_chunk) * sizes.columns_row);
         let [left_map, right_map] = [b.buffer("winner.left", sizes.map), b.buffer("winner.right", sizes.map)];
 
         let mut plane_views = Vec::new();
@@ -278,7 +273,7 @@ impl StereoMatcher {
                 height,
                 Output::Prefiltered { side },
             );
-            if small {
+            if sizes.small_block {
                 plane_views.push(b.copy_to_texture(stride, height, 4));
             }
         }
@@ -320,14 +315,14 @@ impl StereoMatcher {
                 let first_paired = b.volume("sgm_aggregate", &sizes);
                 let mut cost = Vec::new();
                 for (band, (rows, chunks)) in sizes.bands.iter().zip(&sizes.chunks).enumerate() {
-                    if small {
+                    if sizes.small_block {
                         let pass = Pass { first_row: rows.first, rows: rows.count, ..Pass::default() };
                         let planes = [Texture(&plane_views[0]), Texture(&plane_views[1])];
                         let storage = [planes[0], planes[1], Buffer(&first_paired[band])];
                         let output = Output::Cost { chunk: *rows, volume_row: 0 };
                         b.step("sad_cost_small", &storage, pass, rows.count.div_ceil(2), 1, output);
                     }
-                    for &chunk in chunks.iter().filter(|_| !small) {
+                    for &chunk in chunks {
                         let volume_row = chunk.first - rows.first;
                         let pass = Pass { volume_row, ..column_step(&mut b, chunk) };
                         let output = Output::Cost { chunk, volume_row };

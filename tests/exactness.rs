@@ -65,6 +65,17 @@ fn largest_sums() {
     }
 }
 
+/// Sides that no texture has: the planes stay in buffers.
+#[test]
+fn long_sides() {
+    let Some(setup) = support::device() else { return };
+    for (seed, (width, height)) in (0..).zip([(3, 9001), (9001, 3), (33_001, 2)]) {
+        let (left, right) = support::pair(width, height, seed);
+        check(&setup, &left, &right, &Params::sgm(9), seed);
+        check(&setup, &left, &right, &Params::bm(9), seed);
+    }
+}
+
 /// A device whose bindings are so small that volumes are cut into many bands.
 #[test]
 fn bands() {
