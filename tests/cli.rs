@@ -699,8 +699,8 @@ fn every_option_reaches_the_matcher() {
         fs::read(folder.path().join("m.npy")).unwrap()
     };
     let default = map(&[]);
-    let spelled_out = "--min-disp 0 --method sgm --paths 4 --block 5 --prefilter xsobel --prefilter-cap 31 --p1 12 \
-                       --p2 72 --uniqueness off --lr-check 1 --median 3 --subpixel on";
+    let spelled_out = "--min-disp 0 --method sgm --paths 4 --block 5 --prefilter xsobel --prefilter-cap 31 --p1 16 \
+                       --p2 96 --uniqueness 10 --lr-check 1 --median 3 --subpixel on";
     assert!(map(&spelled_out.split_whitespace().collect::<Vec<_>>()) == default, "the help tells other defaults");
     for changed in [
         "--min-disp 1",

@@ -65,15 +65,15 @@ pub struct Args {
     #[arg(long, value_name = "C", allow_negative_numbers = true)]
     pub prefilter_cap: Option<Whole>,
 
-    /// sgm: penalty of a disparity step of 1 [default: 12]
+    /// sgm: penalty of a disparity step of 1 [default: 16]
     #[arg(long, value_name = "P1", allow_negative_numbers = true)]
     pub p1: Option<Whole>,
 
-    /// sgm: penalty of a larger step, at least P1 [default: 72]
+    /// sgm: penalty of a larger step, at least P1 [default: 96]
     #[arg(long, value_name = "P2", allow_negative_numbers = true)]
     pub p2: Option<Whole>,
 
-    /// Other disparities must cost this many per cent more; off is 0 [default: sgm off, bm 15]
+    /// Other disparities must cost this many per cent more; off is 0 [default: sgm 10, bm 15]
     #[arg(long, value_name = "PCT|off", allow_negative_numbers = true)]
     pub uniqueness: Option<WholeOrOff>,
 

@@ -5,7 +5,7 @@ use rayon::prelude::*;
 /// The factor that brings a block sum to the quantised cost: round(59 * 1550 * 2^14 / largest block sum).
 ///
 /// 59 / 1024 for the classic block of 5x5 pixels with a cap of 31, whose largest sum is 1550; for any other block and
-/// cap such that the largest sum gives the same cost. So P1 and P2 mean the same whatever the block.
+/// cap such that the largest sum gives the same cost. So P1 and P2 keep their meaning when the block changes.
 pub fn sad_cost_scale(params: &Params) -> u32 {
     let largest = params.block * params.block * params.prefiltered_max();
     (59 * 1550 * (1 << 14) + largest / 2) / largest
