@@ -154,7 +154,7 @@ fn what_does_not_fit_the_device_is_told_in_bytes() {
     let cases = [
         (200, 200, PixelFormat::Gray8, Params::sgm(1), 200 * 200),
         (100, 62, PixelFormat::Rgba8, Params::bm(1), 100 * 62 * 4),
-        (100, 2, PixelFormat::Gray8, Params::sgm(500), 100 * 512),
+        (100, 2, PixelFormat::Gray8, Params::sgm(500), 64 << 10), // 100 * 512 in units of 16 KiB
     ];
     for (width, height, format, params, bytes) in cases {
         let error = StereoMatcher::new(&device, &queue, width, height, format, &params).unwrap_err();
@@ -344,7 +344,7 @@ fn expected_values(left: &Image, right: &Image, params: &Params) -> impl Fn(&str
     }
 }
 
-/// Every byte of every stage's first buffer, spoilt alone: one mismatch in that stage and none in another, at a place
+/// Every byte in use of every stage's first buffer, spoilt alone: one mismatch in that stage and none in another, at a place
 /// where the reference has the value that the mismatch says; none for padding. Each element is reached.
 #[test]
 fn the_check_finds_each_spoilt_byte() {
@@ -368,7 +368,8 @@ fn the_check_finds_each_spoilt_byte() {
 
         for (spoilt, length) in lengths {
             let mut reached = BTreeSet::new();
-            for at in 0..length {
+            // All that is in use lies in the first KiB; of the padding after it, every 509th byte.
+            for at in (0..length.min(1024)).chain((1024..length).step_by(509)) {
                 let mut first = true;
                 let stages = matcher
                     .check_with(&left, &right, |stage, bytes| {

@@ -327,6 +327,11 @@ fn wide(params: &mut Params) {
     params.block = 17;
 }
 
+/// Settings that leave wrong winners in the map: those that point outside the right image by a fraction among them.
+fn any(params: &mut Params) {
+    (params.p1, params.p2, params.uniqueness) = (12, 72, 0);
+}
+
 fn eight(params: &mut Params) {
     params.paths = Paths::Eight;
 }
@@ -358,7 +363,7 @@ const MUTANTS: &[Mutant] = &[
     mutant("winner", "curvature - 1u", "curvature", |_| ()),
     mutant("winner", "<= vec4(limit)", "< vec4(limit)", |params| params.uniqueness = 1),
     mutant("winner", "frame.uniqueness)", "(frame.uniqueness + 1u))", |params| params.uniqueness = 10),
-    mutant("winner", "disparity + 8", "disparity + 7", |_| ()),
+    mutant("winner", "disparity + 8", "disparity + 7", any),
     mutant("winner", "seen < i32(frame.width)", "seen <= i32(frame.width)", |_| ()),
     mutant("block_match", "<= vec4(limit)", "< vec4(limit)", |params| {
         bm(params);
@@ -370,7 +375,7 @@ const MUTANTS: &[Mutant] = &[
     mutant("lr_check", "(value + 8)", "value", |_| ()),
     mutant("median", "frame.width) - 1)", "frame.width))", |_| ()),
     mutant("median", "min(id.y + 1u, frame.height - 1u)", "id.y", |_| ()),
-    mutant("median", "points_inside(x, value)", "true", |_| ()),
+    mutant("median", "points_inside(x, value)", "true", any),
 ];
 
 /// The check finds each mutant, and in the stage that it is in: the stages before stay exact.
