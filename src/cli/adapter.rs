@@ -85,7 +85,7 @@ pub fn choose(names: &[String], wanted: &str) -> Result<usize> {
         bail!("--adapter is {wanted:?}, but there is no adapter; install a Vulkan driver, or take --backend cpu");
     }
     let known: Vec<_> = names.iter().enumerate().map(|(index, name)| format!("{index} ({name})")).collect();
-    bail!("--adapter is {wanted:?}, but there are only {}; take one of these, by index or name", known.join(", "))
+    bail!("--adapter is {wanted:?}, but the adapters are {}; take one of these, by index or name", known.join(", "))
 }
 
 /// A device and the errors that reached it outside any call.
