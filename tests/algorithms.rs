@@ -24,7 +24,8 @@ fn python(argument: &str) -> Option<String> {
     };
     if let Some(why) = missing {
         // Not eprintln!, which the test harness holds back when a test passes.
-        writeln!(std::io::stderr(), "NOT TESTED: docs/ALGORITHMS.md against the reference, {why}").unwrap();
+        let mut console = std::io::stderr();
+        writeln!(console, "NOT TESTED: docs/ALGORITHMS.md against the reference, {why}").unwrap();
         return None;
     }
     let output = Command::new("python3").args([SCRIPT, argument]).output().unwrap();
