@@ -36,13 +36,15 @@ fn main(@builtin(global_invocation_id) id: vec3<u32>) {
         path_step(&state, u32(at) * QUADS);
         at += pass_.dy * width + pass_.dx;
         x += pass_.dx;
-        if !horizontal && (x < 0 || x >= width) {
-            x -= pass_.dx * width;
-            at -= pass_.dx * width;
-            for (var q = 0u; q < QUADS; q++) {
-                state[q] = vec4(0u);
-            }
+        // A mask in place of a branch, which would copy the state.
+        let leaves = !horizontal && (x < 0 || x >= width);
+        let keep = vec4(select(0xffffffffu, 0u, leaves));
+        for (var q = 0u; q < QUADS; q++) {
+            state[q] &= keep;
         }
+        let back = select(0, pass_.dx * width, leaves);
+        x -= back;
+        at -= back;
     }
     if !horizontal {
         // The state belongs to the pixel before x. After a wrap the next row's path starts anew and needs none.

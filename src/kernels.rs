@@ -84,6 +84,7 @@ pub(crate) fn constants(kernel: &Kernel, params: &Params, format: PixelFormat) -
         ("PATHS", number(paths)),
         ("PAIRED", number(paired)),
         ("SUBPIXEL", number(params.subpixel.into())),
+        ("SHIFTED", number((params.min_disparity != 0).into())),
         ("UNIQUENESS", number((params.uniqueness > 0).into())),
         ("FORMAT", number(format as u32)),
         ("GRAY8", number(PixelFormat::Gray8 as u32)),
