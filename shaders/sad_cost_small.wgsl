@@ -1,4 +1,4 @@
-// sad_cost_small: sad_cost for blocks of up to 15 pixels, without the detour over column sums in memory.
+// sad_cost_small: sad_cost for blocks of up to 15 pixels on planes that fit a texture, without column sums in memory.
 // left, right (prefiltered planes as textures, four pixels a texel) -> cost (u8, [y][x][d], four disparities a word)
 // One invocation: two neighbouring rows, from left to right. The right pixels that the disparities are compared with
 //   stay in registers and move up by one disparity a step; the last BLOCK column sums are kept, so that a column leaves

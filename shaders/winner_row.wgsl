@@ -76,7 +76,7 @@ fn winner(costs: ptr<function, Costs>, x: i32) -> i32 {
     let cost = lowest(least) >> 12u;
     // The costs at the neighbours of the winner, and how many costs fail the uniqueness test
     // cost(d) * (100 - ratio) > cost * 100.
-    let limit = cost * 100u / (100u - frame.uniqueness);
+    let limit = min(cost * 100u / (100u - frame.uniqueness), COST_NONE - 1u);
     var before = vec4(0u);
     var after = vec4(0u);
     var rivals = vec4(0u);

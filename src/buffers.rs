@@ -125,7 +125,8 @@ impl Sizes {
         let right_stride = ((width - 1 + reach) / 4 + words + 1).next_multiple_of(64);
         let map_stride = width.div_ceil(2);
         let rows = |stride: u32| 4 * u64::from(stride) * u64::from(height);
-        fits("a prefiltered image", rows(right_stride), smaller)?;
+        fits("a prefiltered image", rows(left_stride.max(right_stride)), smaller)?;
+        fits("a disparity map", rows(map_stride), smaller)?;
 
         let volume_row = 4 * u64::from(width) * u64::from(words);
         let columns_row = 8 * u64::from(width + reach) * u64::from(words);
@@ -133,8 +134,11 @@ impl Sizes {
         let texture_row = 16 * u64::from(COST_TEXELS);
         let volume_allowed = (allowed / texture_row).min(limits.max_texture_dimension_2d.into()) * texture_row;
         let fewer = "use fewer disparities or narrower images";
-        fits("a row of the matching cost", volume_row.next_multiple_of(texture_row), fewer)?;
-        fits("a row of column sums", columns_row, fewer)?;
+        let volume_needs = volume_row.next_multiple_of(texture_row);
+        if params.method == Method::Sgm && volume_needs > volume_allowed {
+            let what = "a row of the matching cost".into();
+            return Err(Error::TooLarge { what, needed: volume_needs, allowed: volume_allowed, remedy: fewer });
+        }
         // A column's first row costs as much as a block of rows: short chunks are slow.
         let chunk_bytes = COLUMNS_BYTES.max(128 * columns_row).min(allowed);
         let most = |bytes: u64, row: u64| (bytes / row).clamp(1, u64::from(height)) as u32;
@@ -146,6 +150,9 @@ impl Sizes {
         let small_block = params.method == Method::Sgm
             && params.block <= SMALL_BLOCK
             && left_stride.max(right_stride).max(height) <= limits.max_texture_dimension_2d;
+        if !small_block {
+            fits("a row of column sums", columns_row, fewer)?;
+        }
         let chunks_of = |&band: &Rows| if small_block { vec![] } else { cut(band, most(chunk_bytes, columns_row)) };
         let chunks = bands.iter().map(chunks_of).collect();
         Ok(Self {

@@ -8,7 +8,7 @@ use crate::{DisparityMap, Error, Image, Method, StereoMatcher, readback};
 /// The first element of a stage that differs from the reference.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Mismatch {
-    /// Column.
+    /// Column; of a prefiltered image the byte of its row, of column sums the column plus the block's radius.
     pub x: u32,
     /// Row.
     pub y: u32,
@@ -259,11 +259,10 @@ impl StereoMatcher {
                     }
                 }
             }
-            Output::Views { rows, last } => {
+            Output::Views { last } => {
                 if !last {
                     return Ok(()); // the maps are compared when all bands are there
                 }
-                let _ = rows;
                 let left = self.map(&bytes);
                 let right = self.map(&self.fetch(step, &self.right_map, spoil)?);
                 let views = expected.views();

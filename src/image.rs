@@ -126,7 +126,7 @@ impl DisparityMap {
         if x >= self.width || y >= self.height {
             return None;
         }
-        let value = self.data[y as usize * self.width as usize + x as usize];
+        let value = *self.data.get(y as usize * self.width as usize + x as usize)?;
         (value != Self::INVALID).then(|| f32::from(value) / 16.0)
     }
 

@@ -24,7 +24,7 @@ pub(crate) enum Output {
     Columns { chunk: Rows },
     Cost { chunk: Rows, volume_row: u32 },
     Paths { directions: Vec<Direction>, band: Rows },
-    Views { rows: Rows, last: bool },
+    Views { last: bool },
     Checked,
     Median,
 }
@@ -150,7 +150,7 @@ impl Builder<'_> {
         view
     }
 
-    /// One dispatch of `lanes` x `rows` invocations. The last of `storage` that the kernel writes is what it leaves.
+    /// One dispatch of `lanes` x `rows` invocations. The first of `storage` that the kernel writes is what it leaves.
     fn step(&mut self, name: &str, storage: &[Bound<'_>], pass: Pass, lanes: u32, rows: u32, output: Output) {
         let Some(kernel) = KERNELS.iter().position(|kernel| kernel.name == name) else {
             unreachable!("{name} is not in the table of kernels");
@@ -193,13 +193,14 @@ impl StereoMatcher {
         adapter.features() & wgpu::Features::TIMESTAMP_QUERY
     }
 
-    /// The limits to ask a device for. WebGPU's default limits do; this raises the sizes of buffers to what the adapter
-    /// has, so that large pairs need fewer bands.
+    /// The limits to ask a device for. WebGPU's default limits do; this raises the sizes of buffers and textures to what the
+    /// adapter has, so that large pairs need fewer bands.
     pub fn required_limits(adapter: &wgpu::Adapter) -> wgpu::Limits {
         let has = adapter.limits();
         wgpu::Limits {
             max_storage_buffer_binding_size: has.max_storage_buffer_binding_size,
             max_buffer_size: has.max_buffer_size,
+            max_texture_dimension_2d: has.max_texture_dimension_2d,
             ..wgpu::Limits::default().or_worse_values_from(&has)
         }
     }
@@ -297,7 +298,7 @@ impl StereoMatcher {
             Method::Bm => {
                 for &chunk in sizes.chunks.iter().flatten() {
                     let pass = column_step(&mut b, chunk);
-                    let output = Output::Views { rows: chunk, last: chunk.first + chunk.count == height };
+                    let output = Output::Views { last: chunk.first + chunk.count == height };
                     b.step(
                         "block_match",
                         &[Buffer(&columns), Buffer(&left_map), Buffer(&right_map)],
@@ -390,7 +391,7 @@ impl StereoMatcher {
                         Buffer(&left_map),
                         Buffer(&right_map),
                     ];
-                    let output = Output::Views { rows, last: rows.first + rows.count == height };
+                    let output = Output::Views { last: rows.first + rows.count == height };
                     b.step("winner", &storage, pass, rows.count, 1, output);
                 }
             }
@@ -556,17 +557,18 @@ impl StereoMatcher {
     }
 
     /// As [`StereoMatcher::compute`], with the time of each stage in order of first use; none where the device was
-    /// made without `TIMESTAMP_QUERY`.
+    /// made without `TIMESTAMP_QUERY`, or there are more steps than a query set can time (2048).
     ///
     /// # Errors
     /// As [`StereoMatcher::compute`].
     pub fn compute_timed(&self, left: &Image, right: &Image) -> Result<(DisparityMap, Vec<StageTime>), Error> {
-        if !self.device.features().contains(wgpu::Features::TIMESTAMP_QUERY) {
+        let count = 2 * self.steps.len() as u32;
+        let timed = self.device.features().contains(wgpu::Features::TIMESTAMP_QUERY);
+        if !timed || count > wgpu::QUERY_SET_MAX_QUERIES {
             return Ok((self.compute(left, right)?, Vec::new()));
         }
-        let count = 2 * self.steps.len() as u32;
         let bytes = 8 * u64::from(count);
-        let timer = self.timer.get_or_init(|| Timer {
+        let make = || Timer {
             queries: self.device.create_query_set(&wgpu::QuerySetDescriptor {
                 label: Some("gpu-stereo.timestamps"),
                 ty: wgpu::QueryType::Timestamp,
@@ -579,7 +581,8 @@ impl StereoMatcher {
                 mapped_at_creation: false,
             }),
             readback: readback::buffer(&self.device, "gpu-stereo.timestamps", bytes),
-        });
+        };
+        let timer = readback::guarded(&self.device, || self.timer.get_or_init(make))?;
         let map = self.run(left, right, |encoder| {
             for (i, step) in (0..).zip(self.steps.chunks(1)) {
                 let writes = wgpu::ComputePassTimestampWrites {

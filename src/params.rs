@@ -51,7 +51,7 @@ pub enum Median {
 /// use gpu_stereo::{Params, Paths};
 /// let mut params = Params::sgm(64);
 /// params.paths = Paths::Eight;
-/// params.uniqueness = 10;
+/// params.uniqueness = 15;
 /// assert!(params.validate().is_ok());
 /// ```
 #[derive(Clone, Debug, PartialEq, Eq, Hash)]

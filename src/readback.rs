@@ -21,8 +21,9 @@ pub(crate) fn guarded<T>(device: &wgpu::Device, work: impl FnOnce() -> T) -> Res
     let internal = device.push_error_scope(wgpu::ErrorFilter::Internal);
     let validation = device.push_error_scope(wgpu::ErrorFilter::Validation);
     let result = work();
-    let found = [ready(validation.pop()), ready(internal.pop()), ready(memory.pop())];
-    match found.into_iter().flatten().flatten().next() {
+    let (validation, internal, memory) = (ready(validation.pop()), ready(internal.pop()), ready(memory.pop()));
+    // What is made without memory is invalid afterwards: the cause comes before its consequences.
+    match [memory, internal, validation].into_iter().flatten().flatten().next() {
         None => Ok(result),
         Some(wgpu::Error::OutOfMemory { .. }) => Err(Error::OutOfMemory),
         Some(error) => Err(Error::Lost(one_line(&error.to_string()))),
@@ -68,9 +69,12 @@ pub(crate) fn copy(
     from: &wgpu::Buffer,
     bytes: u64,
 ) -> Result<Vec<u8>, Error> {
-    let staging = buffer(device, "gpu-stereo.readback", bytes);
-    let mut encoder = device.create_command_encoder(&wgpu::CommandEncoderDescriptor::default());
-    encoder.copy_buffer_to_buffer(from, 0, &staging, 0, bytes);
-    queue.submit([encoder.finish()]);
+    let staging = guarded(device, || {
+        let staging = buffer(device, "gpu-stereo.readback", bytes);
+        let mut encoder = device.create_command_encoder(&wgpu::CommandEncoderDescriptor::default());
+        encoder.copy_buffer_to_buffer(from, 0, &staging, 0, bytes);
+        queue.submit([encoder.finish()]);
+        staging
+    })?;
     read(device, &staging, <[u8]>::to_vec)
 }

@@ -63,13 +63,22 @@ fn largest_sums() {
             check(&setup, &left, &right, &params, 7);
         }
     }
+    // Every cost the largest, and a uniqueness limit beyond all that the keys hold.
+    let image = |value| Image::new(61, 23, gpu_stereo::Pixels::Gray8(vec![value; 61 * 23])).unwrap();
+    for disparities in [1, 2, 3, 17] {
+        for mut params in [Params::sgm(disparities), Params::bm(disparities)] {
+            (params.block, params.prefilter, params.uniqueness) = (51, Prefilter::None, 99);
+            check(&setup, &image(0), &image(255), &params, 0);
+        }
+    }
 }
 
 /// Sides that no texture has: the planes stay in buffers.
 #[test]
 fn long_sides() {
-    let Some(setup) = support::device() else { return };
-    for (seed, (width, height)) in (0..).zip([(3, 9001), (9001, 3), (33_001, 2)]) {
+    let setup = support::device_with(|limits| limits.max_texture_dimension_2d = 2048);
+    let Some(setup) = setup else { return };
+    for (seed, (width, height)) in (0..).zip([(3, 2100), (9001, 3), (33_001, 2)]) {
         let (left, right) = support::pair(width, height, seed);
         check(&setup, &left, &right, &Params::sgm(9), seed);
         check(&setup, &left, &right, &Params::bm(9), seed);

@@ -11,7 +11,7 @@ const EXAMPLES: &str = "\
 Examples:
   gpu-stereo left.png right.png --disp 64
       writes disparity.png (16 bit, 256 a pixel, 0 invalid) and disparity_color.png
-  gpu-stereo left.png right.png --disp 128 --paths 8 --uniqueness 10 -o out.pfm -o out.npy
+  gpu-stereo left.png right.png --disp 128 --paths 8 --uniqueness 15 -o out.pfm -o out.npy
       writes the same map in two formats
   gpu-stereo left.png right.png --disp 64 --check
       compares every stage on the adapter with the CPU reference, bit for bit
@@ -73,7 +73,7 @@ pub struct Args {
     #[arg(long, value_name = "P2", allow_negative_numbers = true)]
     pub p2: Option<Whole>,
 
-    /// Other disparities must cost this many per cent more; off is 0 [default: sgm 10, bm 15]
+    /// The winner must cost this many per cent less than all others; off is 0 [default: sgm 10, bm 15]
     #[arg(long, value_name = "PCT|off", allow_negative_numbers = true)]
     pub uniqueness: Option<WholeOrOff>,
 

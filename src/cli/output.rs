@@ -231,7 +231,7 @@ fn kitti(map: &DisparityMap) -> Result<Vec<u16>> {
         let Some(disparity) = pixels(value) else {
             return Ok(0);
         };
-        u16::try_from(16 * i32::from(value)).map(|sample| sample.max(1)).with_context(|| {
+        u16::try_from(16 * i32::from(value)).ok().map(|sample| sample.max(1)).with_context(|| {
             let (x, y) = (i % map.width as usize, i / map.width as usize);
             format!(
                 "the disparity at ({x}, {y}) is {disparity} px, but a 16-bit PNG holds 0 to {} px; take .pfm, .npy or \

@@ -6,7 +6,7 @@ use crate::report::{FrameMs, Report};
 use crate::resolve::Job;
 use crate::{input, output};
 use anyhow::{Result, bail, ensure};
-use gpu_stereo::{DisparityMap, Error, Image, Params, StageCheck, StageTime, StereoMatcher, reference};
+use gpu_stereo::{DisparityMap, Error, Image, Method, Params, Paths, StageCheck, StageTime, StereoMatcher, reference};
 use std::time::Instant;
 
 /// What computes.
@@ -43,7 +43,18 @@ pub fn run(job: &Job) -> Result<Report> {
         }
     }
 
-    let check = if job.check { Some(engine.check(&left, &right)?) } else { None };
+    let check = if job.check {
+        // Column sums of two bytes, the cost, every direction, and an aggregate of two bytes.
+        let directions = match (job.params.method, job.params.paths) {
+            (Method::Sgm, Paths::Four) => 4,
+            (Method::Sgm, _) => 8,
+            _ => 0,
+        };
+        ensure_memory(job, &left, 5 + directions)?;
+        Some(engine.check(&left, &right)?)
+    } else {
+        None
+    };
     let passed = check.iter().flatten().all(|stage| stage.mismatches == 0);
     if passed {
         output::write(&job.outputs, &map, &job.params)?;
@@ -110,22 +121,10 @@ impl Engine {
         Self::reference(job, image)
     }
 
-    /// The reference, if its volumes fit: a failed allocation inside it would abort the process without a word.
+    /// The reference, if its volumes fit.
     fn reference(job: &Job, image: &Image) -> Result<Self> {
-        let params = &job.params;
-        let columns = u64::from(image.width()) + u64::from(params.block) - 1;
         // At the peak, in the aggregation: 8-bit costs, an 8-bit path and a 16-bit sum.
-        let needed = 4 * columns * u64::from(image.height()) * u64::from(params.disparities);
-        let mut trial = Vec::<u8>::new();
-        let given = usize::try_from(needed).is_ok_and(|needed| trial.try_reserve_exact(needed).is_ok());
-        std::hint::black_box(&trial); // or the compiler drops the trial and takes it for granted
-        ensure!(
-            given,
-            "{}x{} pixels at {} disparities need {needed} bytes, but the memory allows less; lower --disp, crop or scale",
-            image.width(),
-            image.height(),
-            params.disparities
-        );
+        ensure_memory(job, image, 4)?;
         Ok(Self::Reference)
     }
 
@@ -184,6 +183,24 @@ impl Engine {
             Self::Reference => 0,
         }
     }
+}
+
+/// Refuses what the host's memory cannot hold, volumes of `bytes` a pixel and disparity: a failed allocation inside the
+/// reference would abort the process without a word.
+fn ensure_memory(job: &Job, image: &Image, bytes: u64) -> Result<()> {
+    let columns = u64::from(image.width()) + u64::from(job.params.block) - 1;
+    let needed = bytes * columns * u64::from(image.height()) * u64::from(job.params.disparities);
+    let mut trial = Vec::<u8>::new();
+    let given = usize::try_from(needed).is_ok_and(|needed| trial.try_reserve_exact(needed).is_ok());
+    std::hint::black_box(&trial); // or the compiler drops the trial and takes it for granted
+    ensure!(
+        given,
+        "{}x{} pixels at {} disparities need {needed} bytes, but the memory allows less; lower --disp, crop or scale",
+        image.width(),
+        image.height(),
+        job.params.disparities
+    );
+    Ok(())
 }
 
 fn milliseconds(since: Instant) -> f64 {
