@@ -53,6 +53,9 @@ const SMALL_BLOCK: u32 = 15;
 /// Texels of 16 bytes in a row of the texture that holds a band of the cost, which is filled line by line.
 pub(crate) const COST_TEXELS: u32 = 1024;
 
+/// Bytes of such a row.
+const COST_TEXTURE_ROW: u64 = 16 * COST_TEXELS as u64;
+
 /// The sizes of everything. A volume is cut into bands of rows, each in a buffer of its own, none larger than one
 /// storage binding may be; column sums are computed for one chunk of a band at a time.
 #[derive(Clone, Debug)]
@@ -88,12 +91,12 @@ fn cut(rows: Rows, most: u32) -> Vec<Rows> {
 impl Sizes {
     /// Rows of the texture that holds the cost of `rows` rows of the image.
     pub(crate) fn cost_texture_rows(&self, rows: u32) -> u32 {
-        (u64::from(rows) * self.volume_row).div_ceil(16 * u64::from(COST_TEXELS)) as u32
+        (u64::from(rows) * self.volume_row).div_ceil(COST_TEXTURE_ROW) as u32
     }
 
     /// Bytes of the buffer of a volume of `rows` rows: whole rows of the texture.
     pub(crate) fn volume(&self, rows: u32) -> u64 {
-        16 * u64::from(COST_TEXELS) * u64::from(self.cost_texture_rows(rows))
+        COST_TEXTURE_ROW * u64::from(self.cost_texture_rows(rows))
     }
 
     pub(crate) fn new(
@@ -131,10 +134,10 @@ impl Sizes {
         let volume_row = 4 * u64::from(width) * u64::from(words);
         let columns_row = 8 * u64::from(width + reach) * u64::from(words);
         // Volumes are made of whole rows of the cost's texture.
-        let texture_row = 16 * u64::from(COST_TEXELS);
-        let volume_allowed = (allowed / texture_row).min(limits.max_texture_dimension_2d.into()) * texture_row;
+        let texture_rows = (allowed / COST_TEXTURE_ROW).min(limits.max_texture_dimension_2d.into());
+        let volume_allowed = texture_rows * COST_TEXTURE_ROW;
         let fewer = "use fewer disparities or narrower images";
-        let volume_needs = volume_row.next_multiple_of(texture_row);
+        let volume_needs = volume_row.next_multiple_of(COST_TEXTURE_ROW);
         if params.method == Method::Sgm && volume_needs > volume_allowed {
             let what = "a row of the matching cost".into();
             return Err(Error::TooLarge { what, needed: volume_needs, allowed: volume_allowed, remedy: fewer });

@@ -101,6 +101,11 @@ enum Bound<'a> {
 }
 use Bound::{Buffer, Texture};
 
+/// Bytes of a row of `width` texels.
+fn row_bytes(format: wgpu::TextureFormat, width: u32) -> u32 {
+    format.block_copy_size(None).unwrap_or(0) * width
+}
+
 /// Builds buffers and steps; becomes a [`StereoMatcher`].
 struct Builder<'a> {
     device: &'a wgpu::Device,
@@ -130,16 +135,16 @@ impl Builder<'_> {
         sizes.bands.iter().map(|band| self.buffer(name, sizes.volume(band.count))).collect()
     }
 
-    /// Copies what the last step left into a texture of `texel_bytes` a texel and `width` texels a row.
-    fn copy_to_texture(&mut self, width: u32, height: u32, texel_bytes: u32) -> wgpu::TextureView {
-        self.device_bytes += u64::from(texel_bytes) * u64::from(width) * u64::from(height);
+    /// Copies what the last step left into a texture of `width` texels a row.
+    fn copy_to_texture(&mut self, width: u32, height: u32, format: wgpu::TextureFormat) -> wgpu::TextureView {
+        self.device_bytes += u64::from(row_bytes(format, width)) * u64::from(height);
         let texture = self.device.create_texture(&wgpu::TextureDescriptor {
             label: Some("gpu-stereo.copy"),
             size: wgpu::Extent3d { width, height, depth_or_array_layers: 1 },
             mip_level_count: 1,
             sample_count: 1,
             dimension: wgpu::TextureDimension::D2,
-            format: if texel_bytes == 4 { wgpu::TextureFormat::R32Uint } else { wgpu::TextureFormat::Rgba32Uint },
+            format,
             usage: wgpu::TextureUsages::STORAGE_BINDING | wgpu::TextureUsages::COPY_DST,
             view_formats: &[],
         });
@@ -193,8 +198,8 @@ impl StereoMatcher {
         adapter.features() & wgpu::Features::TIMESTAMP_QUERY
     }
 
-    /// The limits to ask a device for. WebGPU's default limits do; this raises the sizes of buffers and textures to what the
-    /// adapter has, so that large pairs need fewer bands.
+    /// The limits to ask a device for. WebGPU's default limits do; this raises the sizes of buffers and textures to what
+    /// the adapter has, so that large pairs need fewer bands.
     pub fn required_limits(adapter: &wgpu::Adapter) -> wgpu::Limits {
         let has = adapter.limits();
         wgpu::Limits {
@@ -275,7 +280,7 @@ impl StereoMatcher {
                 Output::Prefiltered { side },
             );
             if sizes.small_block {
-                plane_views.push(b.copy_to_texture(stride, height, 4));
+                plane_views.push(b.copy_to_texture(stride, height, wgpu::TextureFormat::R32Uint));
             }
         }
 
@@ -330,7 +335,8 @@ impl StereoMatcher {
                         let storage = [Buffer(&columns), Buffer(&first_paired[band])];
                         b.step("sad_cost", &storage, pass, chunk.count, 1, output);
                     }
-                    cost.push(b.copy_to_texture(COST_TEXELS, sizes.cost_texture_rows(rows.count), 16));
+                    let height = sizes.cost_texture_rows(rows.count);
+                    cost.push(b.copy_to_texture(COST_TEXELS, height, wgpu::TextureFormat::Rgba32Uint));
                 }
                 // The pairs of opposite directions that cross rows, then the horizontal one, which ends in the winner.
                 let directions = Direction::all(params.paths);
@@ -514,8 +520,7 @@ impl StereoMatcher {
         }
         drop(pass);
         if let Some((step, texture)) = steps.last().and_then(|step| Some((step, step.copy_to.as_ref()?))) {
-            let texel = if texture.format() == wgpu::TextureFormat::R32Uint { 4 } else { 16 };
-            let bytes_per_row = Some(texel * texture.width());
+            let bytes_per_row = Some(row_bytes(texture.format(), texture.width()));
             let layout = wgpu::TexelCopyBufferLayout { offset: 0, bytes_per_row, rows_per_image: None };
             let source = wgpu::TexelCopyBufferInfo { buffer: &step.buffer, layout };
             encoder.copy_buffer_to_texture(source, texture.as_image_copy(), texture.size());

@@ -134,6 +134,12 @@ fn upside_down_pairs_have_upside_down_maps() {
     }
 }
 
+/// The column sums of a pair: what both methods start from.
+fn column_sums(left: &Image, right: &Image, params: &Params) -> reference::Volume<u16> {
+    let planes = [left, right].map(|image| reference::prefilter(&reference::gray(image), params));
+    reference::sad_columns(&planes[0], &planes[1], params)
+}
+
 /// Mirrored and swapped, a pair's left view is the mirror image of the original's right view.
 ///
 /// The block cost of the mirrored pair at (x', d) is that of the original pair at (u + d, d), u = width - 1 - x' being
@@ -150,8 +156,7 @@ fn mirrored_and_swapped_the_left_view_is_the_right_view() {
             let mut params = whole_pixels(&params);
             params.min_disparity = min_disparity;
             (params.p1, params.p2) = (0, 0);
-            let planes = [&left, &right].map(|image| reference::prefilter(&reference::gray(image), &params));
-            let columns = reference::sad_columns(&planes[0], &planes[1], &params);
+            let columns = column_sums(&left, &right, &params);
             let views = match params.method {
                 Method::Bm => reference::block_match(&columns, &params),
                 _ => {
@@ -197,8 +202,7 @@ fn mirrored_the_disparities_change_their_sign() {
             let map = compute(&setup, &left, &right, &params);
             let turned = compute(&setup, &mirrored(&left), &mirrored(&right), &turned);
 
-            let planes = [&left, &right].map(|image| reference::prefilter(&reference::gray(image), &params));
-            let columns = reference::sad_columns(&planes[0], &planes[1], &params);
+            let columns = column_sums(&left, &right, &params);
             let sums: Vec<u32> = match params.method {
                 Method::Bm => (0..height as usize).flat_map(|y| reference::block_sums(&columns, y, 5)).collect(),
                 _ => {
