@@ -74,9 +74,10 @@ impl Options {
         params.prefilter_cap = self.cap.unwrap_or(params.prefilter_cap);
         params.paths = match self.paths {
             None => params.paths,
+            Some(3) => Paths::Three,
             Some(4) => Paths::Four,
             Some(8) => Paths::Eight,
-            Some(other) => bail!("--paths is {other}, but must be 4 or 8"),
+            Some(other) => bail!("--paths is {other}, but must be 3, 4 or 8"),
         };
         params.prefilter = match self.prefilter.as_deref() {
             None => params.prefilter,

@@ -67,6 +67,7 @@ pub(crate) fn constants(kernel: &Kernel, params: &Params, format: PixelFormat) -
         })
         .collect();
     let (paths, paired) = match params.paths {
+        Paths::Three => (3, 1),
         Paths::Four => (4, 1),
         Paths::Eight => (8, 3),
     };

@@ -345,7 +345,7 @@ impl StereoMatcher {
                 let carry =
                     [b.buffer("sgm_aggregate.carry", carry_bytes), b.buffer("sgm_aggregate.carry", carry_bytes)];
                 let mut paired = vec![first_paired];
-                for (i, pair) in across.chunks_exact(2).enumerate() {
+                for (i, pair) in across.chunks(2).enumerate() {
                     if i > 0 {
                         paired.push(b.volume("sgm_aggregate", &sizes));
                     }

@@ -29,10 +29,23 @@ pub enum Method {
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 #[non_exhaustive]
 pub enum Paths {
+    /// Both horizontal directions and the downward one: what OpenCV's `MODE_SGBM_3WAY` takes.
+    Three,
     /// Both horizontal and both vertical directions.
     Four,
     /// The four, and the four diagonal ones.
     Eight,
+}
+
+impl Paths {
+    /// The number of directions.
+    pub fn count(self) -> u32 {
+        match self {
+            Self::Three => 3,
+            Self::Four => 4,
+            Self::Eight => 8,
+        }
+    }
 }
 
 /// The last filter of the chain.

@@ -14,7 +14,8 @@ import sys
 
 INVALID = -32768
 SAMPLES = {"gray8": ("B", 1), "gray16": ("H", 1), "rgba8": ("B", 4), "rgba16": ("H", 4)}
-FOUR = [(0, 1), (0, -1), (1, 0), (-1, 0)]
+THREE = [(0, 1), (1, 0), (-1, 0)]
+FOUR = THREE + [(0, -1)]
 EIGHT = FOUR + [(1, 1), (-1, -1), (-1, 1), (1, -1)]
 
 
@@ -122,7 +123,7 @@ class Chain:
         return path
 
     def sgm_aggregate(self, cost):
-        paths = [self.path_costs(cost, dx, dy) for dx, dy in (FOUR if self.case["paths"] == 4 else EIGHT)]
+        paths = [self.path_costs(cost, dx, dy) for dx, dy in {3: THREE, 4: FOUR, 8: EIGHT}[self.case["paths"]]]
         return self.over_pixels(lambda x, y: [sum(values) for values in zip(*(path[y][x] for path in paths))])
 
     def winner(self, cost):

@@ -40,7 +40,7 @@ fn settings(params: &Params) -> Vec<(&'static str, String)> {
         ("min_disparity", params.min_disparity.to_string()),
         ("disparities", number(params.disparities)),
         ("method", if params.method == Method::Sgm { "sgm" } else { "bm" }.into()),
-        ("paths", number(if params.paths == Paths::Four { 4 } else { 8 })),
+        ("paths", number(params.paths.count())),
         ("block", number(params.block)),
         ("prefilter", format!("{:?}", params.prefilter).to_lowercase()),
         ("prefilter_cap", number(params.prefilter_cap)),

@@ -530,7 +530,7 @@ fn bad_parameters() {
         (&["--disp", "16", "--uniqueness", "100"], &["--uniqueness is 100,", "99"]),
         (&["--disp", "16", "--lr-check", "-1"], &["--lr-check is -1,", "off"]),
         (&["--disp", "16", "--lr-check", "on"], &["on", "--lr-check", "off"]),
-        (&["--disp", "16", "--paths", "5"], &["5", "--paths", "4, 8"]),
+        (&["--disp", "16", "--paths", "5"], &["5", "--paths", "3, 4, 8"]),
         (&["--disp", "16", "--median", "5"], &["5", "--median", "3, off"]),
         (&["--disp", "16", "--method", "magic"], &["magic", "sgm, bm"]),
         (&["--disp", "16", "--repeat", "0"], &["--repeat is 0,", "from 1"]),
@@ -705,6 +705,7 @@ fn every_option_reaches_the_matcher() {
     for changed in [
         "--min-disp 1",
         "--method bm",
+        "--paths 3",
         "--paths 8",
         "--block 7",
         "--prefilter sobel",

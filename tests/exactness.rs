@@ -27,7 +27,7 @@ fn awkward_sizes() {
     let Some(setup) = support::device() else { return };
     for (seed, (width, height)) in (0..).zip(SIZES) {
         let (left, right) = support::pair(width, height, seed);
-        for paths in [Paths::Four, Paths::Eight] {
+        for paths in [Paths::Three, Paths::Four, Paths::Eight] {
             let mut params = Params::sgm(40);
             params.paths = paths;
             check(&setup, &left, &right, &params, seed);
@@ -53,7 +53,7 @@ fn random_parameters() {
 fn largest_sums() {
     let Some(setup) = support::device() else { return };
     let (left, right) = support::pair(61, 23, 7);
-    for paths in [Paths::Four, Paths::Eight] {
+    for paths in [Paths::Three, Paths::Four, Paths::Eight] {
         for mut params in [Params::sgm(20), Params::bm(20)] {
             params.paths = paths;
             params.block = 51;
@@ -92,7 +92,7 @@ fn bands() {
     let Some(setup) = setup else { return };
     for (seed, (width, height)) in (0..).zip([(40, 37), (7, 61), (61, 50)]) {
         let (left, right) = support::pair(width, height, seed);
-        for paths in [Paths::Four, Paths::Eight] {
+        for paths in [Paths::Three, Paths::Four, Paths::Eight] {
             let mut params = Params::sgm(35);
             params.paths = paths;
             params.min_disparity = -3;

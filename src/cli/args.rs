@@ -213,6 +213,9 @@ pub enum Method {
 /// `--paths`.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
 pub enum Paths {
+    /// Horizontal and downwards
+    #[value(name = "3")]
+    Three,
     /// Horizontal and vertical
     #[value(name = "4")]
     Four,

@@ -86,6 +86,7 @@ fn params(args: &Args) -> Result<Params> {
     }
     if let Some(paths) = args.paths {
         params.paths = match paths {
+            args::Paths::Three => Paths::Three,
             args::Paths::Four => Paths::Four,
             args::Paths::Eight => Paths::Eight,
         };

@@ -6,7 +6,7 @@ use crate::report::{FrameMs, Report};
 use crate::resolve::Job;
 use crate::{input, output};
 use anyhow::{Result, bail, ensure};
-use gpu_stereo::{DisparityMap, Error, Image, Method, Params, Paths, StageCheck, StageTime, StereoMatcher, reference};
+use gpu_stereo::{DisparityMap, Error, Image, Method, Params, StageCheck, StageTime, StereoMatcher, reference};
 use std::time::Instant;
 
 /// Disparities above which a CPU adapter's compiler makes a user wait: 14 s at 512 on lavapipe, growing faster than them.
@@ -48,9 +48,8 @@ pub fn run(job: &Job) -> Result<Report> {
 
     let check = if job.check {
         // Column sums of two bytes, the cost, every direction, and an aggregate of two bytes.
-        let directions = match (job.params.method, job.params.paths) {
-            (Method::Sgm, Paths::Four) => 4,
-            (Method::Sgm, _) => 8,
+        let directions = match job.params.method {
+            Method::Sgm => job.params.paths.count().into(),
             _ => 0,
         };
         ensure_memory(job, &left, 5 + directions)?;

@@ -32,7 +32,7 @@ fn specialisations() -> Vec<(Params, PixelFormat)> {
     let formats = [PixelFormat::Gray8, PixelFormat::Gray16, PixelFormat::Rgba8, PixelFormat::Rgba16];
     let mut all = Vec::new();
     for disparities in [1, 16, 17, 64, 65, 256] {
-        for paths in [Paths::Four, Paths::Eight] {
+        for paths in [Paths::Three, Paths::Four, Paths::Eight] {
             for prefilter in [Prefilter::XSobel, Prefilter::Sobel, Prefilter::None] {
                 for base in [Params::sgm(disparities), Params::bm(disparities)] {
                     for subpixel in [false, true] {

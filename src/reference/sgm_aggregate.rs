@@ -12,7 +12,7 @@ pub struct Direction {
 }
 
 impl Direction {
-    /// The directions of `paths`, each followed by its opposite.
+    /// The directions of `paths`, each followed by its opposite where that is among them.
     pub fn all(paths: Paths) -> &'static [Direction] {
         const ALL: [Direction; 8] = [
             Direction { dx: 0, dy: 1 },
@@ -25,7 +25,9 @@ impl Direction {
             Direction { dx: -1, dy: 0 },
         ];
         const FOUR: [Direction; 4] = [ALL[0], ALL[1], ALL[6], ALL[7]];
+        const THREE: [Direction; 3] = [ALL[0], ALL[6], ALL[7]];
         match paths {
+            Paths::Three => &THREE,
             Paths::Four => &FOUR,
             Paths::Eight => &ALL,
         }

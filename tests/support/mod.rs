@@ -97,7 +97,7 @@ pub fn random_params(random: &mut ChaCha8Rng) -> Params {
     let disparities = *[1, 2, 3, 7, 15, 16, 17, 31, 33, 48, 64, 65].get(random.random_range(0..12)).unwrap();
     let mut params = if random.random_bool(0.3) { Params::bm(disparities) } else { Params::sgm(disparities) };
     params.min_disparity = *[0, 0, 0, 1, 5, -1, -7, -40, 30].get(random.random_range(0..9)).unwrap();
-    params.paths = if random.random() { Paths::Eight } else { Paths::Four };
+    params.paths = [Paths::Three, Paths::Four, Paths::Eight][random.random_range(0..3)];
     params.block = 2 * random.random_range(0..10) + 1;
     params.prefilter = [Prefilter::XSobel, Prefilter::Sobel, Prefilter::None][random.random_range(0..3)];
     params.prefilter_cap = random.random_range(1..=127);
