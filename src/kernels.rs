@@ -1,6 +1,6 @@
 //! The table of kernels: everything that turns a WGSL file into a pipeline.
 
-use crate::buffers::COST_TEXELS;
+use crate::buffers::TEXELS;
 use crate::params::{Params, Paths, Prefilter};
 use crate::{Error, PixelFormat};
 
@@ -39,16 +39,16 @@ macro_rules! wgsl {
 
 #[rustfmt::skip]
 pub(crate) const KERNELS: &[Kernel] = &[
-    Kernel { name: "gray", stage: "gray", lanes: 128, sources: wgsl!("gray", "common"), storage: &[Read, Write] },
-    Kernel { name: "prefilter", stage: "prefilter", lanes: 128, sources: wgsl!("prefilter", "common"), storage: &[Read, Write] },
+    Kernel { name: "gray", stage: "gray", lanes: 64, sources: wgsl!("gray", "bytes", "common"), storage: &[Read, Write] },
+    Kernel { name: "prefilter", stage: "prefilter", lanes: 64, sources: wgsl!("prefilter", "bytes", "common"), storage: &[QUAD, Write] },
     Kernel { name: "sad_columns", stage: "sad_columns", lanes: 32, sources: wgsl!("sad_columns", "common"), storage: &[Read, Read, Write] },
     Kernel { name: "sad_cost", stage: "sad_cost", lanes: 32, sources: wgsl!("sad_cost", "column_sums", "costs", "quantise", "common"), storage: &[Read, Write] },
     Kernel { name: "sad_cost_small", stage: "sad_cost", lanes: 32, sources: wgsl!("sad_cost_small", "quantise", "common"), storage: &[WORD, WORD, Write] },
     Kernel { name: "sgm_aggregate", stage: "sgm_aggregate", lanes: 32, sources: wgsl!("sgm_aggregate", "path_step", "cost_texels", "common"), storage: &[QUAD, Write, Read, Write] },
     Kernel { name: "winner", stage: "winner", lanes: 32, sources: wgsl!("winner", "path_step", "winner_row", "costs", "cost_texels", "common"), storage: &[QUAD, Read, Read, Read, Read, Write, Write] },
     Kernel { name: "block_match", stage: "block_match", lanes: 32, sources: wgsl!("block_match", "column_sums", "costs", "winner_row", "common"), storage: &[Read, Write, Write] },
-    Kernel { name: "lr_check", stage: "lr_check", lanes: 128, sources: wgsl!("lr_check", "common"), storage: &[Read, Read, Write] },
-    Kernel { name: "median", stage: "median", lanes: 128, sources: wgsl!("median", "common"), storage: &[Read, Write] },
+    Kernel { name: "lr_check", stage: "lr_check", lanes: 32, sources: wgsl!("lr_check", "common"), storage: &[Read, Read, Write] },
+    Kernel { name: "median", stage: "median", lanes: 64, sources: wgsl!("median", "common"), storage: &[QUAD, Write] },
 ];
 
 /// Rows that one invocation of `sad_columns` walks.
@@ -77,7 +77,7 @@ pub(crate) fn constants(kernel: &Kernel, params: &Params, format: PixelFormat) -
         ("SEGMENT", number(SEGMENT)),
         ("DISPARITIES", number(params.disparities)),
         ("QUADS", number(quads)),
-        ("COST_TEXELS", number(COST_TEXELS)),
+        ("TEXELS", number(TEXELS)),
         ("BEYOND", ("vec4<u32>", format!("vec4({})", beyond.join(", ")))),
         ("BLOCK", number(params.block)),
         ("SMALL_VALUES", number((params.prefiltered_max() < 128).into())),
