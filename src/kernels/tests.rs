@@ -13,6 +13,7 @@ use wgpu::naga;
 
 #[path = "../../tests/support/mod.rs"]
 mod support;
+mod unrolling;
 
 thread_local! {
     /// Kernel, what is replaced in its text, and by what: a test's change, for the matchers that its thread makes.
