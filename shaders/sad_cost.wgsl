@@ -1,6 +1,6 @@
 // sad_cost: (sum of 2 r + 1 neighbouring columns * cost_scale + 2^23) >> 24, from 0 to 89.
 // columns (u16, [y][x + r][d]) -> cost (u8, [y][x][d], four disparities a word)
-// One invocation: one row of the band, from left to right; a column enters the sum as another leaves it.
+// MEMBERS invocations: one row of the band, from left to right; a column enters the sum as another leaves it.
 // Border: the columns reach beyond it. Disparities beyond the range are computed like the others and never used.
 // Reference: src/reference/sad_cost.rs
 
@@ -8,8 +8,8 @@
 @group(0) @binding(3) var<storage, read_write> cost: array<vec4<u32>>;
 
 @compute @workgroup_size(LANES)
-fn main(@builtin(global_invocation_id) id: vec3<u32>) {
-    let row = id.x;
+fn main(@builtin(global_invocation_id) id: vec3<u32>, @builtin(local_invocation_index) local: u32) {
+    let row = join_group(id.x, local);
     if row >= pass_.rows {
         return;
     }
@@ -22,10 +22,12 @@ fn main(@builtin(global_invocation_id) id: vec3<u32>) {
     for (var x = 0u; x < frame.width; x++) {
         let leaves = first + x * 2u * QUADS;
         enter(&sums, leaves + reach * 2u * QUADS);
-        let at = ((pass_.volume_row + row) * frame.width + x) * QUADS;
-        for (var q = 0u; q < QUADS; q++) {
-            cost[at + q] =
-                vec4(quantised(sums[q][0]), quantised(sums[q][1]), quantised(sums[q][2]), quantised(sums[q][3]));
+        let at = ((pass_.volume_row + row) * frame.width + x) * QUADS + member * OWN_QUADS;
+        for (var q = 0u; q < OWN_QUADS; q++) {
+            let own = &sums[q];
+            if in_volume(q) {
+                cost[at + q] = vec4(quantised((*own)[0]), quantised((*own)[1]), quantised((*own)[2]), quantised((*own)[3]));
+            }
         }
         leave(&sums, leaves);
     }
