@@ -13,6 +13,7 @@ use wgpu::naga;
 
 #[path = "../../tests/support/mod.rs"]
 mod support;
+mod unrolling;
 
 thread_local! {
     /// Kernel, what is replaced in its text, and by what: a test's change, for the matchers that its thread makes.
@@ -376,7 +377,9 @@ type Setup = (wgpu::Adapter, wgpu::Device, wgpu::Queue);
 const MUTANTS: &[Mutant] = &[
     mutant("gray", "16384u", "0u", |_| ()),
     mutant("gray", "3735u", "3734u", |_| ()),
-    mutant("prefilter", "clamp(x, 0, last)", "clamp(x, 0, last - 1)", |_| ()),
+    mutant("gray", "frame.width - 1u", "frame.width - 2u", |_| ()),
+    mutant("prefilter", "low_bytes(-x)", "low_bytes(-x - 1)", |_| ()),
+    mutant("prefilter", "low_bytes(last - x)", "low_bytes(last - x + 2)", |_| ()),
     mutant("prefilter", "frame.height) - 1)", "frame.height) - 2)", |_| ()),
     mutant("prefilter", "frame.min_disparity", "(frame.min_disparity + 1)", |_| ()),
     mutant("prefilter", "2 * cap", "2 * cap - 1", |params| params.prefilter = Prefilter::Sobel),
@@ -420,7 +423,8 @@ const MUTANTS: &[Mutant] = &[
     mutant("block_match", "curvature - 1u", "curvature", bm),
     mutant("lr_check", "frame.lr_max_difference", "(frame.lr_max_difference + 1u)", |_| ()),
     mutant("lr_check", "(value + 8)", "value", |_| ()),
-    mutant("median", "frame.width) - 1)", "frame.width))", |_| ()),
+    mutant("median", "7) == beyond", "7) == beyond + 9", |_| ()),
+    mutant("median", "select(before, even.x, i == 0u)", "before", |params| params.min_disparity = -20),
     mutant("median", "min(id.y + 1u, frame.height - 1u)", "id.y", |_| ()),
     mutant("median", "points_inside(x, value)", "true", any),
 ];
