@@ -4,6 +4,9 @@
 // Border: the columns reach beyond it.
 // Reference: src/reference/block_match.rs
 
+// As in winner.wgsl: addresses fall all the way.
+const BACKWARDS: bool = true;
+
 @group(0) @binding(2) var<storage, read> columns: array<vec4<u32>>;
 @group(0) @binding(3) var<storage, read_write> left_map: array<u32>;
 @group(0) @binding(4) var<storage, read_write> right_map: array<u32>;

@@ -10,6 +10,11 @@ struct Surroundings {
     above: u32,
 }
 
+// The number of the member that is at a place of the group, and the other way round.
+fn member_of(local: u32) -> u32 {
+    return select(local % MEMBERS, MEMBERS - 1u - local % MEMBERS, BACKWARDS);
+}
+
 // Where a member's slice s of a pixel lies in a volume.
 fn slice_at(pixel: u32, s: u32) -> u32 {
     return (pixel * QUADS + member * OWN_QUADS) / WIDTH + s;

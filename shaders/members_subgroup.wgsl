@@ -4,7 +4,7 @@ var<private> member: u32;
 
 // The group that an invocation belongs to.
 fn join_group(invocation: u32, local: u32) -> u32 {
-    member = local % MEMBERS;
+    member = member_of(local);
     return invocation / MEMBERS;
 }
 
@@ -13,8 +13,8 @@ fn exchange(least: u32, first: u32, last: u32) -> Surroundings {
     for (var step = 1u; step < MEMBERS; step *= 2u) {
         least_of_all = min(least_of_all, subgroupShuffleXor(least_of_all, step));
     }
-    let below = subgroupShuffleUp(last, 1u);
-    let above = subgroupShuffleDown(first, 1u);
+    let below = select(subgroupShuffleUp(last, 1u), subgroupShuffleDown(last, 1u), BACKWARDS);
+    let above = select(subgroupShuffleDown(first, 1u), subgroupShuffleUp(first, 1u), BACKWARDS);
     return Surroundings(least_of_all, select(below, NONE, member == 0u), select(above, NONE, member + 1u == MEMBERS));
 }
 

@@ -10,16 +10,16 @@ var<private> turn: u32;
 // The group that an invocation belongs to.
 fn join_group(invocation: u32, local: u32) -> u32 {
     lane = local;
-    member = local % MEMBERS;
+    member = member_of(local);
     return invocation / MEMBERS;
 }
 
-// Deposits a member's values and waits for the others'. Returns the place of member 0.
+// Deposits a member's values and waits for the others'. Returns the first place of the group.
 fn deposit(values: vec3<u32>) -> u32 {
     turn = LANES - turn;
     places[turn + lane] = values;
     workgroupBarrier();
-    return turn + lane - member;
+    return turn + lane - lane % MEMBERS;
 }
 
 fn exchange(least: u32, first: u32, last: u32) -> Surroundings {
@@ -29,10 +29,10 @@ fn exchange(least: u32, first: u32, last: u32) -> Surroundings {
         around.least = min(around.least, places[start + i].x);
     }
     if member > 0u {
-        around.below = places[start + member - 1u].z;
+        around.below = places[start + member_of(member - 1u)].z;
     }
     if member + 1u < MEMBERS {
-        around.above = places[start + member + 1u].y;
+        around.above = places[start + member_of(member + 1u)].y;
     }
     return around;
 }

@@ -7,6 +7,8 @@
 // carry_in, carry_out (u8, [x][d]): L of the last row of the band before and of this band, for paths that cross bands.
 // Reference: src/reference/sgm_aggregate.rs
 
+const BACKWARDS: bool = false;
+
 @group(0) @binding(3) var<storage, read_write> paths: array<Stored>;
 @group(0) @binding(4) var<storage, read> carry_in: array<Stored>;
 @group(0) @binding(5) var<storage, read_write> carry_out: array<Stored>;

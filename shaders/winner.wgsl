@@ -5,6 +5,9 @@
 // MEMBERS invocations: one row of the band, from right to left.
 // Reference: src/reference/winner.rs, src/reference/sgm_aggregate.rs
 
+// A row is walked backwards, and so is a pixel by its members: then addresses fall all the way, which CPUs foresee.
+const BACKWARDS: bool = true;
+
 @group(0) @binding(3) var<storage, read> forward: array<Stored>;
 @group(0) @binding(4) var<storage, read> paired0: array<Stored>;
 @group(0) @binding(5) var<storage, read> paired1: array<Stored>;

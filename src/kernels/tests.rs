@@ -399,7 +399,7 @@ const MUTANTS: &[Mutant] = &[
     mutant("sgm_aggregate", "x >= width", "x > width", eight),
     mutant("sgm_aggregate", "select(below, NONE, member == 0u)", "below", lanes),
     mutant("sgm_aggregate", "subgroupShuffleXor(least_of_all, step)", "least", lanes),
-    mutant("sgm_aggregate", "places[start + member + 1u].y", "NONE", lanes),
+    mutant("sgm_aggregate", "places[start + member_of(member + 1u)].y", "NONE", lanes),
     mutant("sgm_aggregate", "places[start + i].x", "places[start].x", lanes),
     mutant("sgm_aggregate", "select(after, (*state)[s]", "select(0u, (*state)[s]", |params| params.disparities = 64),
     mutant("sgm_aggregate", "stored >> vec4(32u)", "stored >> vec4(31u)", |params| params.disparities = 64),
