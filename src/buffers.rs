@@ -147,7 +147,8 @@ impl Sizes {
         let most = |bytes: u64, row: u64| (bytes / row).clamp(1, u64::from(height)) as u32;
         let whole = Rows { first: 0, count: height };
         let bands = match params.method {
-            Method::Sgm => cut(whole, most(volume_allowed, volume_row)),
+            // `sad_cost_small` has an invocation for two rows and 16 disparities, 32 a workgroup.
+            Method::Sgm => cut(whole, most(volume_allowed, volume_row).min(side.saturating_mul(64) / (words / 4))),
             Method::Bm => vec![whole],
         };
         let small_block = params.method == Method::Sgm

@@ -319,6 +319,7 @@ impl StereoMatcher {
                 // lavapipe reads 16 bytes of an image in a quarter of the time that a buffer takes, but writes buffers
                 // faster (docs/PERFORMANCE.md).
                 let first_paired = b.volume("sgm_aggregate", &sizes);
+                let quads = params.disparities.div_ceil(16);
                 let mut cost = Vec::new();
                 for (band, (rows, chunks)) in sizes.bands.iter().zip(&sizes.chunks).enumerate() {
                     if sizes.small_block {
@@ -326,7 +327,7 @@ impl StereoMatcher {
                         let planes = [Texture(&plane_views[0]), Texture(&plane_views[1])];
                         let storage = [planes[0], planes[1], Buffer(&first_paired[band])];
                         let output = Output::Cost { chunk: *rows, volume_row: 0 };
-                        b.step("sad_cost_small", &storage, pass, rows.count.div_ceil(2), 1, output);
+                        b.step("sad_cost_small", &storage, pass, rows.count.div_ceil(2) * quads, 1, output);
                     }
                     for &chunk in chunks {
                         let volume_row = chunk.first - rows.first;
