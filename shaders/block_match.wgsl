@@ -1,6 +1,6 @@
 // block_match: the disparity of the smallest block sum; the right view likewise.
 // columns (u16, [y][x + r][d]) -> left_map, right_map (i16)
-// One invocation: one row of the band, from right to left; a column enters the sum as another leaves it.
+// MEMBERS invocations: one row of the band, from right to left; a column enters the sum as another leaves it.
 // Border: the columns reach beyond it.
 // Reference: src/reference/block_match.rs
 
@@ -9,16 +9,18 @@
 @group(0) @binding(4) var<storage, read_write> right_map: array<u32>;
 
 @compute @workgroup_size(LANES)
-fn main(@builtin(global_invocation_id) id: vec3<u32>) {
-    if id.x >= pass_.rows {
+fn main(@builtin(global_invocation_id) id: vec3<u32>, @builtin(local_invocation_index) local: u32) {
+    let line = join_group(id.x, local);
+    if line >= pass_.rows && !BARRIERS {
         return;
     }
-    let row = pass_.first_row + id.x;
+    let band_row = min(line, pass_.rows - 1u);
+    let writes = member == 0u && (line < pass_.rows || !BARRIERS);
     let reach = 2u * frame.block_radius;
-    let first = id.x * (frame.width + reach) * 2u * QUADS;
+    let first = band_row * (frame.width + reach) * 2u * QUADS;
     var sums = no_costs(0u);
     var costs: Costs;
-    var diagonal = no_costs(0xffffffffu);
+    var diagonal = no_costs(COST_NONE << 12u);
     for (var c = 0u; c < reach; c++) {
         enter(&sums, first + (frame.width + c) * 2u * QUADS);
     }
@@ -32,6 +34,6 @@ fn main(@builtin(global_invocation_id) id: vec3<u32>) {
             costs = sums;
             leave(&sums, at + reach * 2u * QUADS);
         }
-        choose(&costs, &diagonal, &kept, row, x);
+        choose(&costs, &diagonal, &kept, pass_.first_row + band_row, x, writes);
     }
 }

@@ -1,4 +1,11 @@
 // Appended to the kernels that read the cost: its 16-byte words, laid line by line into a texture COST_TEXELS wide.
-fn cost_at(index: u32) -> vec4<u32> {
-    return textureLoad(cost, vec2(index % COST_TEXELS, index / COST_TEXELS));
+@group(0) @binding(2) var cost: texture_storage_2d<rgba32uint, read>;
+
+fn costs_at(slice: u32) -> Slice {
+    var costs: Slice;
+    for (var w = 0u; w < WIDTH; w++) {
+        let texel = slice * WIDTH + w;
+        costs[w] = textureLoad(cost, vec2(texel % COST_TEXELS, texel / COST_TEXELS));
+    }
+    return costs;
 }

@@ -1,17 +1,18 @@
 // Appended to the kernels that walk a path: the recurrence of semi-global matching on the packed state L', sixteen
-// disparities a vector. Disparities beyond the range hold 255, which is never the smallest and never a neighbour's way.
-const NONE: u32 = 0xffffu;
+// disparities a vector. MEMBERS invocations share a path; each owns OWN_QUADS vectors of its disparities. Disparities
+// beyond the range hold 255, which is never the smallest and never a neighbour's way.
+alias State = array<Slice, SLICES>;
 
-alias State = array<vec4<u32>, QUADS>;
-
-// min L'
-fn path_minimum(state: ptr<function, State>) -> u32 {
+// What the members of a path tell each other before a step: min L', and the L' next to a member's own.
+fn surroundings(state: ptr<function, State>) -> Surroundings {
     var least = vec4(NONE);
-    for (var q = 0u; q < QUADS; q++) {
-        let words = (*state)[q];
-        least = min(least, min(min(unpack(words.x), unpack(words.y)), min(unpack(words.z), unpack(words.w))));
+    for (var s = 0u; s < SLICES; s++) {
+        for (var w = 0u; w < WIDTH; w++) {
+            let words = (*state)[s][w];
+            least = min(least, min(min(unpack(words.x), unpack(words.y)), min(unpack(words.z), unpack(words.w))));
+        }
     }
-    return lowest(least);
+    return exchange(lowest(least), (*state)[0][0].x & 255u, (*state)[SLICES - 1u][WIDTH - 1u].w >> 24u);
 }
 
 // T of four disparities: `here` their L', `below` and `above` the L' of the disparities next to them.
@@ -20,24 +21,27 @@ fn smoothness(here: vec4<u32>, below: u32, above: u32, least: u32) -> u32 {
     return pack(min(min(here, neighbours), vec4(least + frame.p2))) - least * 0x01010101u;
 }
 
-// One step of a path for the sixteen disparities of vector q: returns their T and leaves L = costs + T in the state.
-// `below` is the L' of the disparity before them, and becomes that of the last of them.
-fn path_quad(state: ptr<function, State>, q: u32, costs: vec4<u32>, least: u32, below: ptr<function, u32>) -> vec4<u32> {
-    let words = (*state)[q];
-    let a = unpack(words.x);
-    let b = unpack(words.y);
-    let c = unpack(words.z);
-    let d = unpack(words.w);
-    let above = select((*state)[min(q + 1u, QUADS - 1u)].x & 255u, NONE, q + 1u == QUADS);
-    let terms = vec4(
-        smoothness(a, *below, b.x, least),
-        smoothness(b, a.w, c.x, least),
-        smoothness(c, b.w, d.x, least),
-        smoothness(d, c.w, above, least));
-    *below = d.w;
-    (*state)[q] = terms + costs;
-    if q + 1u == QUADS {
-        (*state)[q] |= BEYOND;
+// One step of a path for slice s: returns its T and leaves L = costs + T in the state. `around.below` is the L' of the
+// disparity before the slice, and becomes that of its last one.
+fn path_slice(state: ptr<function, State>, s: u32, costs: Slice, around: ptr<function, Surroundings>) -> Slice {
+    var terms: Slice;
+    for (var w = 0u; w < WIDTH; w++) {
+        let words = (*state)[s][w];
+        let a = unpack(words.x);
+        let b = unpack(words.y);
+        let c = unpack(words.z);
+        let d = unpack(words.w);
+        let after = (*state)[min(s + 1u, SLICES - 1u)][0].x;
+        let next = select(after, (*state)[s][min(w + 1u, WIDTH - 1u)].x, w + 1u < WIDTH);
+        let above = select(next & 255u, (*around).above, s + 1u == SLICES && w + 1u == WIDTH);
+        let least = (*around).least;
+        terms[w] = vec4(
+            smoothness(a, (*around).below, b.x, least),
+            smoothness(b, a.w, c.x, least),
+            smoothness(c, b.w, d.x, least),
+            smoothness(d, c.w, above, least));
+        (*around).below = d.w;
+        (*state)[s][w] = (terms[w] + costs[w]) | beyond(s * WIDTH + w);
     }
     return terms;
 }

@@ -2,69 +2,86 @@
 //   L' of the pixel before on the path; T = 0 where the path starts.
 // cost (u8, [y][x][d]) -> paths (u8, [y][x][d]): T of this direction, or that plus what is there (accumulate);
 //   T <= P2 <= 127, so the sum of two directions fits a byte.
-// One invocation: one path through the band; the state stays packed in registers. A diagonal path that leaves the image
+// MEMBERS invocations: one path through the band; the state stays packed in registers. A diagonal path that leaves the image
 //   at a side enters again on the other one as a new path, so that all invocations take as many steps.
 // carry_in, carry_out (u8, [x][d]): L of the last row of the band before and of this band, for paths that cross bands.
 // Reference: src/reference/sgm_aggregate.rs
 
-@group(0) @binding(2) var cost: texture_storage_2d<rgba32uint, read>;
-@group(0) @binding(3) var<storage, read_write> paths: array<vec4<u32>>;
-@group(0) @binding(4) var<storage, read> carry_in: array<vec4<u32>>;
-@group(0) @binding(5) var<storage, read_write> carry_out: array<vec4<u32>>;
+@group(0) @binding(3) var<storage, read_write> paths: array<Stored>;
+@group(0) @binding(4) var<storage, read> carry_in: array<Stored>;
+@group(0) @binding(5) var<storage, read_write> carry_out: array<Stored>;
 
 @compute @workgroup_size(LANES)
-fn main(@builtin(global_invocation_id) id: vec3<u32>) {
+fn main(@builtin(global_invocation_id) id: vec3<u32>, @builtin(local_invocation_index) local: u32) {
     let horizontal = pass_.dy == 0;
     let width = i32(frame.width);
     let rows = i32(pass_.rows);
-    let line = i32(id.x);
-    if line >= select(width, rows, horizontal) {
+    let lines = select(width, rows, horizontal);
+    var line = i32(join_group(id.x, local));
+    let writes = line < lines;
+    if !writes && !BARRIERS {
         return;
     }
+    line = min(line, lines - 1);
     var x = select(line, select(width - 1, 0, pass_.dx > 0), horizontal);
     let y = select(select(rows - 1, 0, pass_.dy > 0), line, horizontal);
     var state: State;
     let before = x - pass_.dx;
     if pass_.carried == 1u && before >= 0 && before < width {
-        for (var q = 0u; q < QUADS; q++) {
-            state[q] = carry_in[u32(before) * QUADS + q];
+        for (var s = 0u; s < SLICES; s++) {
+            if in_volume(s * WIDTH) {
+                state[s] = slice_of(carry_in[slice_at(u32(before), s)]);
+            }
         }
     }
     var at = y * width + x;
     let steps = select(rows, width, horizontal);
     for (var i = 0; i < steps; i++) {
-        path_step(&state, u32(at) * QUADS);
+        path_step(&state, u32(at), writes || !BARRIERS);
         at += pass_.dy * width + pass_.dx;
         x += pass_.dx;
         // A mask in place of a branch, which would copy the state.
         let leaves = !horizontal && (x < 0 || x >= width);
         let keep = vec4(select(0xffffffffu, 0u, leaves));
-        for (var q = 0u; q < QUADS; q++) {
-            state[q] &= keep;
+        for (var s = 0u; s < SLICES; s++) {
+            for (var w = 0u; w < WIDTH; w++) {
+                state[s][w] &= keep;
+            }
         }
         let back = select(0, pass_.dx * width, leaves);
         x -= back;
         at -= back;
     }
-    if !horizontal {
+    if !horizontal && writes {
         // The state belongs to the pixel before x. After a wrap the next row's path starts anew and needs none.
         let last = x - pass_.dx;
         if last >= 0 && last < width {
-            for (var q = 0u; q < QUADS; q++) {
-                carry_out[u32(last) * QUADS + q] = state[q];
+            for (var s = 0u; s < SLICES; s++) {
+                if in_volume(s * WIDTH) {
+                    carry_out[slice_at(u32(last), s)] = stored_of(state[s]);
+                }
             }
         }
     }
 }
 
-fn path_step(state: ptr<function, State>, at: u32) {
-    let least = path_minimum(state);
-    var below = NONE;
-    for (var q = 0u; q < QUADS; q++) {
-        var sums = vec4(0u);
-        if pass_.accumulate == 1u {
-            sums = paths[at + q];
+fn path_step(state: ptr<function, State>, pixel: u32, writes: bool) {
+    var around = surroundings(state);
+    for (var s = 0u; s < SLICES; s++) {
+        var costs: Slice;
+        var sums: Slice;
+        if in_volume(s * WIDTH) {
+            costs = costs_at(slice_at(pixel, s));
+            if pass_.accumulate == 1u {
+                sums = slice_of(paths[slice_at(pixel, s)]);
+            }
         }
-        paths[at + q] = sums + path_quad(state, q, cost_at(at + q), least, &below);
+        let terms = path_slice(state, s, costs, &around);
+        for (var w = 0u; w < WIDTH; w++) {
+            sums[w] += terms[w];
+        }
+        if in_volume(s * WIDTH) && writes {
+            paths[slice_at(pixel, s)] = stored_of(sums);
+        }
     }
 }

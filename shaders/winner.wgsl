@@ -2,59 +2,64 @@
 // cost, the T of all directions but the leftward one (pairs in a byte; u8, [y][x][d]) -> left_map, right_map (i16)
 //   The leftward direction of sgm_aggregate is walked here, so its T is never stored. PAIRED volumes hold two
 //   directions each, `forward` holds the rightward one.
-// One invocation: one row of the band, from right to left.
+// MEMBERS invocations: one row of the band, from right to left.
 // Reference: src/reference/winner.rs, src/reference/sgm_aggregate.rs
 
-@group(0) @binding(2) var cost: texture_storage_2d<rgba32uint, read>;
-@group(0) @binding(3) var<storage, read> forward: array<vec4<u32>>;
-@group(0) @binding(4) var<storage, read> paired0: array<vec4<u32>>;
-@group(0) @binding(5) var<storage, read> paired1: array<vec4<u32>>;
-@group(0) @binding(6) var<storage, read> paired2: array<vec4<u32>>;
+@group(0) @binding(3) var<storage, read> forward: array<Stored>;
+@group(0) @binding(4) var<storage, read> paired0: array<Stored>;
+@group(0) @binding(5) var<storage, read> paired1: array<Stored>;
+@group(0) @binding(6) var<storage, read> paired2: array<Stored>;
 @group(0) @binding(7) var<storage, read_write> left_map: array<u32>;
 @group(0) @binding(8) var<storage, read_write> right_map: array<u32>;
 
 @compute @workgroup_size(LANES)
-fn main(@builtin(global_invocation_id) id: vec3<u32>) {
-    if id.x >= pass_.rows {
+fn main(@builtin(global_invocation_id) id: vec3<u32>, @builtin(local_invocation_index) local: u32) {
+    let line = join_group(id.x, local);
+    if line >= pass_.rows && !BARRIERS {
         return;
     }
-    let row = pass_.first_row + id.x;
+    let volume_row = min(line, pass_.rows - 1u);
+    let writes = member == 0u && (line < pass_.rows || !BARRIERS);
     var state: State;
     var costs: Costs;
-    var diagonal = no_costs(0xffffffffu);
+    var diagonal = no_costs(COST_NONE << 12u);
     var kept = RowWriter(INVALID, INVALID);
     let steps = row_steps();
     for (var i = 0; i < steps; i++) {
         let x = row_start() - i;
         if inside_row(x) {
-            walk(&state, &costs, (id.x * frame.width + u32(x)) * QUADS);
+            walk(&state, &costs, volume_row * frame.width + u32(x));
         }
-        choose(&costs, &diagonal, &kept, row, x);
+        choose(&costs, &diagonal, &kept, pass_.first_row + volume_row, x, writes);
     }
 }
 
 // One step of the leftward path, and S of the pixel.
-fn walk(state: ptr<function, State>, costs: ptr<function, Costs>, at: u32) {
-    let least = path_minimum(state);
-    var below = NONE;
-    for (var q = 0u; q < QUADS; q++) {
-        let c = cost_at(at + q);
-        let t = path_quad(state, q, c, least, &below);
-        let t0 = forward[at + q];
-        let t1 = paired0[at + q];
-        // Sums of bytes in the 16-bit halves of words.
-        var even = PATHS * evens(c) + evens(t) + evens(t0) + evens(t1);
-        var odd = PATHS * odds(c) + odds(t) + odds(t0) + odds(t1);
-        if PAIRED == 3u {
-            let t2 = paired1[at + q];
-            let t3 = paired2[at + q];
-            even += evens(t2) + evens(t3);
-            odd += odds(t2) + odds(t3);
+fn walk(state: ptr<function, State>, costs: ptr<function, Costs>, pixel: u32) {
+    var around = surroundings(state);
+    for (var s = 0u; s < SLICES; s++) {
+        var c: Slice;
+        var t: array<Slice, 4>;
+        if in_volume(s * WIDTH) {
+            c = costs_at(slice_at(pixel, s));
+            t[0] = slice_of(forward[slice_at(pixel, s)]);
+            t[1] = slice_of(paired0[slice_at(pixel, s)]);
+            if PAIRED == 3u {
+                t[2] = slice_of(paired1[slice_at(pixel, s)]);
+                t[3] = slice_of(paired2[slice_at(pixel, s)]);
+            }
         }
-        (*costs)[q][0] = unpack_pairs(even.x, odd.x);
-        (*costs)[q][1] = unpack_pairs(even.y, odd.y);
-        (*costs)[q][2] = unpack_pairs(even.z, odd.z);
-        (*costs)[q][3] = unpack_pairs(even.w, odd.w);
+        let own = path_slice(state, s, c, &around);
+        for (var w = 0u; w < WIDTH; w++) {
+            // Sums of bytes in the 16-bit halves of words.
+            let even = PATHS * evens(c[w]) + evens(own[w]) + evens(t[0][w]) + evens(t[1][w]) + evens(t[2][w]) + evens(t[3][w]);
+            let odd = PATHS * odds(c[w]) + odds(own[w]) + odds(t[0][w]) + odds(t[1][w]) + odds(t[2][w]) + odds(t[3][w]);
+            let q = s * WIDTH + w;
+            (*costs)[q][0] = unpack_pairs(even.x, odd.x);
+            (*costs)[q][1] = unpack_pairs(even.y, odd.y);
+            (*costs)[q][2] = unpack_pairs(even.z, odd.z);
+            (*costs)[q][3] = unpack_pairs(even.w, odd.w);
+        }
     }
 }
 

@@ -6,9 +6,12 @@
 // cost < 2^20 and d < 2^12. Disparities beyond the range, and pixels beyond the row, cost COST_NONE.
 const COST_NONE: u32 = 0xfffffu;
 
+// Disparities of a member.
+const OWN: u32 = 16u * OWN_QUADS;
+
 fn no_costs(value: u32) -> Costs {
     var costs: Costs;
-    for (var q = 0u; q < QUADS; q++) {
+    for (var q = 0u; q < OWN_QUADS; q++) {
         costs[q] = array(vec4(value), vec4(value), vec4(value), vec4(value));
     }
     return costs;
@@ -36,27 +39,33 @@ fn inside_row(x: i32) -> bool {
 // Chooses at column x, and writes what is complete: of the left map if x lies in the image, of the right map if the
 // right pixel seen by disparity 0 does.
 fn choose(costs: ptr<function, Costs>, diagonal: ptr<function, Costs>,
-          kept: ptr<function, RowWriter>, row: u32, x: i32) {
+          kept: ptr<function, RowWriter>, row: u32, x: i32, writes: bool) {
     if inside_row(x) {
-        for (var i = 0u; i < 4u; i++) {
-            let beyond = unpack(BEYOND[i]) != vec4(0u);
-            (*costs)[QUADS - 1u][i] = select((*costs)[QUADS - 1u][i], vec4(COST_NONE), beyond);
+        for (var q = 0u; q < OWN_QUADS; q++) {
+            for (var i = 0u; i < 4u; i++) {
+                let outside = unpack(beyond(q)[i]) != vec4(0u);
+                (*costs)[q][i] = select((*costs)[q][i], vec4(COST_NONE), outside);
+            }
         }
-        let value = winner(costs, x);
-        if (x & 1) == 0 {
-            left_map[row * frame.map_stride + (u32(x) >> 1u)] = map_word(value, (*kept).left_kept);
-        }
-        (*kept).left_kept = value;
     } else {
         *costs = no_costs(COST_NONE);
     }
-    let value = roll(diagonal, costs);
+    // On its way to the member before, a key's disparity is counted from that member's first one.
+    let around = exchange(least_key(costs) + member * OWN, (*diagonal)[0][0].x + OWN, 0u);
+    let value = winner(costs, around.least, x);
+    let seen_value = roll(diagonal, costs, around.above);
+    if inside_row(x) {
+        if (x & 1) == 0 && writes {
+            left_map[row * frame.map_stride + (u32(x) >> 1u)] = map_word(value, (*kept).left_kept);
+        }
+        (*kept).left_kept = value;
+    }
     let seen = x - frame.min_disparity;
     if inside_row(seen) {
-        if (seen & 1) == 0 {
-            right_map[row * frame.map_stride + (u32(seen) >> 1u)] = map_word(value, (*kept).right_kept);
+        if (seen & 1) == 0 && writes {
+            right_map[row * frame.map_stride + (u32(seen) >> 1u)] = map_word(seen_value, (*kept).right_kept);
         }
-        (*kept).right_kept = value;
+        (*kept).right_kept = seen_value;
     }
 }
 
@@ -64,37 +73,46 @@ fn keys(costs: vec4<u32>, k: u32) -> vec4<u32> {
     return (costs << vec4(12u)) | (vec4(4u * k) + vec4(0u, 1u, 2u, 3u));
 }
 
-// The disparity in 1/16 px of the pixel at column x.
-fn winner(costs: ptr<function, Costs>, x: i32) -> i32 {
+fn least_key(costs: ptr<function, Costs>) -> u32 {
     var least = vec4(0xffffffffu);
-    for (var q = 0u; q < QUADS; q++) {
+    for (var q = 0u; q < OWN_QUADS; q++) {
         for (var i = 0u; i < 4u; i++) {
             least = min(least, keys((*costs)[q][i], 4u * q + i));
         }
     }
-    let best = lowest(least) & 0xfffu;
-    let cost = lowest(least) >> 12u;
+    return lowest(least);
+}
+
+// The disparity in 1/16 px of the pixel at column x, whose smallest key is `least`.
+fn winner(costs: ptr<function, Costs>, least: u32, x: i32) -> i32 {
+    let best = least & 0xfffu;
+    let own_best = best - member * OWN;
+    let cost = least >> 12u;
     // The costs at the neighbours of the winner, and how many costs fail the uniqueness test
     // cost(d) * (100 - ratio) > cost * 100.
     let limit = min(cost * 100u / (100u - frame.uniqueness), COST_NONE - 1u);
     var before = vec4(0u);
     var after = vec4(0u);
     var rivals = vec4(0u);
-    for (var q = 0u; q < QUADS; q++) {
+    for (var q = 0u; q < OWN_QUADS; q++) {
         for (var i = 0u; i < 4u; i++) {
             let c = (*costs)[q][i];
             let d = vec4(4u * (4u * q + i)) + vec4(0u, 1u, 2u, 3u);
             if SUBPIXEL == 1u || UNIQUENESS == 1u {
-                before = select(before, c, d + vec4(1u) == vec4(best));
-                after = select(after, c, d == vec4(best + 1u));
+                before = select(before, c, d + vec4(1u) == vec4(own_best));
+                after = select(after, c, d == vec4(own_best + 1u));
             }
             if UNIQUENESS == 1u {
                 rivals += select(vec4(0u), vec4(1u), c <= vec4(limit));
             }
         }
     }
-    let a = before.x | before.y | before.z | before.w;
-    let c = after.x | after.y | after.z | after.w;
+    let total = sum_of_members(vec3(
+        before.x | before.y | before.z | before.w,
+        after.x | after.y | after.z | after.w,
+        rivals.x + rivals.y + rivals.z + rivals.w));
+    let a = total.x;
+    let c = total.y;
     let has_before = best > 0u;
     let has_after = best + 1u < DISPARITIES;
     var value = 16 * (frame.min_disparity + i32(best));
@@ -110,8 +128,7 @@ fn winner(costs: ptr<function, Costs>, x: i32) -> i32 {
     if has_after && c <= limit {
         allowed += 1u;
     }
-    let found = rivals.x + rivals.y + rivals.z + rivals.w;
-    if (UNIQUENESS == 1u && found > allowed) || !points_inside(x, value) {
+    if (UNIQUENESS == 1u && total.z > allowed) || !points_inside(x, value) {
         value = INVALID;
     }
     return value;
@@ -119,9 +136,9 @@ fn winner(costs: ptr<function, Costs>, x: i32) -> i32 {
 
 // The right view: diagonal[d] is the smallest key so far of the right pixel that disparity d sees from this column;
 // one column to the left, the same right pixel is seen by disparity d - 1. Returns the right pixel seen by disparity 0.
-fn roll(diagonal: ptr<function, Costs>, costs: ptr<function, Costs>) -> i32 {
-    for (var q = 0u; q < QUADS; q++) {
-        let after = select((*diagonal)[min(q + 1u, QUADS - 1u)][0].x, 0xffffffffu, q + 1u == QUADS);
+fn roll(diagonal: ptr<function, Costs>, costs: ptr<function, Costs>, entering: u32) -> i32 {
+    for (var q = 0u; q < OWN_QUADS; q++) {
+        let after = select((*diagonal)[min(q + 1u, OWN_QUADS - 1u)][0].x, min(entering, COST_NONE << 12u), q + 1u == OWN_QUADS);
         for (var i = 0u; i < 4u; i++) {
             let above = select((*diagonal)[q][min(i + 1u, 3u)].x, after, i == 3u);
             let seen = vec4((*diagonal)[q][i].yzw, above);

@@ -142,6 +142,12 @@ impl Sizes {
             let what = "a row of the matching cost".into();
             return Err(Error::TooLarge { what, needed: volume_needs, allowed: volume_allowed, remedy: fewer });
         }
+        // An invocation a column and 16 disparities, 128 a workgroup.
+        let most_vectors = 128 * u64::from(side);
+        if u64::from(width + reach) * u64::from(words / 4) > most_vectors {
+            let (what, needed, allowed) = ("a row of the matching cost".into(), volume_row, 16 * most_vectors);
+            return Err(Error::TooLarge { what, needed, allowed, remedy: fewer });
+        }
         // A column's first row costs as much as a block of rows: short chunks are slow.
         let chunk_bytes = COLUMNS_BYTES.max(128 * columns_row).min(allowed);
         let most = |bytes: u64, row: u64| (bytes / row).clamp(1, u64::from(height)) as u32;

@@ -2,6 +2,7 @@
 
 use crate::buffers::COST_TEXELS;
 use crate::params::{Params, Paths, Prefilter};
+use crate::schedule::{Exchange, GROUP_LANES, Plan};
 use crate::{Error, PixelFormat};
 
 /// What a kernel does with a storage resource.
@@ -11,12 +12,22 @@ pub(crate) enum Access {
     Write,
     /// A texture of this format, read as a storage texture.
     Texels(wgpu::TextureFormat),
+    /// The cost, read as the plan has it: from a texture or from its buffer.
+    Cost,
 }
-use Access::{Read, Texels, Write};
+use Access::{Cost, Read, Texels, Write};
 
-/// Texels of 4 and of 16 bytes.
+/// Fragments of which the plan chooses one.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum Choice {
+    /// How invocations share the disparities of a pixel.
+    Members,
+    /// How many disparities a load or store moves, and where the cost is read.
+    Volumes,
+}
+
+/// Texels of 4 bytes.
 const WORD: Access = Texels(wgpu::TextureFormat::R32Uint);
-const QUAD: Access = Texels(wgpu::TextureFormat::Rgba32Uint);
 
 /// A row of the table.
 #[derive(Debug)]
@@ -27,8 +38,10 @@ pub(crate) struct Kernel {
     pub(crate) stage: &'static str,
     /// The kernel and the fragments appended to it.
     pub(crate) sources: &'static [&'static str],
+    /// The fragments appended after these.
+    pub(crate) choices: &'static [Choice],
     /// Invocations a workgroup, along x.
-    pub(crate) lanes: u32,
+    lanes: u32,
     /// The storage resources from binding 2 on; 0 and 1 are the uniform blocks.
     pub(crate) storage: &'static [Access],
 }
@@ -37,28 +50,77 @@ macro_rules! wgsl {
     ($($file:literal),+) => { &[$(include_str!(concat!("../shaders/", $file, ".wgsl"))),+] };
 }
 
+const MEMBERS: &[Choice] = &[Choice::Members];
+const VOLUMES: &[Choice] = &[Choice::Members, Choice::Volumes];
+
 #[rustfmt::skip]
 pub(crate) const KERNELS: &[Kernel] = &[
-    Kernel { name: "gray", stage: "gray", lanes: 128, sources: wgsl!("gray", "common"), storage: &[Read, Write] },
-    Kernel { name: "prefilter", stage: "prefilter", lanes: 128, sources: wgsl!("prefilter", "common"), storage: &[Read, Write] },
-    Kernel { name: "sad_columns", stage: "sad_columns", lanes: 32, sources: wgsl!("sad_columns", "common"), storage: &[Read, Read, Write] },
-    Kernel { name: "sad_cost", stage: "sad_cost", lanes: 32, sources: wgsl!("sad_cost", "column_sums", "costs", "quantise", "common"), storage: &[Read, Write] },
-    Kernel { name: "sad_cost_small", stage: "sad_cost", lanes: 32, sources: wgsl!("sad_cost_small", "quantise", "common"), storage: &[WORD, WORD, Write] },
-    Kernel { name: "sgm_aggregate", stage: "sgm_aggregate", lanes: 32, sources: wgsl!("sgm_aggregate", "path_step", "cost_texels", "common"), storage: &[QUAD, Write, Read, Write] },
-    Kernel { name: "winner", stage: "winner", lanes: 32, sources: wgsl!("winner", "path_step", "winner_row", "costs", "cost_texels", "common"), storage: &[QUAD, Read, Read, Read, Read, Write, Write] },
-    Kernel { name: "block_match", stage: "block_match", lanes: 32, sources: wgsl!("block_match", "column_sums", "costs", "winner_row", "common"), storage: &[Read, Write, Write] },
-    Kernel { name: "lr_check", stage: "lr_check", lanes: 128, sources: wgsl!("lr_check", "common"), storage: &[Read, Read, Write] },
-    Kernel { name: "median", stage: "median", lanes: 128, sources: wgsl!("median", "common"), storage: &[Read, Write] },
+    Kernel { name: "gray", stage: "gray", lanes: 128, sources: wgsl!("gray", "common"), choices: &[], storage: &[Read, Write] },
+    Kernel { name: "prefilter", stage: "prefilter", lanes: 128, sources: wgsl!("prefilter", "common"), choices: &[], storage: &[Read, Write] },
+    Kernel { name: "sad_columns", stage: "sad_columns", lanes: 128, sources: wgsl!("sad_columns", "common"), choices: &[], storage: &[Read, Read, Write] },
+    Kernel { name: "sad_cost", stage: "sad_cost", lanes: 32, sources: wgsl!("sad_cost", "quantise", "common"), choices: &[], storage: &[Read, Write] },
+    Kernel { name: "sad_cost_lanes", stage: "sad_cost", lanes: 128, sources: wgsl!("sad_cost_lanes", "differences", "quantise", "common"), choices: &[], storage: &[Read, Read, Write] },
+    Kernel { name: "sad_cost_small", stage: "sad_cost", lanes: 32, sources: wgsl!("sad_cost_small", "differences", "quantise", "common"), choices: &[], storage: &[WORD, WORD, Write] },
+    Kernel { name: "sgm_aggregate", stage: "sgm_aggregate", lanes: 32, sources: wgsl!("sgm_aggregate", "path_step", "common"), choices: VOLUMES, storage: &[Cost, Write, Read, Write] },
+    Kernel { name: "winner", stage: "winner", lanes: 32, sources: wgsl!("winner", "path_step", "winner_row", "costs", "common"), choices: VOLUMES, storage: &[Cost, Read, Read, Read, Read, Write, Write] },
+    Kernel { name: "block_match", stage: "block_match", lanes: 32, sources: wgsl!("block_match", "column_sums", "costs", "winner_row", "common"), choices: MEMBERS, storage: &[Read, Write, Write] },
+    Kernel { name: "lr_check", stage: "lr_check", lanes: 128, sources: wgsl!("lr_check", "common"), choices: &[], storage: &[Read, Read, Write] },
+    Kernel { name: "median", stage: "median", lanes: 128, sources: wgsl!("median", "common"), choices: &[], storage: &[Read, Write] },
 ];
 
-/// Rows that one invocation of `sad_columns` walks.
-pub(crate) const SEGMENT: u32 = 128;
+impl Kernel {
+    /// Invocations a workgroup.
+    pub(crate) fn lanes(&self, plan: &Plan) -> u32 {
+        if plan.lanes && self.choices.contains(&Choice::Members) { GROUP_LANES } else { self.lanes }
+    }
+
+    /// Invocations that work on one line of the kernel.
+    pub(crate) fn members(&self, plan: &Plan) -> u32 {
+        if self.choices.contains(&Choice::Members) { plan.members } else { 1 }
+    }
+
+    pub(crate) fn storage(&self, plan: &Plan) -> Vec<Access> {
+        let cost = if plan.lanes { Read } else { Texels(wgpu::TextureFormat::Rgba32Uint) };
+        self.storage.iter().map(|&access| if access == Cost { cost } else { access }).collect()
+    }
+
+    /// All its WGSL but the constants.
+    fn fragments(&self, plan: &Plan) -> Vec<&'static str> {
+        let mut fragments = self.sources.to_vec();
+        for choice in self.choices {
+            fragments.extend(match choice {
+                Choice::Members => match plan.exchange {
+                    Exchange::Alone => wgsl!("members_alone", "members"),
+                    Exchange::Subgroup => wgsl!("members_subgroup", "members"),
+                    Exchange::Workgroup => wgsl!("members_workgroup", "members"),
+                },
+                Choice::Volumes => match (plan.lanes, plan.width) {
+                    (true, _) => wgsl!("volume16", "cost_buffer"),
+                    (false, 1) => wgsl!("volume16", "cost_texels"),
+                    (false, _) => wgsl!("volume32", "cost_texels"),
+                },
+            });
+        }
+        fragments
+    }
+}
+
+/// Rows that one invocation of `sad_columns` or `sad_cost_lanes` walks. What the rows before the first one cost is lost,
+/// but a GPU wants many invocations.
+pub(crate) fn segment(plan: &Plan) -> u32 {
+    if plan.lanes { 32 } else { 128 }
+}
+
+/// Columns that one invocation of `sad_cost` walks: for a CPU any row that may be.
+pub(crate) fn span(plan: &Plan) -> u32 {
+    if plan.lanes { 64 } else { 1 << 16 }
+}
 
 /// The constants that specialise a kernel, as the WGSL line that is appended to it: `override` constants cannot size
 /// the arrays that hold a path's state. Only those that the source names are given, so that settings which do not
 /// concern a kernel do not change its text (and the driver's cache finds it again).
-pub(crate) fn constants(kernel: &Kernel, params: &Params, format: PixelFormat) -> String {
-    let quads = params.disparities.div_ceil(16);
+pub(crate) fn constants(kernel: &Kernel, params: &Params, format: PixelFormat, plan: &Plan) -> String {
+    let quads = params.quads();
     let beyond: Vec<String> = (0..4)
         .map(|word| {
             let first = (quads - 1) * 16 + word * 4;
@@ -73,8 +135,13 @@ pub(crate) fn constants(kernel: &Kernel, params: &Params, format: PixelFormat) -
     };
     let number = |value: u32| ("u32", format!("{value}u"));
     let table = [
-        ("LANES", number(kernel.lanes)),
-        ("SEGMENT", number(SEGMENT)),
+        ("LANES", number(kernel.lanes(plan))),
+        ("MEMBERS", number(plan.members)),
+        ("OWN_QUADS", number(plan.own_quads)),
+        ("SLICES", number(plan.own_quads / plan.width)),
+        ("WIDTH", number(plan.width)),
+        ("SEGMENT", number(segment(plan))),
+        ("SPAN", number(span(plan))),
         ("DISPARITIES", number(params.disparities)),
         ("QUADS", number(quads)),
         ("COST_TEXELS", number(COST_TEXELS)),
@@ -95,17 +162,18 @@ pub(crate) fn constants(kernel: &Kernel, params: &Params, format: PixelFormat) -
         ("PREFILTER_XSOBEL", number(Prefilter::XSobel as u32)),
         ("PREFILTER_NONE", number(Prefilter::None as u32)),
     ];
+    let fragments = kernel.fragments(plan);
     let named = |name: &str| {
         let word = |c: char| c.is_ascii_alphanumeric() || c == '_';
-        kernel.sources.iter().any(|source| source.split(|c| !word(c)).any(|token| token == name))
+        fragments.iter().any(|source| source.split(|c| !word(c)).any(|token| token == name))
     };
     let chosen = table.iter().filter(|(name, _)| named(name));
     chosen.map(|(name, (kind, value))| format!("const {name}: {kind} = {value}; ")).collect()
 }
 
 /// The whole text of a specialised kernel.
-pub(crate) fn source(kernel: &Kernel, params: &Params, format: PixelFormat) -> String {
-    let text = format!("{}\n{}\n", kernel.sources.join("\n"), constants(kernel, params, format));
+pub(crate) fn source(kernel: &Kernel, params: &Params, format: PixelFormat, plan: &Plan) -> String {
+    let text = format!("{}\n{}\n", kernel.fragments(plan).join("\n"), constants(kernel, params, format, plan));
     #[cfg(test)]
     let text = tests::edited(kernel.name, text);
     text
@@ -118,11 +186,18 @@ pub(crate) struct Compiled {
     pub(crate) pipeline: wgpu::ComputePipeline,
 }
 
-pub(crate) fn compile(device: &wgpu::Device, kernel: &Kernel, params: &Params, format: PixelFormat) -> Compiled {
+pub(crate) fn compile(
+    device: &wgpu::Device,
+    kernel: &Kernel,
+    params: &Params,
+    format: PixelFormat,
+    plan: &Plan,
+) -> Compiled {
     let label = format!("gpu-stereo.{}", kernel.name);
     let buffer = |ty, has_dynamic_offset| wgpu::BindingType::Buffer { ty, has_dynamic_offset, min_binding_size: None };
-    let storage = kernel.storage.iter().map(|access| match access {
-        Read => buffer(wgpu::BufferBindingType::Storage { read_only: true }, false),
+    let storage = kernel.storage(plan);
+    let storage = storage.iter().map(|access| match access {
+        Read | Cost => buffer(wgpu::BufferBindingType::Storage { read_only: true }, false),
         Write => buffer(wgpu::BufferBindingType::Storage { read_only: false }, false),
         Texels(format) => wgpu::BindingType::StorageTexture {
             access: wgpu::StorageTextureAccess::ReadOnly,
@@ -145,7 +220,7 @@ pub(crate) fn compile(device: &wgpu::Device, kernel: &Kernel, params: &Params, f
         device,
         wgpu::ShaderModuleDescriptor {
             label: Some(&label),
-            source: wgpu::ShaderSource::Wgsl(source(kernel, params, format).into()),
+            source: wgpu::ShaderSource::Wgsl(source(kernel, params, format, plan).into()),
         },
         params,
     );
@@ -160,7 +235,7 @@ pub(crate) fn compile(device: &wgpu::Device, kernel: &Kernel, params: &Params, f
         module: &module,
         entry_point: Some("main"),
         compilation_options: wgpu::PipelineCompilationOptions {
-            // Every kernel writes what it reads before it reads it; workgroup memory is not used.
+            // Every kernel writes what it reads before it reads it.
             zero_initialize_workgroup_memory: false,
             ..Default::default()
         },
@@ -195,10 +270,10 @@ fn shader_module(
 pub(crate) fn check_limits(limits: &wgpu::Limits) -> Result<(), Error> {
     let most = KERNELS
         .iter()
-        .map(|kernel| kernel.storage.iter().filter(|access| matches!(access, Read | Write)).count() as u32)
+        .map(|kernel| kernel.storage.iter().filter(|access| matches!(access, Read | Write | Cost)).count() as u32)
         .max()
         .unwrap_or(0);
-    let lanes = KERNELS.iter().map(|kernel| kernel.lanes).max().unwrap_or(0);
+    let lanes = KERNELS.iter().map(|kernel| kernel.lanes.max(GROUP_LANES)).max().unwrap_or(0);
     let needs = [
         ("max_storage_buffers_per_shader_stage", limits.max_storage_buffers_per_shader_stage, most),
         ("max_storage_textures_per_shader_stage", limits.max_storage_textures_per_shader_stage, 2),

@@ -64,10 +64,12 @@ mod matcher;
 mod params;
 mod readback;
 pub mod reference;
+mod schedule;
 
 pub use check::{Mismatch, StageCheck};
 pub use error::Error;
 pub use image::{DisparityMap, Image, PixelFormat, Pixels};
 pub use matcher::{StageTime, StereoMatcher};
 pub use params::{Median, Method, Params, Paths, Prefilter};
+pub use schedule::Schedule;
 pub use wgpu;

@@ -5,6 +5,7 @@ use std::sync::OnceLock;
 use crate::buffers::{COST_TEXELS, Frame, Pass, Rows, Sizes};
 use crate::kernels::{self, Compiled, KERNELS};
 use crate::reference::Direction;
+use crate::schedule::Plan;
 use crate::{DisparityMap, Error, Image, Median, Method, Params, PixelFormat, readback};
 
 /// The time of one stage in one frame.
@@ -110,6 +111,7 @@ fn row_bytes(format: wgpu::TextureFormat, width: u32) -> u32 {
 struct Builder<'a> {
     device: &'a wgpu::Device,
     params: &'a Params,
+    plan: Plan,
     format: PixelFormat,
     pipelines: Vec<Option<Compiled>>,
     frame: wgpu::Buffer,
@@ -155,13 +157,14 @@ impl Builder<'_> {
         view
     }
 
-    /// One dispatch of `lanes` x `rows` invocations. The first of `storage` that the kernel writes is what it leaves.
-    fn step(&mut self, name: &str, storage: &[Bound<'_>], pass: Pass, lanes: u32, rows: u32, output: Output) {
+    /// One dispatch for `lines` x `rows` lines of the kernel. The first of `storage` that the kernel writes is what it leaves.
+    fn step(&mut self, name: &str, storage: &[Bound<'_>], pass: Pass, lines: u32, rows: u32, output: Output) {
         let Some(kernel) = KERNELS.iter().position(|kernel| kernel.name == name) else {
             unreachable!("{name} is not in the table of kernels");
         };
-        let compiled = self.pipelines[kernel]
-            .get_or_insert_with(|| kernels::compile(self.device, &KERNELS[kernel], self.params, self.format));
+        let compiled = self.pipelines[kernel].get_or_insert_with(|| {
+            kernels::compile(self.device, &KERNELS[kernel], self.params, self.format, &self.plan)
+        });
         let bytes = (size_of::<Pass>() as u64).try_into().ok();
         let uniform = wgpu::BufferBinding { buffer: &self.passes_buffer, offset: 0, size: bytes };
         let mut entries = vec![
@@ -184,8 +187,9 @@ impl Builder<'_> {
         let Some(Bound::Buffer(buffer)) = written.map(|i| storage[i]) else {
             unreachable!("{name} writes no buffer");
         };
-        let (buffer, workgroups, pass_index) =
-            (buffer.clone(), [lanes.div_ceil(KERNELS[kernel].lanes), rows], self.passes.len() as u32);
+        let invocations = lines * KERNELS[kernel].members(&self.plan);
+        let workgroups = [invocations.div_ceil(KERNELS[kernel].lanes(&self.plan)), rows];
+        let (buffer, pass_index) = (buffer.clone(), self.passes.len() as u32);
         self.steps.push(Step { kernel, bind_group, pass: pass_index, workgroups, output, buffer, copy_to: None });
         self.passes.push(pass);
     }
@@ -193,9 +197,10 @@ impl Builder<'_> {
 
 impl StereoMatcher {
     /// The optional features that a matcher makes use of where the adapter has them; none is required.
-    /// `TIMESTAMP_QUERY` lets [`StereoMatcher::compute_timed`] time each stage.
+    /// `TIMESTAMP_QUERY` lets [`StereoMatcher::compute_timed`] time each stage; `SUBGROUP` lets invocations share a path
+    /// without workgroup memory; `SHADER_INT64` makes wider loads and stores.
     pub fn required_features(adapter: &wgpu::Adapter) -> wgpu::Features {
-        adapter.features() & wgpu::Features::TIMESTAMP_QUERY
+        adapter.features() & (wgpu::Features::TIMESTAMP_QUERY | wgpu::Features::SUBGROUP | wgpu::Features::SHADER_INT64)
     }
 
     /// The limits to ask a device for. WebGPU's default limits do; this raises the sizes of buffers and textures to what
@@ -249,6 +254,7 @@ impl StereoMatcher {
         let mut b = Builder {
             device,
             params,
+            plan: Plan::new(device, params),
             format,
             pipelines: KERNELS.iter().map(|_| None).collect(),
             frame: uniform("frame", size_of::<Frame>() as u64),
@@ -279,15 +285,15 @@ impl StereoMatcher {
                 height,
                 Output::Prefiltered { side },
             );
-            if sizes.small_block {
+            if sizes.small_block && !b.plan.lanes {
                 plane_views.push(b.copy_to_texture(stride, height, wgpu::TextureFormat::R32Uint));
             }
         }
 
         let column_step = |b: &mut Builder<'_>, chunk: Rows| {
             let pass = Pass { first_row: chunk.first, rows: chunk.count, ..Pass::default() };
-            let lanes = width + 2 * params.radius();
-            let segments = chunk.count.div_ceil(kernels::SEGMENT);
+            let lanes = (width + 2 * params.radius()) * params.quads();
+            let segments = chunk.count.div_ceil(kernels::segment(&b.plan));
             b.step(
                 "sad_columns",
                 &[Buffer(&planes[0]), Buffer(&planes[1]), Buffer(&columns)],
@@ -315,43 +321,63 @@ impl StereoMatcher {
                 }
             }
             Method::Sgm => {
-                // The cost is computed into what is later the first pair's volume, and copied into a texture band by band:
-                // lavapipe reads 16 bytes of an image in a quarter of the time that a buffer takes, but writes buffers
-                // faster (docs/PERFORMANCE.md).
-                let first_paired = b.volume("sgm_aggregate", &sizes);
-                let quads = params.disparities.div_ceil(16);
-                let mut cost = Vec::new();
+                // On `lines` the cost is computed into what is later the first pair's volume, and copied into a texture
+                // band by band: lavapipe reads 16 bytes of an image in a quarter of the time that a buffer takes, but
+                // writes buffers faster (docs/PERFORMANCE.md).
+                let computed = b.volume(if b.plan.lanes { "sad_cost" } else { "sgm_aggregate" }, &sizes);
+                let mut textures = Vec::new();
                 for (band, (rows, chunks)) in sizes.bands.iter().zip(&sizes.chunks).enumerate() {
                     if sizes.small_block {
                         let pass = Pass { first_row: rows.first, rows: rows.count, ..Pass::default() };
-                        let planes = [Texture(&plane_views[0]), Texture(&plane_views[1])];
-                        let storage = [planes[0], planes[1], Buffer(&first_paired[band])];
                         let output = Output::Cost { chunk: *rows, volume_row: 0 };
-                        b.step("sad_cost_small", &storage, pass, rows.count.div_ceil(2) * quads, 1, output);
+                        if b.plan.lanes {
+                            let storage = [Buffer(&planes[0]), Buffer(&planes[1]), Buffer(&computed[band])];
+                            let segments = rows.count.div_ceil(kernels::segment(&b.plan));
+                            b.step("sad_cost_lanes", &storage, pass, width * params.quads(), segments, output);
+                        } else {
+                            let storage = [Texture(&plane_views[0]), Texture(&plane_views[1]), Buffer(&computed[band])];
+                            let lanes = rows.count.div_ceil(2) * params.quads();
+                            b.step("sad_cost_small", &storage, pass, lanes, 1, output);
+                        }
                     }
                     for &chunk in chunks {
                         let volume_row = chunk.first - rows.first;
                         let pass = Pass { volume_row, ..column_step(&mut b, chunk) };
                         let output = Output::Cost { chunk, volume_row };
-                        let storage = [Buffer(&columns), Buffer(&first_paired[band])];
-                        b.step("sad_cost", &storage, pass, chunk.count, 1, output);
+                        let storage = [Buffer(&columns), Buffer(&computed[band])];
+                        let spans = width.div_ceil(kernels::span(&b.plan));
+                        b.step("sad_cost", &storage, pass, chunk.count * params.quads(), spans, output);
                     }
-                    let height = sizes.cost_texture_rows(rows.count);
-                    cost.push(b.copy_to_texture(COST_TEXELS, height, wgpu::TextureFormat::Rgba32Uint));
+                    if !b.plan.lanes {
+                        let height = sizes.cost_texture_rows(rows.count);
+                        textures.push(b.copy_to_texture(COST_TEXELS, height, wgpu::TextureFormat::Rgba32Uint));
+                    }
                 }
+                let cost: Vec<Bound<'_>> = if b.plan.lanes {
+                    computed.iter().map(Buffer).collect()
+                } else {
+                    textures.iter().map(Texture).collect()
+                };
                 // The pairs of opposite directions that cross rows, then the horizontal one, which ends in the winner.
                 let directions = Direction::all(params.paths);
                 let (across, along) = directions.split_at(directions.len() - 2);
-                let carry_bytes = sizes.volume_row;
-                let carry =
-                    [b.buffer("sgm_aggregate.carry", carry_bytes), b.buffer("sgm_aggregate.carry", carry_bytes)];
-                let mut paired = vec![first_paired];
-                for (i, pair) in across.chunks(2).enumerate() {
-                    if i > 0 {
-                        paired.push(b.volume("sgm_aggregate", &sizes));
-                    }
-                    let paths = &paired[i];
-                    for (second, direction) in pair.iter().enumerate() {
+                let pairs: Vec<&[Direction]> = across.chunks(2).collect();
+                let paired: Vec<Vec<wgpu::Buffer>> = pairs
+                    .iter()
+                    .enumerate()
+                    .map(
+                        |(i, _)| {
+                            if i == 0 && !b.plan.lanes { computed.clone() } else { b.volume("sgm_aggregate", &sizes) }
+                        },
+                    )
+                    .collect();
+                let carries: Vec<[wgpu::Buffer; 2]> =
+                    pairs.iter().map(|_| [(); 2].map(|()| b.buffer("sgm_aggregate.carry", sizes.volume_row))).collect();
+                // The first direction of each pair, then the second ones: between those of different pairs, which share
+                // no buffer that is written, a device needs no barrier.
+                for second in 0..2 {
+                    for ((pair, paths), carry) in pairs.iter().zip(&paired).zip(&carries) {
+                        let Some(direction) = pair.get(second) else { continue };
                         let count = sizes.bands.len();
                         for i in 0..count {
                             let band = if direction.dy > 0 { i } else { count - 1 - i };
@@ -364,12 +390,8 @@ impl StereoMatcher {
                                 accumulate: second as u32,
                                 ..Pass::default()
                             };
-                            let storage = [
-                                Texture(&cost[band]),
-                                Buffer(&paths[band]),
-                                Buffer(&carry[i % 2]),
-                                Buffer(&carry[1 - i % 2]),
-                            ];
+                            let storage =
+                                [cost[band], Buffer(&paths[band]), Buffer(&carry[i % 2]), Buffer(&carry[1 - i % 2])];
                             let output = Output::Paths { directions: pair[..=second].to_vec(), band: rows };
                             b.step("sgm_aggregate", &storage, pass, width, 1, output);
                         }
@@ -385,12 +407,13 @@ impl StereoMatcher {
                         dy: along[0].dy,
                         ..Pass::default()
                     };
-                    let storage = [Texture(&cost[band]), Buffer(&forward), Buffer(&carry[0]), Buffer(&carry[1])];
+                    let carry = &carries[0];
+                    let storage = [cost[band], Buffer(&forward), Buffer(&carry[0]), Buffer(&carry[1])];
                     let output = Output::Paths { directions: vec![along[0]], band: rows };
                     b.step("sgm_aggregate", &storage, pass, rows.count, 1, output);
                     let pair = |i: usize| Buffer(&paired[i.min(paired.len() - 1)][band]);
                     let storage = [
-                        Texture(&cost[band]),
+                        cost[band],
                         Buffer(&forward),
                         pair(0),
                         pair(1),

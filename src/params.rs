@@ -1,6 +1,6 @@
 //! What a user may ask for, and the checks that come before anything touches a device.
 
-use crate::Error;
+use crate::{Error, Schedule};
 
 /// The image on which the matching cost is computed (`prefilter` in docs/ALGORITHMS.md).
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
@@ -98,6 +98,8 @@ pub struct Params {
     pub subpixel: bool,
     /// Compile the kernels with checks of every index and loop: slower, the same result. For a device that misbehaves.
     pub shader_checks: bool,
+    /// How the kernels are laid out on the device; the same result.
+    pub schedule: Schedule,
 }
 
 impl Params {
@@ -127,6 +129,7 @@ impl Params {
             median: Median::Three,
             subpixel: true,
             shader_checks: false,
+            schedule: Schedule::Auto,
         }
     }
 
@@ -206,6 +209,11 @@ impl Params {
     /// Rows and columns by which a block reaches beyond its centre.
     pub(crate) fn radius(&self) -> u32 {
         self.block / 2
+    }
+
+    /// Vectors of 16 disparities that hold a pixel's.
+    pub(crate) fn quads(&self) -> u32 {
+        self.disparities.div_ceil(16)
     }
 
     /// The largest value of the prefiltered image.

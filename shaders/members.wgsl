@@ -1,0 +1,27 @@
+// Appended to the kernels whose disparities MEMBERS neighbouring invocations share, each owning OWN_QUADS vectors of 16.
+
+// Above every value that is compared, with room for a penalty.
+const NONE: u32 = 0xffffff00u;
+
+// Of the disparities of all members: the smallest value, and the values next to a member's own, NONE at the ends.
+struct Surroundings {
+    least: u32,
+    below: u32,
+    above: u32,
+}
+
+// Where a member's slice s of a pixel lies in a volume.
+fn slice_at(pixel: u32, s: u32) -> u32 {
+    return (pixel * QUADS + member * OWN_QUADS) / WIDTH + s;
+}
+
+// Whether a member's vector of 16 disparities lies in the volume.
+fn in_volume(own: u32) -> bool {
+    return MEMBERS * OWN_QUADS == QUADS || member * OWN_QUADS + own < QUADS;
+}
+
+// The bytes of a member's vector that lie beyond the range of disparities.
+fn beyond(own: u32) -> vec4<u32> {
+    let quad = member * OWN_QUADS + own;
+    return select(select(vec4(0u), BEYOND, quad + 1u == QUADS), vec4(0xffffffffu), quad >= QUADS);
+}

@@ -1,0 +1,15 @@
+// Appended to the kernels whose disparities members share: here each invocation has all of them to itself.
+const BARRIERS: bool = false;
+const member: u32 = 0u;
+
+fn join_group(invocation: u32, local: u32) -> u32 {
+    return invocation;
+}
+
+fn exchange(least: u32, first: u32, last: u32) -> Surroundings {
+    return Surroundings(least, NONE, NONE);
+}
+
+fn sum_of_members(own: vec3<u32>) -> vec3<u32> {
+    return own;
+}

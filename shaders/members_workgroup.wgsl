@@ -1,0 +1,47 @@
+// Appended to the kernels whose disparities members share: neighbours in a workgroup, which leave values in its memory.
+// Two sets of places in turns: a barrier later, all have read what the set before held.
+// Every invocation of a workgroup must come here, the same number of times.
+const BARRIERS: bool = true;
+var<workgroup> places: array<vec3<u32>, 2u * LANES>;
+var<private> member: u32;
+var<private> lane: u32;
+var<private> turn: u32;
+
+// The group that an invocation belongs to.
+fn join_group(invocation: u32, local: u32) -> u32 {
+    lane = local;
+    member = local % MEMBERS;
+    return invocation / MEMBERS;
+}
+
+// Leaves a member's values and waits for the others'. Returns the place of member 0.
+fn leave(values: vec3<u32>) -> u32 {
+    turn = LANES - turn;
+    places[turn + lane] = values;
+    workgroupBarrier();
+    return turn + lane - member;
+}
+
+fn exchange(least: u32, first: u32, last: u32) -> Surroundings {
+    let start = leave(vec3(least, first, last));
+    var around = Surroundings(least, NONE, NONE);
+    for (var i = 0u; i < MEMBERS; i++) {
+        around.least = min(around.least, places[start + i].x);
+    }
+    if member > 0u {
+        around.below = places[start + member - 1u].z;
+    }
+    if member + 1u < MEMBERS {
+        around.above = places[start + member + 1u].y;
+    }
+    return around;
+}
+
+fn sum_of_members(own: vec3<u32>) -> vec3<u32> {
+    let start = leave(own);
+    var sum = vec3(0u);
+    for (var i = 0u; i < MEMBERS; i++) {
+        sum += places[start + i];
+    }
+    return sum;
+}

@@ -1,0 +1,11 @@
+// Appended to the kernels that read or write volumes, where a load or store moves 16 disparities.
+alias Stored = vec4<u32>;
+alias Slice = array<vec4<u32>, 1>;
+
+fn slice_of(stored: Stored) -> Slice {
+    return Slice(stored);
+}
+
+fn stored_of(slice: Slice) -> Stored {
+    return slice[0];
+}

@@ -1,0 +1,94 @@
+//! How the work of a path or a row is spread over invocations.
+
+use crate::Params;
+
+/// How the kernels are laid out on a device. The result is the same.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
+#[non_exhaustive]
+pub enum Schedule {
+    /// [`Schedule::Lines`] on CPU adapters, [`Schedule::Lanes`] on all others.
+    #[default]
+    Auto,
+    /// A path an invocation: all its disparities stay in registers. Two or more invocations share a path of many
+    /// disparities where the device has subgroups. For CPU adapters such as lavapipe.
+    Lines,
+    /// A path for neighbouring invocations, 16 disparities each. They talk through the subgroup, or through workgroup
+    /// memory where the device has no subgroups. For GPUs.
+    Lanes,
+}
+
+/// How invocations that share the disparities of a pixel tell each other what they have.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub(crate) enum Exchange {
+    Alone,
+    Subgroup,
+    Workgroup,
+}
+
+/// The schedule of a matcher: [`Schedule`] applied to a device and a number of disparities.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub(crate) struct Plan {
+    /// Whether this is [`Schedule::Lanes`].
+    pub(crate) lanes: bool,
+    /// Invocations that share the disparities of a pixel: a power of two.
+    pub(crate) members: u32,
+    pub(crate) exchange: Exchange,
+    /// Vectors of 16 disparities that each of them owns.
+    pub(crate) own_quads: u32,
+    /// Vectors of 16 disparities that a load or store of a volume moves: 1, or 2 as 64-bit integers.
+    pub(crate) width: u32,
+}
+
+/// Vectors of 16 disparities that an invocation of [`Schedule::Lines`] owns, if others may take the rest. More of them
+/// make code that neither the registers nor the instruction cache of a CPU hold (docs/PERFORMANCE.md).
+const MOST_QUADS: u32 = 6;
+
+/// Invocations that may share a path through workgroup memory.
+const MOST_MEMBERS: u32 = 32;
+
+/// Invocations a workgroup of the kernels that share disparities, on a GPU: a multiple of every subgroup's size, so
+/// that neighbours of a power of two lie in one subgroup.
+pub(crate) const GROUP_LANES: u32 = 64;
+
+impl Plan {
+    pub(crate) fn new(device: &wgpu::Device, params: &Params) -> Self {
+        let info = device.adapter_info();
+        let lanes = match params.schedule {
+            Schedule::Auto => info.device_type != wgpu::DeviceType::Cpu,
+            Schedule::Lines => false,
+            Schedule::Lanes => true,
+        };
+        let features = device.features();
+        let subgroup = if features.contains(wgpu::Features::SUBGROUP) { info.subgroup_min_size } else { 1 };
+        Self::of(params.quads(), lanes, subgroup, features.contains(wgpu::Features::SHADER_INT64))
+    }
+
+    /// The plan for pixels of `quads` vectors, where `subgroup` neighbours can talk (at most 1: none can), with or
+    /// without integers of 64 bits.
+    pub(crate) fn of(quads: u32, lanes: bool, subgroup: u32, int64: bool) -> Self {
+        let exchange = match (lanes, subgroup > 1) {
+            (_, true) => Exchange::Subgroup,
+            (true, false) => Exchange::Workgroup,
+            (false, false) => Exchange::Alone,
+        };
+        let most_members = match exchange {
+            Exchange::Alone => 1,
+            Exchange::Subgroup => subgroup.min(GROUP_LANES),
+            Exchange::Workgroup => MOST_MEMBERS,
+        };
+        let most_quads = if lanes { 1 } else { MOST_QUADS };
+        let mut members = 1;
+        while quads.div_ceil(members) > most_quads && 2 * members <= most_members {
+            members *= 2;
+        }
+        let wide = int64 && !lanes && quads.is_multiple_of(2);
+        let width = if wide { 2 } else { 1 };
+        Self {
+            lanes,
+            members,
+            exchange: if members == 1 { Exchange::Alone } else { exchange },
+            own_quads: quads.div_ceil(members).next_multiple_of(width),
+            width,
+        }
+    }
+}
