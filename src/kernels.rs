@@ -111,6 +111,13 @@ pub(crate) fn segment(plan: &Plan) -> u32 {
     if plan.lanes { 32 } else { 128 }
 }
 
+/// Vectors of 16 disparities that one invocation of `sad_columns` owns: a divisor of all. More of them load a right pixel
+/// less often, but make code that grows with them.
+pub(crate) fn vectors(quads: u32, plan: &Plan) -> u32 {
+    let most = if plan.lanes { 1 } else { 4 };
+    (1..=most).rev().find(|&vectors| quads.is_multiple_of(vectors)).unwrap_or(1)
+}
+
 /// Columns that one invocation of `sad_cost` walks: for a CPU any row that may be.
 pub(crate) fn span(plan: &Plan) -> u32 {
     if plan.lanes { 64 } else { 1 << 16 }
@@ -141,6 +148,7 @@ pub(crate) fn constants(kernel: &Kernel, params: &Params, format: PixelFormat, p
         ("SLICES", number(plan.own_quads / plan.width)),
         ("WIDTH", number(plan.width)),
         ("SEGMENT", number(segment(plan))),
+        ("VECTORS", number(vectors(quads, plan))),
         ("SPAN", number(span(plan))),
         ("DISPARITIES", number(params.disparities)),
         ("QUADS", number(quads)),

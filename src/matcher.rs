@@ -292,7 +292,8 @@ impl StereoMatcher {
 
         let column_step = |b: &mut Builder<'_>, chunk: Rows| {
             let pass = Pass { first_row: chunk.first, rows: chunk.count, ..Pass::default() };
-            let lanes = (width + 2 * params.radius()) * params.quads();
+            let vectors = kernels::vectors(params.quads(), &b.plan);
+            let lanes = (width + 2 * params.radius()) * (params.quads() / vectors);
             let segments = chunk.count.div_ceil(kernels::segment(&b.plan));
             b.step(
                 "sad_columns",
