@@ -23,6 +23,9 @@ struct Pass {
     first_row: u32,       // in the image
     rows: u32,
     volume_row: u32,      // where first_row lies in the volume's buffer
+    first_line: u32,      // of the paths of a direction
+    lines: u32,
+    shift: u32,           // columns from a line's number to where its path enters
     dx: i32,              // direction of aggregation
     dy: i32,
     carried: u32,         // 1: the band before this one in the direction left its path costs in carry_in

@@ -16,14 +16,14 @@ fn main(@builtin(global_invocation_id) id: vec3<u32>, @builtin(local_invocation_
     let horizontal = pass_.dy == 0;
     let width = i32(frame.width);
     let rows = i32(pass_.rows);
-    let lines = select(width, rows, horizontal);
-    var line = i32(join_group(id.x, local));
-    let writes = line < lines;
+    let group = join_group(id.x, local);
+    let writes = group < pass_.lines;
     if !writes && !BARRIERS {
         return;
     }
-    line = min(line, lines - 1);
-    var x = select(line, select(width - 1, 0, pass_.dx > 0), horizontal);
+    let line = i32(pass_.first_line + min(group, pass_.lines - 1u));
+    let enters = i32((u32(line) + pass_.shift) % frame.width);
+    var x = select(enters, select(width - 1, 0, pass_.dx > 0), horizontal);
     let y = select(select(rows - 1, 0, pass_.dy > 0), line, horizontal);
     var state: State;
     let before = x - pass_.dx;
@@ -71,7 +71,7 @@ fn path_step(state: ptr<function, State>, pixel: u32, writes: bool) {
         var costs: Slice;
         var sums: Slice;
         if in_volume(s * WIDTH) {
-            costs = costs_at(slice_at(pixel, s));
+            costs = costs_at(slice_at(pixel + pass_.volume_row * frame.width, s));
             if pass_.accumulate == 1u {
                 sums = slice_of(paths[slice_at(pixel, s)]);
             }

@@ -18,7 +18,7 @@ fn main(@builtin(global_invocation_id) id: vec3<u32>, @builtin(local_invocation_
     if line >= pass_.rows && !BARRIERS {
         return;
     }
-    let volume_row = min(line, pass_.rows - 1u);
+    let strip_row = min(line, pass_.rows - 1u);
     let writes = member == 0u && (line < pass_.rows || !BARRIERS);
     var state: State;
     var costs: Costs;
@@ -28,21 +28,22 @@ fn main(@builtin(global_invocation_id) id: vec3<u32>, @builtin(local_invocation_
     for (var i = 0; i < steps; i++) {
         let x = row_start() - i;
         if inside_row(x) {
-            walk(&state, &costs, volume_row * frame.width + u32(x));
+            walk(&state, &costs, strip_row * frame.width + u32(x));
         }
-        choose(&costs, &diagonal, &kept, pass_.first_row + volume_row, x, writes);
+        choose(&costs, &diagonal, &kept, pass_.first_row + strip_row, x, writes);
     }
 }
 
 // One step of the leftward path, and S of the pixel.
-fn walk(state: ptr<function, State>, costs: ptr<function, Costs>, pixel: u32) {
+fn walk(state: ptr<function, State>, costs: ptr<function, Costs>, strip_pixel: u32) {
+    let pixel = pass_.volume_row * frame.width + strip_pixel;
     var around = surroundings(state);
     for (var s = 0u; s < SLICES; s++) {
         var c: Slice;
         var t: array<Slice, 4>;
         if in_volume(s * WIDTH) {
             c = costs_at(slice_at(pixel, s));
-            t[0] = slice_of(forward[slice_at(pixel, s)]);
+            t[0] = slice_of(forward[slice_at(strip_pixel, s)]);
             t[1] = slice_of(paired0[slice_at(pixel, s)]);
             if PAIRED == 3u {
                 t[2] = slice_of(paired1[slice_at(pixel, s)]);

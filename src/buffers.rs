@@ -29,6 +29,9 @@ pub(crate) struct Pass {
     pub(crate) first_row: u32,
     pub(crate) rows: u32,
     pub(crate) volume_row: u32,
+    pub(crate) first_line: u32,
+    pub(crate) lines: u32,
+    pub(crate) shift: u32,
     pub(crate) dx: i32,
     pub(crate) dy: i32,
     pub(crate) carried: u32,
@@ -80,7 +83,7 @@ pub(crate) struct Sizes {
 }
 
 /// Cuts `rows` into the fewest pieces of at most `most` rows, as even as can be.
-fn cut(rows: Rows, most: u32) -> Vec<Rows> {
+pub(crate) fn cut(rows: Rows, most: u32) -> Vec<Rows> {
     let pieces = rows.count.div_ceil(most);
     let count = rows.count.div_ceil(pieces);
     let firsts = (0..pieces).map(|i| rows.first + i * count);

@@ -2,7 +2,7 @@
 
 use crate::buffers::COST_TEXELS;
 use crate::params::{Params, Paths, Prefilter};
-use crate::schedule::{Exchange, GROUP_LANES, Plan};
+use crate::schedule::{Exchange, GROUP_LANES, Plan, STRIP_LANES};
 use crate::{Error, PixelFormat};
 
 /// What a kernel does with a storage resource.
@@ -61,8 +61,8 @@ pub(crate) const KERNELS: &[Kernel] = &[
     Kernel { name: "sad_cost", stage: "sad_cost", lanes: 32, sources: wgsl!("sad_cost", "quantise", "common"), choices: &[], storage: &[Read, Write] },
     Kernel { name: "sad_cost_lanes", stage: "sad_cost", lanes: 128, sources: wgsl!("sad_cost_lanes", "differences", "quantise", "common"), choices: &[], storage: &[Read, Read, Write] },
     Kernel { name: "sad_cost_small", stage: "sad_cost", lanes: 32, sources: wgsl!("sad_cost_small", "differences", "quantise", "common"), choices: &[], storage: &[WORD, WORD, Write] },
-    Kernel { name: "sgm_aggregate", stage: "sgm_aggregate", lanes: 32, sources: wgsl!("sgm_aggregate", "path_step", "common"), choices: VOLUMES, storage: &[Cost, Write, Read, Write] },
-    Kernel { name: "winner", stage: "winner", lanes: 32, sources: wgsl!("winner", "path_step", "winner_row", "costs", "common"), choices: VOLUMES, storage: &[Cost, Read, Read, Read, Read, Write, Write] },
+    Kernel { name: "sgm_aggregate", stage: "sgm_aggregate", lanes: STRIP_LANES, sources: wgsl!("sgm_aggregate", "path_step", "common"), choices: VOLUMES, storage: &[Cost, Write, Read, Write] },
+    Kernel { name: "winner", stage: "winner", lanes: STRIP_LANES, sources: wgsl!("winner", "path_step", "winner_row", "costs", "common"), choices: VOLUMES, storage: &[Cost, Read, Read, Read, Read, Write, Write] },
     Kernel { name: "block_match", stage: "block_match", lanes: 32, sources: wgsl!("block_match", "column_sums", "costs", "winner_row", "common"), choices: MEMBERS, storage: &[Read, Write, Write] },
     Kernel { name: "lr_check", stage: "lr_check", lanes: 128, sources: wgsl!("lr_check", "common"), choices: &[], storage: &[Read, Read, Write] },
     Kernel { name: "median", stage: "median", lanes: 128, sources: wgsl!("median", "common"), choices: &[], storage: &[Read, Write] },

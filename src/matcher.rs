@@ -2,7 +2,7 @@
 
 use std::sync::OnceLock;
 
-use crate::buffers::{COST_TEXELS, Frame, Pass, Rows, Sizes};
+use crate::buffers::{COST_TEXELS, Frame, Pass, Rows, Sizes, cut};
 use crate::kernels::{self, Compiled, KERNELS};
 use crate::reference::Direction;
 use crate::schedule::Plan;
@@ -20,12 +20,29 @@ pub struct StageTime {
 /// What a step leaves behind, and where: for the comparison with the reference.
 #[derive(Clone, Debug)]
 pub(crate) enum Output {
-    Gray { side: u32 },
-    Prefiltered { side: u32 },
-    Columns { chunk: Rows },
-    Cost { chunk: Rows, volume_row: u32 },
-    Paths { directions: Vec<Direction>, band: Rows },
-    Views { last: bool },
+    Gray {
+        side: u32,
+    },
+    Prefiltered {
+        side: u32,
+    },
+    Columns {
+        chunk: Rows,
+    },
+    Cost {
+        chunk: Rows,
+        volume_row: u32,
+    },
+    /// The paths of all directions together, when the last of their steps is done.
+    Paths {
+        directions: Vec<Direction>,
+        band: Rows,
+        first: bool,
+        last: bool,
+    },
+    Views {
+        last: bool,
+    },
     Checked,
     Median,
 }
@@ -234,11 +251,19 @@ impl StereoMatcher {
         if width == 0 || height == 0 {
             return Err(Error::Image(format!("the images are {width}x{height}, but each side must be at least 1")));
         }
+        let plan = Plan::new(device, params);
         let sizes = Sizes::new(width, height, format, params, &limits)?;
-        readback::guarded(device, || Self::build(device, queue, format, params, sizes))
+        readback::guarded(device, || Self::build(device, queue, format, params, plan, sizes))
     }
 
-    fn build(device: &wgpu::Device, queue: &wgpu::Queue, format: PixelFormat, params: &Params, sizes: Sizes) -> Self {
+    fn build(
+        device: &wgpu::Device,
+        queue: &wgpu::Queue,
+        format: PixelFormat,
+        params: &Params,
+        plan: Plan,
+        sizes: Sizes,
+    ) -> Self {
         let uniform = |name: &str, size: u64| {
             device.create_buffer(&wgpu::BufferDescriptor {
                 label: Some(&format!("gpu-stereo.{name}")),
@@ -247,14 +272,21 @@ impl StereoMatcher {
                 mapped_at_creation: false,
             })
         };
-        // gray, prefilter of two sides; chunks twice; eight directions and the winner a band; check and median
+        // gray, prefilter of two sides; the cost of a band or its chunks twice; six directions a band and strip; the
+        // horizontal ones; check and median
         let chunks: usize = sizes.chunks.iter().map(Vec::len).sum();
-        let most_steps = 4 + 2 * chunks + 9 * sizes.bands.len() + 2;
+        let most_band = sizes.bands.iter().map(|band| band.count).max().unwrap_or(1);
+        let strip_lines = plan
+            .strip(sizes.frame.width, sizes.volume_row / u64::from(sizes.frame.width) * u64::from(sizes.frame.height));
+        let strip_rows = plan.strip(most_band, sizes.volume_row);
+        let strips = sizes.frame.width.div_ceil(strip_lines) as usize;
+        let row_strips = sizes.frame.height.div_ceil(strip_rows) as usize + sizes.bands.len();
+        let most_steps = 4 + 2 * chunks + (1 + 6 * strips) * sizes.bands.len() + 2 * row_strips + 2;
         let passes_bytes = most_steps as u64 * u64::from(PASS_STRIDE);
         let mut b = Builder {
             device,
             params,
-            plan: Plan::new(device, params),
+            plan,
             format,
             pipelines: KERNELS.iter().map(|_| None).collect(),
             frame: uniform("frame", size_of::<Frame>() as u64),
@@ -322,15 +354,21 @@ impl StereoMatcher {
                 }
             }
             Method::Sgm => {
-                // On `lines` the cost is computed into what is later the first pair's volume, and copied into a texture
-                // band by band: lavapipe reads 16 bytes of an image in a quarter of the time that a buffer takes, but
-                // writes buffers faster (docs/PERFORMANCE.md).
-                let computed = b.volume(if b.plan.lanes { "sad_cost" } else { "sgm_aggregate" }, &sizes);
+                let directions = Direction::all(params.paths);
+                let (across, along) = directions.split_at(directions.len() - 2);
+                let pairs: Vec<&[Direction]> = across.chunks(2).collect();
+                let paired: Vec<Vec<wgpu::Buffer>> = pairs.iter().map(|_| b.volume("sgm_aggregate", &sizes)).collect();
+                let carries: Vec<[wgpu::Buffer; 2]> =
+                    pairs.iter().map(|_| [(); 2].map(|()| b.buffer("sgm_aggregate.carry", sizes.volume_row))).collect();
+                // On `lines` the cost is computed into what is then the first pair's volume, and copied into a texture:
+                // lavapipe reads 16 bytes of an image in a quarter of the time that a buffer takes, but writes buffers
+                // faster (docs/PERFORMANCE.md).
+                let computed = if b.plan.lanes { b.volume("sad_cost", &sizes) } else { paired[0].clone() };
                 let mut textures = Vec::new();
-                for (band, (rows, chunks)) in sizes.bands.iter().zip(&sizes.chunks).enumerate() {
+                for (band, (&rows, chunks)) in sizes.bands.iter().zip(&sizes.chunks).enumerate() {
                     if sizes.small_block {
                         let pass = Pass { first_row: rows.first, rows: rows.count, ..Pass::default() };
-                        let output = Output::Cost { chunk: *rows, volume_row: 0 };
+                        let output = Output::Cost { chunk: rows, volume_row: 0 };
                         if b.plan.lanes {
                             let storage = [Buffer(&planes[0]), Buffer(&planes[1]), Buffer(&computed[band])];
                             let segments = rows.count.div_ceil(kernels::segment(&b.plan));
@@ -354,76 +392,68 @@ impl StereoMatcher {
                         textures.push(b.copy_to_texture(COST_TEXELS, height, wgpu::TextureFormat::Rgba32Uint));
                     }
                 }
-                let cost: Vec<Bound<'_>> = if b.plan.lanes {
-                    computed.iter().map(Buffer).collect()
-                } else {
-                    textures.iter().map(Texture).collect()
+                let costs: Vec<Bound<'_>> = match b.plan.lanes {
+                    true => computed.iter().map(Buffer).collect(),
+                    false => textures.iter().map(Texture).collect(),
                 };
-                // The pairs of opposite directions that cross rows, then the horizontal one, which ends in the winner.
-                let directions = Direction::all(params.paths);
-                let (across, along) = directions.split_at(directions.len() - 2);
-                let pairs: Vec<&[Direction]> = across.chunks(2).collect();
-                let paired: Vec<Vec<wgpu::Buffer>> = pairs
-                    .iter()
-                    .enumerate()
-                    .map(
-                        |(i, _)| {
-                            if i == 0 && !b.plan.lanes { computed.clone() } else { b.volume("sgm_aggregate", &sizes) }
-                        },
-                    )
-                    .collect();
-                let carries: Vec<[wgpu::Buffer; 2]> =
-                    pairs.iter().map(|_| [(); 2].map(|()| b.buffer("sgm_aggregate.carry", sizes.volume_row))).collect();
-                // The first direction of each pair, then the second ones: between those of different pairs, which share
-                // no buffer that is written, a device needs no barrier.
-                for second in 0..2 {
-                    for ((pair, paths), carry) in pairs.iter().zip(&paired).zip(&carries) {
-                        let Some(direction) = pair.get(second) else { continue };
-                        let count = sizes.bands.len();
-                        for i in 0..count {
-                            let band = if direction.dy > 0 { i } else { count - 1 - i };
-                            let rows = sizes.bands[band];
-                            let pass = Pass {
-                                rows: rows.count,
-                                dx: direction.dx,
-                                dy: direction.dy,
-                                carried: (i > 0).into(),
-                                accumulate: second as u32,
-                                ..Pass::default()
-                            };
-                            let storage =
-                                [cost[band], Buffer(&paths[band]), Buffer(&carry[i % 2]), Buffer(&carry[1 - i % 2])];
-                            let output = Output::Paths { directions: pair[..=second].to_vec(), band: rows };
-                            b.step("sgm_aggregate", &storage, pass, width, 1, output);
+                // The paths of a pair that cross rows, there and back, a strip of them at a time.
+                let strips = cut(Rows { first: 0, count: width }, strip_lines);
+                for ((pair, paths), carry) in pairs.iter().zip(&paired).zip(&carries) {
+                    for strip in &strips {
+                        for (second, direction) in pair.iter().enumerate() {
+                            for nth in 0..sizes.bands.len() {
+                                let band = if direction.dy > 0 { nth } else { sizes.bands.len() - 1 - nth };
+                                let rows = sizes.bands[band];
+                                let enters = if direction.dy > 0 { rows.first } else { rows.first + rows.count - 1 };
+                                let slope = i64::from(direction.dx * direction.dy);
+                                let pass = Pass {
+                                    rows: rows.count,
+                                    first_line: strip.first,
+                                    lines: strip.count,
+                                    shift: (slope * i64::from(enters)).rem_euclid(width.into()) as u32,
+                                    dx: direction.dx,
+                                    dy: direction.dy,
+                                    carried: (nth > 0).into(),
+                                    accumulate: second as u32,
+                                    ..Pass::default()
+                                };
+                                let (from, to) = (Buffer(&carry[nth % 2]), Buffer(&carry[1 - nth % 2]));
+                                let output = Output::Paths {
+                                    directions: pair.to_vec(),
+                                    band: rows,
+                                    first: second == 0 && strip.first == 0,
+                                    last: second + 1 == pair.len() && strip.first + strip.count == width,
+                                };
+                                let storage = [costs[band], Buffer(&paths[band]), from, to];
+                                b.step("sgm_aggregate", &storage, pass, strip.count, 1, output);
+                            }
                         }
                     }
                 }
-                let most_band = sizes.bands.iter().map(|band| band.count).max().unwrap_or(1);
-                let forward = b.buffer("sgm_aggregate.forward", sizes.volume(most_band));
+                // The horizontal pair, which ends in the winner, a strip of rows at a time.
+                let forward = b.buffer("sgm_aggregate.forward", sizes.volume(strip_rows));
                 for (band, &rows) in sizes.bands.iter().enumerate() {
-                    let pass = Pass {
-                        first_row: rows.first,
-                        rows: rows.count,
-                        dx: along[0].dx,
-                        dy: along[0].dy,
-                        ..Pass::default()
-                    };
-                    let carry = &carries[0];
-                    let storage = [cost[band], Buffer(&forward), Buffer(&carry[0]), Buffer(&carry[1])];
-                    let output = Output::Paths { directions: vec![along[0]], band: rows };
-                    b.step("sgm_aggregate", &storage, pass, rows.count, 1, output);
-                    let pair = |i: usize| Buffer(&paired[i.min(paired.len() - 1)][band]);
-                    let storage = [
-                        cost[band],
-                        Buffer(&forward),
-                        pair(0),
-                        pair(1),
-                        pair(2),
-                        Buffer(&left_map),
-                        Buffer(&right_map),
-                    ];
-                    let output = Output::Views { last: rows.first + rows.count == height };
-                    b.step("winner", &storage, pass, rows.count, 1, output);
+                    for strip in cut(rows, strip_rows) {
+                        let volume_row = strip.first - rows.first;
+                        let pass = Pass { first_row: strip.first, rows: strip.count, volume_row, ..Pass::default() };
+                        let along_row = Pass { lines: strip.count, dx: along[0].dx, dy: along[0].dy, ..pass };
+                        let directions = along[..1].to_vec();
+                        let output = Output::Paths { directions, band: strip, first: true, last: true };
+                        let storage = [costs[band], Buffer(&forward), Buffer(&carries[0][0]), Buffer(&carries[0][1])];
+                        b.step("sgm_aggregate", &storage, along_row, strip.count, 1, output);
+                        let pair = |i: usize| Buffer(&paired[i.min(paired.len() - 1)][band]);
+                        let storage = [
+                            costs[band],
+                            Buffer(&forward),
+                            pair(0),
+                            pair(1),
+                            pair(2),
+                            Buffer(&left_map),
+                            Buffer(&right_map),
+                        ];
+                        let output = Output::Views { last: strip.first + strip.count == height };
+                        b.step("winner", &storage, pass, strip.count, 1, output);
+                    }
                 }
             }
         }
@@ -592,7 +622,9 @@ impl StereoMatcher {
     /// # Errors
     /// As [`StereoMatcher::compute`].
     pub fn compute_timed(&self, left: &Image, right: &Image) -> Result<(DisparityMap, Vec<StageTime>), Error> {
-        let count = 2 * self.steps.len() as u32;
+        // Neighbouring steps of a stage are timed together.
+        let runs: Vec<&[Step]> = self.steps.chunk_by(|a, b| a.stage() == b.stage() && a.copy_to.is_none()).collect();
+        let count = 2 * runs.len() as u32;
         let timed = self.device.features().contains(wgpu::Features::TIMESTAMP_QUERY);
         if !timed || count > wgpu::QUERY_SET_MAX_QUERIES {
             return Ok((self.compute(left, right)?, Vec::new()));
@@ -614,13 +646,13 @@ impl StereoMatcher {
         };
         let timer = readback::guarded(&self.device, || self.timer.get_or_init(make))?;
         let map = self.run(left, right, |encoder| {
-            for (i, step) in (0..).zip(self.steps.chunks(1)) {
+            for (i, run) in (0..).zip(&runs) {
                 let writes = wgpu::ComputePassTimestampWrites {
                     query_set: &timer.queries,
                     beginning_of_pass_write_index: Some(2 * i),
                     end_of_pass_write_index: Some(2 * i + 1),
                 };
-                self.record_steps(encoder, step[0].stage(), step, Some(writes));
+                self.record_steps(encoder, run[0].stage(), run, Some(writes));
             }
             encoder.resolve_query_set(&timer.queries, 0..count, &timer.resolved, 0);
             encoder.copy_buffer_to_buffer(&timer.resolved, 0, &timer.readback, 0, bytes);
@@ -628,11 +660,11 @@ impl StereoMatcher {
         let period = f64::from(self.queue.get_timestamp_period());
         let stamps: Vec<u64> = readback::read(&self.device, &timer.readback, bytemuck::pod_collect_to_vec)?;
         let mut times: Vec<StageTime> = Vec::new();
-        for (step, stamps) in self.steps.iter().zip(stamps.chunks_exact(2)) {
+        for (run, stamps) in runs.iter().zip(stamps.chunks_exact(2)) {
             let ms = stamps[1].saturating_sub(stamps[0]) as f64 * period * 1e-6;
-            match times.iter_mut().find(|time| time.name == step.stage()) {
+            match times.iter_mut().find(|time| time.name == run[0].stage()) {
                 Some(time) => time.ms += ms,
-                None => times.push(StageTime { name: step.stage().into(), ms }),
+                None => times.push(StageTime { name: run[0].stage().into(), ms }),
             }
         }
         Ok((map, times))

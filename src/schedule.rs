@@ -35,6 +35,8 @@ pub(crate) struct Plan {
     pub(crate) exchange: Exchange,
     /// Vectors of 16 disparities that each of them owns.
     pub(crate) own_quads: u32,
+    /// Threads of a CPU device: few lines at once for each, so that what one step leaves is in a cache for the next.
+    pub(crate) threads: Option<u32>,
     /// Vectors of 16 disparities that a load or store of a volume moves: 1, or 2 as 64-bit integers.
     pub(crate) width: u32,
 }
@@ -42,6 +44,15 @@ pub(crate) struct Plan {
 /// Vectors of 16 disparities that an invocation of [`Schedule::Lines`] owns, if others may take the rest. More of them
 /// make code that neither the registers nor the instruction cache of a CPU hold (docs/PERFORMANCE.md).
 const MOST_QUADS: u32 = 6;
+
+/// Invocations a workgroup of the kernels that walk paths, on a CPU.
+pub(crate) const STRIP_LANES: u32 = 16;
+
+/// Bytes of a volume that a strip takes, if that keeps all threads busy: a few volumes of it fit a last-level cache.
+const STRIP_BYTES: u64 = 5 << 20;
+
+/// Strips of an image: each has a price.
+const MOST_STRIPS: u32 = 16;
 
 /// Invocations that may share a path through workgroup memory.
 const MOST_MEMBERS: u32 = 32;
@@ -60,7 +71,21 @@ impl Plan {
         };
         let features = device.features();
         let subgroup = if features.contains(wgpu::Features::SUBGROUP) { info.subgroup_min_size } else { 1 };
-        Self::of(params.quads(), lanes, subgroup, features.contains(wgpu::Features::SHADER_INT64))
+        let threads = std::thread::available_parallelism().map_or(1, |threads| threads.get() as u32);
+        let on_cpu = !lanes && info.device_type == wgpu::DeviceType::Cpu;
+        Self {
+            threads: on_cpu.then_some(threads),
+            ..Self::of(params.quads(), lanes, subgroup, features.contains(wgpu::Features::SHADER_INT64))
+        }
+    }
+
+    /// Of `lines` rows or paths of `bytes` each, those that are worked on at a time: `winner` and the paths along a row,
+    /// or paths there and back.
+    pub(crate) fn strip(&self, lines: u32, bytes: u64) -> u32 {
+        let Some(threads) = self.threads else { return lines };
+        let unit = STRIP_LANES * threads;
+        let fit = (STRIP_BYTES / bytes).min(lines.into()) as u32;
+        (fit / unit * unit).max(unit).max(lines.div_ceil(MOST_STRIPS)).min(lines)
     }
 
     /// The plan for pixels of `quads` vectors, where `subgroup` neighbours can talk (at most 1: none can), with or
@@ -89,6 +114,7 @@ impl Plan {
             exchange: if members == 1 { Exchange::Alone } else { exchange },
             own_quads: quads.div_ceil(members).next_multiple_of(width),
             width,
+            threads: None,
         }
     }
 }

@@ -182,7 +182,7 @@ fn frame_layout() -> (Vec<(String, u32, String)>, u32) {
 }
 
 fn pass_layout() -> (Vec<(String, u32, String)>, u32) {
-    layout!(Pass { first_row, rows, volume_row, dx, dy, carried, accumulate, side })
+    layout!(Pass { first_row, rows, volume_row, first_line, lines, shift, dx, dy, carried, accumulate, side })
 }
 
 #[test]
