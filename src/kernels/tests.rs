@@ -354,7 +354,7 @@ const MUTANTS: &[Mutant] = &[
     mutant("sad_cost", "1u << 23u", "1u << 22u", wide),
     mutant("sad_cost", "frame.cost_scale", "(frame.cost_scale + 9000u)", wide),
     mutant("sad_cost", "c < begin + reach", "c < begin + reach - 1u", wide),
-    mutant("sad_cost", "min(begin + SPAN, frame.width)", "frame.width - begin", |params| {
+    mutant("sad_cost", "min(begin + SPAN,", "min(begin + SPAN - 1u,", |params| {
         wide(params);
         lanes(params);
     }),
