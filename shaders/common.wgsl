@@ -12,10 +12,10 @@ struct Frame {
     p2: u32,
     uniqueness: u32,      // per cent, 0 is off
     lr_max_difference: u32,
-    gray_stride: u32,     // words a row of a gray image
+    gray_stride: u32,     // vectors of 16 bytes a row of a gray image
     left_stride: u32,     // words a row of the left prefiltered plane
     right_stride: u32,    // words a row of the right prefiltered plane
-    map_stride: u32,      // words a row of a disparity map
+    map_stride: u32,      // words a row of a disparity map, a multiple of 4
 }
 
 // What differs between dispatches.

@@ -1,52 +1,85 @@
 // median: the fifth of the 3x3 values around a pixel in ascending order, invalid below every valid value.
-// map (i16) -> filtered (i16)
-// One invocation: one word, two pixels of a row.
+// map (i16, in a texture) -> filtered (i16)
+// One invocation: four words, eight pixels of a row.
 // Border: coordinates are clamped into the image; a result that points outside the right image is invalid.
 // Reference: src/reference/median.rs
 
-@group(0) @binding(2) var<storage, read> map: array<u32>;
-@group(0) @binding(3) var<storage, read_write> filtered: array<u32>;
+@group(0) @binding(2) var map: texture_storage_2d<rgba32uint, read>;
+@group(0) @binding(3) var<storage, read_write> filtered: array<vec4<u32>>;
 
-// Three neighbouring words of a row: the values of columns 2 word - 2 .. 2 word + 3.
-fn words(row: u32, word: u32) -> vec3<u32> {
-    let start = row * frame.map_stride;
-    return vec3(map[start + max(word, 1u) - 1u], map[start + word], map[start + min(word + 1u, frame.map_stride - 1u)]);
+// The values of columns x .. x + 7, the even and the odd ones, and of the columns x - 1 and x + 8.
+struct Values {
+    before: i32,
+    even: vec4<i32>,
+    odd: vec4<i32>,
+    after: i32,
 }
 
-// The three values of a column, ascending; column 0 is the left one of the middle word.
-fn column(rows: array<vec3<u32>, 3>, word: u32, offset: i32) -> vec3<i32> {
-    let x = clamp(i32(2u * word) + offset, 0, i32(frame.width) - 1) - i32(2u * word);
-    let v = vec3(pick(rows[0], x), pick(rows[1], x), pick(rows[2], x));
-    let low = min(v.x, v.y);
-    let high = max(v.x, v.y);
-    return vec3(min(low, v.z), max(low, min(high, v.z)), max(high, v.z));
+// A column of three values, ascending.
+struct Column {
+    low: vec4<i32>,
+    middle: vec4<i32>,
+    high: vec4<i32>,
 }
 
-fn pick(words: vec3<u32>, x: i32) -> i32 {
-    return map_value(select(select(words.z, words.y, x < 2), words.x, x < 0), u32(x) & 1u);
+fn map_at(index: u32) -> vec4<u32> {
+    return textureLoad(map, vec2(index % TEXELS, index / TEXELS));
 }
 
-fn middle(a: i32, b: i32, c: i32) -> i32 {
+fn values(row: u32, i: u32) -> Values {
+    let stride = frame.map_stride / 4u;
+    let start = row * stride;
+    let words = bitcast<vec4<i32>>(map_at(start + i));
+    let even = (words << vec4(16u)) >> vec4(16u);
+    let odd = words >> vec4(16u);
+    let before = map_value(map_at(start + max(i, 1u) - 1u).w, 1u);
+    let after = map_value(map_at(start + min(i + 1u, stride - 1u)).x, 0u);
+    // The column after the last one repeats it, as the one before the first does.
+    let beyond = vec4(i32(frame.width) - i32(8u * i));
+    return Values(
+        select(before, even.x, i == 0u),
+        select(even, vec4(before, odd.xyz), vec4(0, 2, 4, 6) == beyond),
+        select(odd, even, vec4(1, 3, 5, 7) == beyond),
+        select(after, odd.w, 8 == beyond.x));
+}
+
+fn column(a: vec4<i32>, b: vec4<i32>, c: vec4<i32>) -> Column {
+    let low = min(a, b);
+    let high = max(a, b);
+    return Column(min(low, c), max(low, min(high, c)), max(high, c));
+}
+
+fn middle(a: vec4<i32>, b: vec4<i32>, c: vec4<i32>) -> vec4<i32> {
     return max(min(a, b), min(max(a, b), c));
 }
 
 // The median of nine is the middle of: the largest minimum, the middle middle and the smallest maximum of the columns.
-fn median(a: vec3<i32>, b: vec3<i32>, c: vec3<i32>, x: i32) -> i32 {
-    let value = middle(max(max(a.x, b.x), c.x), middle(a.y, b.y, c.y), min(min(a.z, b.z), c.z));
+fn median(a: Column, b: Column, c: Column) -> vec4<i32> {
+    return middle(max(max(a.low, b.low), c.low), middle(a.middle, b.middle, c.middle), min(min(a.high, b.high), c.high));
+}
+
+fn checked(x: i32, value: i32) -> i32 {
     return select(INVALID, value, points_inside(x, value));
 }
 
 @compute @workgroup_size(LANES)
 fn main(@builtin(global_invocation_id) id: vec3<u32>) {
-    if id.x >= frame.map_stride || id.y >= frame.height {
+    let stride = frame.map_stride / 4u;
+    if id.x >= stride || id.y >= frame.height {
         return;
     }
-    let rows = array(
-        words(max(id.y, 1u) - 1u, id.x), words(id.y, id.x), words(min(id.y + 1u, frame.height - 1u), id.x));
-    let a = column(rows, id.x, -1);
-    let b = column(rows, id.x, 0);
-    let c = column(rows, id.x, 1);
-    let d = column(rows, id.x, 2);
-    let x = i32(2u * id.x);
-    filtered[id.y * frame.map_stride + id.x] = map_word(median(a, b, c, x), median(b, c, d, x + 1));
+    let a = values(max(id.y, 1u) - 1u, id.x);
+    let b = values(id.y, id.x);
+    let c = values(min(id.y + 1u, frame.height - 1u), id.x);
+    let even = column(a.even, b.even, c.even);
+    let odd = column(a.odd, b.odd, c.odd);
+    // The neighbours of the even columns on the left, of the odd ones on the right.
+    let left = column(vec4(a.before, a.odd.xyz), vec4(b.before, b.odd.xyz), vec4(c.before, c.odd.xyz));
+    let right = column(vec4(a.even.yzw, a.after), vec4(b.even.yzw, b.after), vec4(c.even.yzw, c.after));
+    let e = median(left, even, odd);
+    let o = median(even, odd, right);
+    let x = i32(8u * id.x);
+    filtered[id.y * stride + id.x] = vec4(
+        map_word(checked(x, e.x), checked(x + 1, o.x)), map_word(checked(x + 2, e.y), checked(x + 3, o.y)),
+        map_word(checked(x + 4, e.z), checked(x + 5, o.z)), map_word(checked(x + 6, e.w), checked(x + 7, o.w)));
 }

@@ -1,25 +1,41 @@
 // prefilter: xsobel clamp(gx, -cap, cap) + cap; sobel min(floor(sqrt(gx^2 + gy^2)), 2 cap); none: the gray value.
-// gray (u8) -> plane (u8, four pixels a word, continued by the border so that the matching cost needs no clamping)
+// gray (u8, in a texture) -> plane (u8, sixteen pixels a vector, continued by the border so that the matching cost needs
+//   no clamping)
 //   left: byte j of a row is column j - r; right: byte j is column width - 1 + r - min_disparity - j, so that rising
 //   disparities lie at rising addresses (r = block_radius).
-// One invocation: one word of a row of the plane. Border: coordinates are clamped into the image.
+// One invocation: one vector of a row of the plane. Border: rows are clamped into the image, columns are continued.
 // Reference: src/reference/prefilter.rs
 
-@group(0) @binding(2) var<storage, read> gray: array<u32>;
-@group(0) @binding(3) var<storage, read_write> plane: array<u32>;
+@group(0) @binding(2) var gray: texture_storage_2d<rgba32uint, read>;
+@group(0) @binding(3) var<storage, read_write> plane: array<vec4<u32>>;
 
-// Twelve neighbouring gray pixels of a row, from column `base` on, which is a multiple of four.
-fn gray_words(base: i32, y: i32) -> vec3<u32> {
-    let row = u32(clamp(y, 0, i32(frame.height) - 1)) * frame.gray_stride;
-    let last = frame.gray_stride - 1u;
-    let word = u32(base) >> 2u;
-    return vec3(gray[row + word], gray[row + min(word + 1u, last)], gray[row + min(word + 2u, last)]);
+// Twenty neighbouring pixels of a row.
+alias Pixels = array<vec4<i32>, 5>;
+
+fn gray_at(index: u32) -> vec4<u32> {
+    return textureLoad(gray, vec2(index % TEXELS, index / TEXELS));
 }
 
-// The pixel at column base + offset.
-fn pick(words: vec3<u32>, offset: u32) -> i32 {
-    let word = select(select(words.z, words.y, offset < 8u), words.x, offset < 4u);
-    return i32((word >> ((offset & 3u) * 8u)) & 255u);
+fn pixels(word: u32) -> vec4<i32> {
+    return vec4<i32>(unpack(word));
+}
+
+// The pixels from column x on, which is -16 or more.
+fn gray_pixels(x: i32, y: i32) -> Pixels {
+    let byte = u32(x + 16);
+    let at = u32(clamp(y, 0, i32(frame.height) - 1)) * frame.gray_stride + (byte >> 4u);
+    var a = gray_at(at);
+    var b = gray_at(at + 1u);
+    let c = gray_at(at + 2u);
+    let half = vec4((byte & 8u) != 0u);
+    a = select(a, vec4(a.zw, b.xy), half);
+    b = select(b, vec4(b.zw, c.xy), half);
+    let quarter = vec4((byte & 4u) != 0u);
+    a = select(a, vec4(a.yzw, b.x), quarter);
+    b = select(b, vec4(b.yzw, 0u), quarter);
+    let words = from_byte(a, b.x, byte);
+    return Pixels(pixels(words.x), pixels(words.y), pixels(words.z), pixels(words.w),
+        pixels(from_byte(b, 0u, byte).x));
 }
 
 // floor(sqrt(n)) for n < 2^24: the float root is off by at most one, the integers decide.
@@ -34,44 +50,58 @@ fn integer_root(n: u32) -> u32 {
     return root;
 }
 
-fn filtered(x: i32, base: i32, above: vec3<u32>, here: vec3<u32>, below: vec3<u32>) -> u32 {
-    let last = i32(frame.width) - 1;
-    let centre = clamp(x, 0, last);
-    let cap = i32(frame.prefilter_cap);
-    let c = u32(centre - base);
+fn roots(n: vec4<i32>) -> vec4<i32> {
+    let m = vec4<u32>(n);
+    return vec4<i32>(vec4(integer_root(m.x), integer_root(m.y), integer_root(m.z), integer_root(m.w)));
+}
+
+// Four pixels: those in the middle of columns k .. k + 2 of the rows, k = 4 i .. 4 i + 3.
+fn filtered(above: Pixels, here: Pixels, below: Pixels, i: u32) -> u32 {
     if PREFILTER == PREFILTER_NONE {
-        return u32(pick(here, c));
+        return pack(vec4<u32>(vec4(here[i].yzw, here[i + 1u].x)));
     }
-    let l = u32(max(centre - 1, 0) - base);
-    let r = u32(min(centre + 1, last) - base);
-    let left = vec3(pick(above, l), pick(here, l), pick(below, l));
-    let right = vec3(pick(above, r), pick(here, r), pick(below, r));
-    let gx = right.x - left.x + 2 * (right.y - left.y) + right.z - left.z;
+    let cap = vec4(i32(frame.prefilter_cap));
+    let left = above[i] + 2 * here[i] + below[i];
+    let next = above[i + 1u].xy + 2 * here[i + 1u].xy + below[i + 1u].xy;
+    let gx = vec4(left.zw, next) - left;
     if PREFILTER == PREFILTER_XSOBEL {
-        return u32(clamp(gx, -cap, cap) + cap);
+        return pack(vec4<u32>(clamp(gx, -cap, cap) + cap));
     }
-    let gy = left.z - left.x + 2 * (pick(below, c) - pick(above, c)) + right.z - right.x;
-    return min(integer_root(u32(gx * gx + gy * gy)), u32(2 * cap));
+    let down = below[i] - above[i];
+    let down_next = below[i + 1u].xy - above[i + 1u].xy;
+    let gy = down + 2 * vec4(down.yzw, down_next.x) + vec4(down.zw, down_next);
+    return pack(vec4<u32>(min(roots(gx * gx + gy * gy), 2 * cap)));
+}
+
+fn reversed(words: vec4<u32>) -> vec4<u32> {
+    let w = words.wzyx;
+    return vec4(pack(unpack(w.x).wzyx), pack(unpack(w.y).wzyx), pack(unpack(w.z).wzyx), pack(unpack(w.w).wzyx));
+}
+
+fn byte_at(words: vec4<u32>, k: i32) -> vec4<u32> {
+    let index = u32(clamp(k, 0, 15));
+    return vec4(extractBits(words[index >> 2u], (index & 3u) * 8u, 8u) * 0x01010101u);
 }
 
 @compute @workgroup_size(LANES)
 fn main(@builtin(global_invocation_id) id: vec3<u32>) {
-    let stride = select(frame.left_stride, frame.right_stride, pass_.side == 1u);
+    let mirrored = pass_.side == 1u;
+    let stride = select(frame.left_stride, frame.right_stride, mirrored) / 4u;
     if id.x >= stride || id.y >= frame.height {
         return;
     }
-    let j = i32(4u * id.x);
+    let j = 16 * i32(id.x);
     let r = i32(frame.block_radius);
-    let x = select(j - r, i32(frame.width) - 1 + r - frame.min_disparity - j, pass_.side == 1u);
-    let step = select(1, -1, pass_.side == 1u);
+    let last = i32(frame.width) - 1;
+    // The lowest of the sixteen columns. At least one of them must lie in the image.
+    let x = clamp(select(j - r, last + r - frame.min_disparity - j - 15, mirrored), -15, last);
     let y = i32(id.y);
-    // The four pixels and their neighbours span six columns at most: they lie in three words.
-    let leftmost = clamp(min(x, x + 3 * step), 0, i32(frame.width) - 1);
-    let base = max(leftmost - 1, 0) & ~3;
-    let above = gray_words(base, y - 1);
-    let here = gray_words(base, y);
-    let below = gray_words(base, y + 1);
-    plane[id.y * stride + id.x] = pack(vec4(
-        filtered(x, base, above, here, below), filtered(x + step, base, above, here, below),
-        filtered(x + 2 * step, base, above, here, below), filtered(x + 3 * step, base, above, here, below)));
+    let above = gray_pixels(x - 1, y - 1);
+    let here = gray_pixels(x - 1, y);
+    let below = gray_pixels(x - 1, y + 1);
+    var words = vec4(filtered(above, here, below, 0u), filtered(above, here, below, 1u),
+        filtered(above, here, below, 2u), filtered(above, here, below, 3u));
+    words = select_bits(words, byte_at(words, -x), low_bytes(-x));
+    words = select_bits(byte_at(words, last - x), words, low_bytes(last - x));
+    plane[id.y * stride + id.x] = select(words, reversed(words), vec4(mirrored));
 }

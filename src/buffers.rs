@@ -53,11 +53,11 @@ const COLUMNS_BYTES: u64 = 32 << 20;
 /// The largest block that `sad_cost_small` takes: 15 * 15 * 255 fits the 16 bits that its sums have.
 const SMALL_BLOCK: u32 = 15;
 
-/// Texels of 16 bytes in a row of the texture that holds a band of the cost, which is filled line by line.
-pub(crate) const COST_TEXELS: u32 = 1024;
+/// Texels of 16 bytes in a row of the textures that hold a copy of a buffer, which are filled line by line.
+pub(crate) const TEXELS: u32 = 1024;
 
 /// Bytes of such a row.
-const COST_TEXTURE_ROW: u64 = 16 * COST_TEXELS as u64;
+pub(crate) const TEXTURE_ROW: u64 = 16 * TEXELS as u64;
 
 /// The sizes of everything. A volume is cut into bands of rows, each in a buffer of its own, none larger than one
 /// storage binding may be; column sums are computed for one chunk of a band at a time.
@@ -92,14 +92,9 @@ pub(crate) fn cut(rows: Rows, most: u32) -> Vec<Rows> {
 }
 
 impl Sizes {
-    /// Rows of the texture that holds the cost of `rows` rows of the image.
-    pub(crate) fn cost_texture_rows(&self, rows: u32) -> u32 {
-        (u64::from(rows) * self.volume_row).div_ceil(COST_TEXTURE_ROW) as u32
-    }
-
     /// Bytes of the buffer of a volume of `rows` rows: whole rows of the texture.
     pub(crate) fn volume(&self, rows: u32) -> u64 {
-        COST_TEXTURE_ROW * u64::from(self.cost_texture_rows(rows))
+        (u64::from(rows) * self.volume_row).next_multiple_of(TEXTURE_ROW)
     }
 
     pub(crate) fn new(
@@ -125,22 +120,28 @@ impl Sizes {
 
         let words = 4 * params.disparities.div_ceil(16);
         let reach = 2 * params.radius();
-        let gray_stride = width.div_ceil(4);
+        // Sixteen columns before the image; three vectors are read from the one before the last column on.
+        let gray_stride = (width + 14) / 16 + 3;
         // Rows of the planes are copied into textures: 256 bytes are the unit of that.
         let left_stride = (width + reach).div_ceil(4).next_multiple_of(64);
         let right_stride = ((width - 1 + reach) / 4 + words + 1).next_multiple_of(64);
-        let map_stride = width.div_ceil(2);
+        let map_stride = 4 * width.div_ceil(8);
         let rows = |stride: u32| 4 * u64::from(stride) * u64::from(height);
+        let texels = |stride: u32| rows(stride).next_multiple_of(TEXTURE_ROW);
         fits("a prefiltered image", rows(left_stride.max(right_stride)), smaller)?;
-        fits("a disparity map", rows(map_stride), smaller)?;
 
         let volume_row = 4 * u64::from(width) * u64::from(words);
         let columns_row = 8 * u64::from(width + reach) * u64::from(words);
-        // Volumes are made of whole rows of the cost's texture.
-        let texture_rows = (allowed / COST_TEXTURE_ROW).min(limits.max_texture_dimension_2d.into());
-        let volume_allowed = texture_rows * COST_TEXTURE_ROW;
+        // What is copied into a texture is made of whole rows of it.
+        let texture_rows = (allowed / TEXTURE_ROW).min(limits.max_texture_dimension_2d.into());
+        let volume_allowed = texture_rows * TEXTURE_ROW;
+        for (what, needed) in [("a gray image", texels(4 * gray_stride)), ("a disparity map", texels(map_stride))] {
+            if needed > volume_allowed {
+                return Err(Error::TooLarge { what: what.into(), needed, allowed: volume_allowed, remedy: smaller });
+            }
+        }
         let fewer = "use fewer disparities or narrower images";
-        let volume_needs = volume_row.next_multiple_of(COST_TEXTURE_ROW);
+        let volume_needs = volume_row.next_multiple_of(TEXTURE_ROW);
         if params.method == Method::Sgm && volume_needs > volume_allowed {
             let what = "a row of the matching cost".into();
             return Err(Error::TooLarge { what, needed: volume_needs, allowed: volume_allowed, remedy: fewer });
@@ -186,10 +187,10 @@ impl Sizes {
                 map_stride,
             },
             source: (pixels * u64::from(format.bytes_per_pixel())).next_multiple_of(4),
-            gray: rows(gray_stride),
+            gray: texels(4 * gray_stride),
             left: rows(left_stride),
             right: rows(right_stride),
-            map: rows(map_stride),
+            map: texels(map_stride),
             volume_row,
             columns_row,
             bands,

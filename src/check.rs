@@ -8,7 +8,7 @@ use crate::{DisparityMap, Error, Image, Method, StereoMatcher, readback};
 /// The first element of a stage that differs from the reference.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Mismatch {
-    /// Column; of a prefiltered image the byte of its row, of column sums the column plus the block's radius.
+    /// Column; of a gray or a prefiltered image the byte of its row, of column sums the column plus the block's radius.
     pub x: u32,
     /// Row.
     pub y: u32,
@@ -201,9 +201,9 @@ impl StereoMatcher {
         match &step.output {
             Output::Gray { side } => {
                 let plane = &expected.gray[*side as usize];
-                for (y, row) in each_row(whole, &bytes, 4 * u64::from(gray_stride)) {
-                    for (x, &got) in row[..width].iter().enumerate() {
-                        stage.compare(x, y, None, plane.data[y * width + x].into(), got.into());
+                for (y, row) in each_row(whole, &bytes, 16 * u64::from(gray_stride)) {
+                    for (j, &got) in row.iter().enumerate() {
+                        stage.compare(j, y, None, plane.clamped(j as i64 - 16, y as i64).into(), got.into());
                     }
                 }
             }

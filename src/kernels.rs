@@ -1,6 +1,6 @@
 //! The table of kernels: everything that turns a WGSL file into a pipeline.
 
-use crate::buffers::COST_TEXELS;
+use crate::buffers::TEXELS;
 use crate::params::{Params, Paths, Prefilter};
 use crate::schedule::{Exchange, GROUP_LANES, Plan, STRIP_LANES};
 use crate::{Error, PixelFormat};
@@ -28,6 +28,7 @@ pub(crate) enum Choice {
 
 /// Texels of 4 bytes.
 const WORD: Access = Texels(wgpu::TextureFormat::R32Uint);
+const QUAD: Access = Texels(wgpu::TextureFormat::Rgba32Uint);
 
 /// A row of the table.
 #[derive(Debug)]
@@ -55,8 +56,8 @@ const VOLUMES: &[Choice] = &[Choice::Members, Choice::Volumes];
 
 #[rustfmt::skip]
 pub(crate) const KERNELS: &[Kernel] = &[
-    Kernel { name: "gray", stage: "gray", lanes: 128, sources: wgsl!("gray", "common"), choices: &[], storage: &[Read, Write] },
-    Kernel { name: "prefilter", stage: "prefilter", lanes: 128, sources: wgsl!("prefilter", "common"), choices: &[], storage: &[Read, Write] },
+    Kernel { name: "gray", stage: "gray", lanes: 64, sources: wgsl!("gray", "bytes", "common"), choices: &[], storage: &[Read, Write] },
+    Kernel { name: "prefilter", stage: "prefilter", lanes: 64, sources: wgsl!("prefilter", "bytes", "common"), choices: &[], storage: &[QUAD, Write] },
     Kernel { name: "sad_columns", stage: "sad_columns", lanes: 128, sources: wgsl!("sad_columns", "common"), choices: &[], storage: &[Read, Read, Write] },
     Kernel { name: "sad_cost", stage: "sad_cost", lanes: 32, sources: wgsl!("sad_cost", "quantise", "common"), choices: &[], storage: &[Read, Write] },
     Kernel { name: "sad_cost_lanes", stage: "sad_cost", lanes: 128, sources: wgsl!("sad_cost_lanes", "differences", "quantise", "common"), choices: &[], storage: &[Read, Read, Write] },
@@ -64,8 +65,8 @@ pub(crate) const KERNELS: &[Kernel] = &[
     Kernel { name: "sgm_aggregate", stage: "sgm_aggregate", lanes: STRIP_LANES, sources: wgsl!("sgm_aggregate", "path_step", "common"), choices: VOLUMES, storage: &[Cost, Write, Read, Write] },
     Kernel { name: "winner", stage: "winner", lanes: STRIP_LANES, sources: wgsl!("winner", "path_step", "winner_row", "costs", "common"), choices: VOLUMES, storage: &[Cost, Read, Read, Read, Read, Write, Write] },
     Kernel { name: "block_match", stage: "block_match", lanes: 32, sources: wgsl!("block_match", "column_sums", "costs", "winner_row", "common"), choices: MEMBERS, storage: &[Read, Write, Write] },
-    Kernel { name: "lr_check", stage: "lr_check", lanes: 128, sources: wgsl!("lr_check", "common"), choices: &[], storage: &[Read, Read, Write] },
-    Kernel { name: "median", stage: "median", lanes: 128, sources: wgsl!("median", "common"), choices: &[], storage: &[Read, Write] },
+    Kernel { name: "lr_check", stage: "lr_check", lanes: 32, sources: wgsl!("lr_check", "common"), choices: &[], storage: &[Read, Read, Write] },
+    Kernel { name: "median", stage: "median", lanes: 64, sources: wgsl!("median", "common"), choices: &[], storage: &[QUAD, Write] },
 ];
 
 impl Kernel {
@@ -80,7 +81,7 @@ impl Kernel {
     }
 
     pub(crate) fn storage(&self, plan: &Plan) -> Vec<Access> {
-        let cost = if plan.lanes { Read } else { Texels(wgpu::TextureFormat::Rgba32Uint) };
+        let cost = if plan.lanes { Read } else { QUAD };
         self.storage.iter().map(|&access| if access == Cost { cost } else { access }).collect()
     }
 
@@ -152,7 +153,7 @@ pub(crate) fn constants(kernel: &Kernel, params: &Params, format: PixelFormat, p
         ("SPAN", number(span(plan))),
         ("DISPARITIES", number(params.disparities)),
         ("QUADS", number(quads)),
-        ("COST_TEXELS", number(COST_TEXELS)),
+        ("TEXELS", number(TEXELS)),
         ("BEYOND", ("vec4<u32>", format!("vec4({})", beyond.join(", ")))),
         ("BLOCK", number(params.block)),
         ("SMALL_VALUES", number((params.prefiltered_max() < 128).into())),

@@ -2,7 +2,7 @@
 
 use std::sync::OnceLock;
 
-use crate::buffers::{COST_TEXELS, Frame, Pass, Rows, Sizes, cut};
+use crate::buffers::{Frame, Pass, Rows, Sizes, TEXELS, TEXTURE_ROW, cut};
 use crate::kernels::{self, Compiled, KERNELS};
 use crate::reference::Direction;
 use crate::schedule::Plan;
@@ -174,6 +174,13 @@ impl Builder<'_> {
         view
     }
 
+    /// Copies what the last step left into a texture of 16 bytes a texel, [`TEXELS`] a row: lavapipe reads 16 bytes of an
+    /// image in a quarter of the time that a buffer takes, but writes buffers faster (docs/PERFORMANCE.md).
+    fn copy_to_texels(&mut self) -> wgpu::TextureView {
+        let bytes = self.steps.last().map_or(0, |step| step.buffer.size());
+        self.copy_to_texture(TEXELS, (bytes / TEXTURE_ROW) as u32, wgpu::TextureFormat::Rgba32Uint)
+    }
+
     /// One dispatch for `lines` x `rows` lines of the kernel. The first of `storage` that the kernel writes is what it leaves.
     fn step(&mut self, name: &str, storage: &[Bound<'_>], pass: Pass, lines: u32, rows: u32, output: Output) {
         let Some(kernel) = KERNELS.iter().position(|kernel| kernel.name == name) else {
@@ -308,12 +315,13 @@ impl StereoMatcher {
         for side in 0..2 {
             let (i, pass) = (side as usize, Pass { side, ..Pass::default() });
             b.step("gray", &[Buffer(&sources[i]), Buffer(&grays[i])], pass, gray_stride, height, Output::Gray { side });
+            let gray = b.copy_to_texels();
             let stride = [left_stride, right_stride][i];
             b.step(
                 "prefilter",
-                &[Buffer(&grays[i]), Buffer(&planes[i])],
+                &[Texture(&gray), Buffer(&planes[i])],
                 pass,
-                stride,
+                stride / 4,
                 height,
                 Output::Prefiltered { side },
             );
@@ -388,8 +396,7 @@ impl StereoMatcher {
                         b.step("sad_cost", &storage, pass, chunk.count * params.quads(), spans, output);
                     }
                     if !b.plan.lanes {
-                        let height = sizes.cost_texture_rows(rows.count);
-                        textures.push(b.copy_to_texture(COST_TEXELS, height, wgpu::TextureFormat::Rgba32Uint));
+                        textures.push(b.copy_to_texels());
                     }
                 }
                 let costs: Vec<Bound<'_>> = match b.plan.lanes {
@@ -465,19 +472,20 @@ impl StereoMatcher {
                 "lr_check",
                 &[Buffer(&output), Buffer(&right_map), Buffer(&checked)],
                 Pass::default(),
-                map_stride,
+                map_stride / 4,
                 height,
                 Output::Checked,
             );
             output = checked;
         }
         if params.median == Median::Three {
+            let map = b.copy_to_texels();
             let filtered = b.buffer("median", sizes.map);
             b.step(
                 "median",
-                &[Buffer(&output), Buffer(&filtered)],
+                &[Texture(&map), Buffer(&filtered)],
                 Pass::default(),
-                map_stride,
+                map_stride / 4,
                 height,
                 Output::Median,
             );
@@ -514,7 +522,8 @@ impl StereoMatcher {
     }
 
     /// Where [`StereoMatcher::record`] leaves the disparity map: `i16` in 1/16 px, two pixels a word, the left one in
-    /// the low half, each row padded to a whole word; [`DisparityMap::INVALID`] where there is none.
+    /// the low half, each row padded to a multiple of 16 bytes; [`DisparityMap::INVALID`] where there is none. The buffer may be
+    /// longer.
     pub fn output(&self) -> &wgpu::Buffer {
         &self.output
     }
@@ -610,10 +619,11 @@ impl StereoMatcher {
     /// A disparity map from the bytes of one of the matcher's map buffers.
     pub(crate) fn map(&self, bytes: &[u8]) -> DisparityMap {
         let Frame { width, height, map_stride, .. } = self.sizes.frame;
-        let rows = bytes.chunks_exact(4 * map_stride as usize);
-        let data =
-            rows.flat_map(|row| row.chunks_exact(2).take(width as usize)).map(|v| i16::from_le_bytes([v[0], v[1]]));
-        DisparityMap { width, height, data: data.collect() }
+        let mut data = Vec::with_capacity(width as usize * height as usize);
+        for row in bytes.chunks_exact(4 * map_stride as usize).take(height as usize) {
+            data.extend(row[..2 * width as usize].chunks_exact(2).map(|v| i16::from_le_bytes([v[0], v[1]])));
+        }
+        DisparityMap { width, height, data }
     }
 
     /// As [`StereoMatcher::compute`], with the time of each stage in order of first use; none where the device was
