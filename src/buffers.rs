@@ -220,4 +220,18 @@ mod tests {
             }
         }
     }
+
+    /// A dispatch has at most so many workgroups a side: wide images with many disparities are refused, high ones cut.
+    #[test]
+    fn no_dispatch_is_too_large() {
+        let limits = wgpu::Limits { max_compute_workgroups_per_dimension: 1024, ..Default::default() };
+        let params = |disparities| Params { min_disparity: -2047, ..Params::sgm(disparities) };
+        let sizes =
+            |width, height, disparities| Sizes::new(width, height, PixelFormat::Gray8, &params(disparities), &limits);
+        assert!(sizes(1000, 10, 2048).is_ok());
+        assert!(matches!(sizes(1000, 10, 4095), Err(Error::TooLarge { .. })));
+        let bands = sizes(3, 1000, 4095).map(|sizes| sizes.bands);
+        let most = bands.iter().flatten().map(|band| band.count.div_ceil(2) * 256).max();
+        assert!(most.is_some_and(|invocations| invocations <= 32 * 1024), "{bands:?}");
+    }
 }
