@@ -1,4 +1,7 @@
 // Appended to the kernels that make costs of block sums: four costs in a word.
+//
+// No cost is above 89, so the minimum changes nothing. It keeps LLVM from moving the arithmetic before it into
+// lavapipe's store, which is a loop over the lanes (docs/PERFORMANCE.md).
 fn quantised(sums: vec4<u32>) -> u32 {
-    return pack((sums * frame.cost_scale + vec4(1u << 23u)) >> vec4(24u));
+    return min(pack((sums * frame.cost_scale + vec4(1u << 23u)) >> vec4(24u)), 0x59595959u);
 }

@@ -1,6 +1,7 @@
 // sad_cost: (sum of 2 r + 1 neighbouring columns * cost_scale + 2^23) >> 24, from 0 to 89.
 // columns (u16, [y][x + r][d]) -> cost (u8, [y][x][d], four disparities a word)
-// MEMBERS invocations: one row of the band, from left to right; a column enters the sum as another leaves it.
+// One invocation: sixteen disparities of SPAN pixels of a row of the band, from left to right; a column enters the sum as
+//   another leaves it. Neighbouring invocations: the disparities of one pixel.
 // Border: the columns reach beyond it. Disparities beyond the range are computed like the others and never used.
 // Reference: src/reference/sad_cost.rs
 
@@ -9,28 +10,41 @@ const BACKWARDS: bool = false;
 @group(0) @binding(2) var<storage, read> columns: array<vec4<u32>>;
 @group(0) @binding(3) var<storage, read_write> cost: array<vec4<u32>>;
 
+// Sixteen sums of columns, four a vector.
+fn column_at(vector: u32) -> array<vec4<u32>, 4> {
+    let low = columns[vector];
+    let high = columns[vector + 1u];
+    return array(unpack_pairs(low.x, low.y), unpack_pairs(low.z, low.w), unpack_pairs(high.x, high.y),
+        unpack_pairs(high.z, high.w));
+}
+
 @compute @workgroup_size(LANES)
-fn main(@builtin(global_invocation_id) id: vec3<u32>, @builtin(local_invocation_index) local: u32) {
-    let row = join_group(id.x, local);
-    if row >= pass_.rows {
+fn main(@builtin(global_invocation_id) id: vec3<u32>) {
+    let row = id.x / QUADS;
+    let q = id.x % QUADS;
+    let begin = id.y * SPAN;
+    if row >= pass_.rows || begin >= frame.width {
         return;
     }
     let reach = 2u * frame.block_radius;
-    let first = row * (frame.width + reach) * 2u * QUADS;
-    var sums: Costs;
-    for (var c = 0u; c < reach; c++) {
-        enter(&sums, first + c * 2u * QUADS);
-    }
-    for (var x = 0u; x < frame.width; x++) {
-        let leaves = first + x * 2u * QUADS;
-        enter(&sums, leaves + reach * 2u * QUADS);
-        let at = ((pass_.volume_row + row) * frame.width + x) * QUADS + member * OWN_QUADS;
-        for (var q = 0u; q < OWN_QUADS; q++) {
-            let own = &sums[q];
-            if in_volume(q) {
-                cost[at + q] = vec4(quantised((*own)[0]), quantised((*own)[1]), quantised((*own)[2]), quantised((*own)[3]));
-            }
+    let first = (row * (frame.width + reach) * QUADS + q) * 2u;
+    var sums: array<vec4<u32>, 4>;
+    for (var c = begin; c < begin + reach; c++) {
+        let column = column_at(first + c * 2u * QUADS);
+        for (var part = 0u; part < 4u; part++) {
+            sums[part] += column[part];
         }
-        leave(&sums, leaves);
+    }
+    for (var x = begin; x < min(begin + SPAN, frame.width); x++) {
+        let enters = column_at(first + (x + reach) * 2u * QUADS);
+        for (var part = 0u; part < 4u; part++) {
+            sums[part] += enters[part];
+        }
+        cost[((pass_.volume_row + row) * frame.width + x) * QUADS + q] =
+            vec4(quantised(sums[0]), quantised(sums[1]), quantised(sums[2]), quantised(sums[3]));
+        let leaves = column_at(first + x * 2u * QUADS);
+        for (var part = 0u; part < 4u; part++) {
+            sums[part] -= leaves[part];
+        }
     }
 }

@@ -1,8 +1,8 @@
 // sad_cost_small: sad_cost for blocks of up to 15 pixels on planes that fit a texture, without column sums in memory.
 // left, right (prefiltered planes as textures, four pixels a texel) -> cost (u8, [y][x][d], four disparities a word)
-// One invocation: two neighbouring rows, from left to right. The right pixels that the disparities are compared with
-//   stay in registers and move up by one disparity a step; the last BLOCK column sums are kept, so that a column leaves
-//   the block without being computed again.
+// One invocation: sixteen disparities of two neighbouring rows, from left to right. The right pixels that they are
+//   compared with stay in registers and move up by one disparity a step; the last BLOCK column sums are kept, so that a
+//   column leaves the block without being computed again. Neighbouring invocations: the disparities of one pixel.
 // Border: rows are clamped into the image, columns by the planes.
 // Reference: src/reference/sad_cost.rs
 
@@ -13,90 +13,77 @@
 // Rows that the two blocks span.
 const ROWS: u32 = BLOCK + 1u;
 
-alias Windows = array<array<vec4<u32>, QUADS>, ROWS>;
-
 // Sums in 16-bit halves of words, as `columns` has them: of the upper block the first two vectors, then of the lower.
-alias Sums = array<array<vec4<u32>, 4>, QUADS>;
+alias Sums = array<vec4<u32>, 4>;
 
 fn row_at(first: i32, row: u32) -> u32 {
     return u32(clamp(first + i32(row), 0, i32(frame.height) - 1));
 }
 
-// Moves every window up by one disparity; byte j of each row of the right plane is the new disparity 0.
-fn push(windows: ptr<function, Windows>, first: i32, j: u32) {
-    for (var row = 0u; row < ROWS; row++) {
-        let word = textureLoad(right, vec2(j >> 2u, row_at(first, row))).x;
-        var entering = extractBits(word, (j & 3u) * 8u, 8u);
-        for (var q = 0u; q < QUADS; q++) {
-            let bytes = (*windows)[row][q];
-            (*windows)[row][q] = (bytes << vec4(8u)) | vec4(entering, bytes.xyz >> vec3(24u));
-            entering = bytes.w >> 24u;
-        }
-    }
+fn right_word(word: u32, y: u32) -> u32 {
+    return textureLoad(right, vec2(min(word, frame.right_stride - 1u), y)).x;
 }
 
-// The absolute differences of sixteen pairs of bytes.
-fn differences(a: vec4<u32>, b: vec4<u32>) -> vec4<u32> {
-    if SMALL_VALUES == 0u {
-        return vec4(differences_of_any(a.x, b.x), differences_of_any(a.x, b.y), differences_of_any(a.x, b.z),
-            differences_of_any(a.x, b.w));
-    }
-    // All bytes are below 128: with the top bit set, no byte borrows from the next. Negative ones are negated.
-    let difference = ((a | vec4(0x80808080u)) - b) ^ vec4(0x80808080u);
-    let negative = (difference >> vec4(7u)) & vec4(0x01010101u);
-    return (difference ^ ((negative << vec4(8u)) - negative)) + negative;
+// Sixteen bytes of the right plane, from byte j on.
+fn window(j: u32, y: u32) -> vec4<u32> {
+    let at = j >> 2u;
+    let shift = (j & 3u) * 8u;
+    let words = vec4(right_word(at, y), right_word(at + 1u, y), right_word(at + 2u, y), right_word(at + 3u, y));
+    let next = vec4(words.yzw, right_word(at + 4u, y));
+    return (words >> vec4(shift)) | ((next << vec4(1u)) << vec4(31u - shift));
 }
 
-fn differences_of_any(a: u32, b: u32) -> u32 {
-    return pack(vec4<u32>(abs(vec4<i32>(unpack(a)) - vec4<i32>(unpack(b)))));
-}
-
-// The even and the odd bytes as words of 16-bit halves, in the order of `columns`.
-fn low_pairs(bytes: vec4<u32>) -> vec4<u32> {
-    return vec4(bytes.x, bytes.x >> 8u, bytes.y, bytes.y >> 8u) & vec4(0xff00ffu);
-}
-
-fn high_pairs(bytes: vec4<u32>) -> vec4<u32> {
-    return vec4(bytes.z, bytes.z >> 8u, bytes.w, bytes.w >> 8u) & vec4(0xff00ffu);
-}
-
-fn quantised_block(low: vec4<u32>, high: vec4<u32>) -> vec4<u32> {
-    return vec4(quantised(unpack_pairs(low.x, low.y)), quantised(unpack_pairs(low.z, low.w)),
-        quantised(unpack_pairs(high.x, high.y)), quantised(unpack_pairs(high.z, high.w)));
+// Four bytes of the right plane, from byte j - 3 to byte j. Those before byte 0 are of no meaning.
+fn entering_bytes(j: u32, y: u32) -> u32 {
+    let shift = (j & 3u) * 8u;
+    let before = right_word(max(j >> 2u, 1u) - 1u, y);
+    return (right_word(j >> 2u, y) << (24u - shift)) | ((before >> 8u) >> shift);
 }
 
 @compute @workgroup_size(LANES)
 fn main(@builtin(global_invocation_id) id: vec3<u32>) {
-    let row = 2u * id.x;
+    let row = 2u * (id.x / QUADS);
+    let q = id.x % QUADS;
     if row >= pass_.rows {
         return;
     }
     let reach = 2u * frame.block_radius;
     let first = i32(pass_.first_row + row) - i32(frame.block_radius);
-    let start = frame.width - 1u + reach;
-    var windows: Windows;
-    for (var d = 16u * QUADS - 1u; d > 0u; d--) {
-        push(&windows, first, start + d);
+    let start = frame.width - 1u + reach + 16u * q;
+    let columns = frame.width + reach;
+    var windows: array<vec4<u32>, ROWS>;
+    for (var j = 0u; j < ROWS; j++) {
+        windows[j] = window(start + 1u, row_at(first, j));
     }
     var kept: array<Sums, BLOCK>; // the column sums of the block, the oldest first
     var sums: Sums;
-    for (var c = 0u; c < frame.width + reach; c++) {
-        push(&windows, first, start - c);
-        var values: array<vec4<u32>, ROWS>;
+    for (var four = 0u; four < columns; four += 4u) {
+        // The pixels of four columns: of the left plane the first in the lowest byte, of the right one in the highest.
+        var values: array<u32, ROWS>;
+        var entering: array<u32, ROWS>;
         for (var j = 0u; j < ROWS; j++) {
-            let word = textureLoad(left, vec2(c >> 2u, row_at(first, j))).x;
-            values[j] = vec4(extractBits(word, (c & 3u) * 8u, 8u) * 0x01010101u);
+            values[j] = textureLoad(left, vec2(four >> 2u, row_at(first, j))).x;
+            entering[j] = entering_bytes(start - four, row_at(first, j));
         }
-        let x = c - min(c, reach);
-        let at = ((pass_.volume_row + row) * frame.width + x) * QUADS;
-        for (var q = 0u; q < QUADS; q++) {
+        // Beyond the last column it is computed, but not written: leaving early costs a copy of all that lives.
+        for (var c = four; c < four + 4u; c++) {
             // The rows that both blocks share; SUMMABLE differences fit a byte.
             var low = vec4(0u);
             var high = vec4(0u);
             var bytes = vec4(0u);
+            var top = vec4(0u);
+            var bottom = vec4(0u);
             for (var j = 0u; j < ROWS; j++) {
-                if j > 0u && j < BLOCK {
-                    bytes += differences(values[j], windows[j][q]);
+                windows[j] = (windows[j] << vec4(8u)) | vec4(entering[j] >> 24u, windows[j].xyz >> vec3(24u));
+                let difference = differences((values[j] & 255u) * 0x01010101u, windows[j]);
+                entering[j] <<= 8u;
+                values[j] >>= 8u;
+                if j == 0u {
+                    top = difference;
+                } else if j == BLOCK {
+                    bottom = difference;
+                } else {
+                    bytes += difference;
                     if j % SUMMABLE == 0u || j == BLOCK - 1u {
                         low += low_pairs(bytes);
                         high += high_pairs(bytes);
@@ -104,21 +91,20 @@ fn main(@builtin(global_invocation_id) id: vec3<u32>) {
                     }
                 }
             }
-            let top = differences(values[0], windows[0][q]);
-            let bottom = differences(values[BLOCK], windows[BLOCK][q]);
-            let column = array(low + low_pairs(top), high + high_pairs(top), low + low_pairs(bottom),
+            let column = Sums(low + low_pairs(top), high + high_pairs(top), low + low_pairs(bottom),
                 high + high_pairs(bottom));
             for (var part = 0u; part < 4u; part++) {
-                sums[q][part] += column[part] - kept[0][q][part];
+                sums[part] += column[part] - kept[0][part];
                 for (var age = 0u; age < BLOCK; age++) {
-                    kept[age][q][part] = kept[min(age + 1u, BLOCK - 1u)][q][part];
+                    kept[age][part] = kept[min(age + 1u, BLOCK - 1u)][part];
                 }
-                kept[BLOCK - 1u][q][part] = column[part];
+                kept[BLOCK - 1u][part] = column[part];
             }
-            if c >= reach {
-                cost[at + q] = quantised_block(sums[q][0], sums[q][1]);
+            if c >= reach && c < columns {
+                let at = ((pass_.volume_row + row) * frame.width + c - reach) * QUADS + q;
+                cost[at] = quantised_block(sums[0], sums[1]);
                 if row + 1u < pass_.rows {
-                    cost[at + frame.width * QUADS + q] = quantised_block(sums[q][2], sums[q][3]);
+                    cost[at + frame.width * QUADS] = quantised_block(sums[2], sums[3]);
                 }
             }
         }

@@ -146,12 +146,19 @@ impl Sizes {
             let what = "a row of the matching cost".into();
             return Err(Error::TooLarge { what, needed: volume_needs, allowed: volume_allowed, remedy: fewer });
         }
+        // An invocation a column and 16 disparities, 128 a workgroup.
+        let most_vectors = 128 * u64::from(side);
+        if u64::from(width + reach) * u64::from(words / 4) > most_vectors {
+            let (what, needed, allowed) = ("a row of the matching cost".into(), volume_row, 16 * most_vectors);
+            return Err(Error::TooLarge { what, needed, allowed, remedy: fewer });
+        }
         // A column's first row costs as much as a block of rows: short chunks are slow.
         let chunk_bytes = COLUMNS_BYTES.max(128 * columns_row).min(allowed);
         let most = |bytes: u64, row: u64| (bytes / row).clamp(1, u64::from(height)) as u32;
         let whole = Rows { first: 0, count: height };
         let bands = match params.method {
-            Method::Sgm => cut(whole, most(volume_allowed, volume_row)),
+            // `sad_cost_small` has an invocation for two rows and 16 disparities, 32 a workgroup.
+            Method::Sgm => cut(whole, most(volume_allowed, volume_row).min(side.saturating_mul(64) / (words / 4))),
             Method::Bm => vec![whole],
         };
         let small_block = params.method == Method::Sgm
@@ -212,5 +219,19 @@ mod tests {
                 assert_eq!(pieces.len() as u32, count.div_ceil(most), "{count} rows in pieces of {most}");
             }
         }
+    }
+
+    /// A dispatch has at most so many workgroups a side: wide images with many disparities are refused, high ones cut.
+    #[test]
+    fn no_dispatch_is_too_large() {
+        let limits = wgpu::Limits { max_compute_workgroups_per_dimension: 1024, ..Default::default() };
+        let params = |disparities| Params { min_disparity: -2047, ..Params::sgm(disparities) };
+        let sizes =
+            |width, height, disparities| Sizes::new(width, height, PixelFormat::Gray8, &params(disparities), &limits);
+        assert!(sizes(1000, 10, 2048).is_ok());
+        assert!(matches!(sizes(1000, 10, 4095), Err(Error::TooLarge { .. })));
+        let bands = sizes(3, 1000, 4095).map(|sizes| sizes.bands);
+        let most = bands.iter().flatten().map(|band| band.count.div_ceil(2) * 256).max();
+        assert!(most.is_some_and(|invocations| invocations <= 32 * 1024), "{bands:?}");
     }
 }

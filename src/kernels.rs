@@ -58,9 +58,10 @@ const VOLUMES: &[Choice] = &[Choice::Members, Choice::Volumes];
 pub(crate) const KERNELS: &[Kernel] = &[
     Kernel { name: "gray", stage: "gray", lanes: 64, sources: wgsl!("gray", "bytes", "common"), choices: &[], storage: &[Read, Write] },
     Kernel { name: "prefilter", stage: "prefilter", lanes: 64, sources: wgsl!("prefilter", "bytes", "common"), choices: &[], storage: &[QUAD, Write] },
-    Kernel { name: "sad_columns", stage: "sad_columns", lanes: 32, sources: wgsl!("sad_columns", "common"), choices: &[], storage: &[Read, Read, Write] },
-    Kernel { name: "sad_cost", stage: "sad_cost", lanes: 32, sources: wgsl!("sad_cost", "column_sums", "costs", "quantise", "common"), choices: MEMBERS, storage: &[Read, Write] },
-    Kernel { name: "sad_cost_small", stage: "sad_cost", lanes: 32, sources: wgsl!("sad_cost_small", "quantise", "common"), choices: &[], storage: &[WORD, WORD, Write] },
+    Kernel { name: "sad_columns", stage: "sad_columns", lanes: 128, sources: wgsl!("sad_columns", "common"), choices: &[], storage: &[Read, Read, Write] },
+    Kernel { name: "sad_cost", stage: "sad_cost", lanes: 32, sources: wgsl!("sad_cost", "quantise", "common"), choices: &[], storage: &[Read, Write] },
+    Kernel { name: "sad_cost_lanes", stage: "sad_cost", lanes: 128, sources: wgsl!("sad_cost_lanes", "differences", "quantise", "common"), choices: &[], storage: &[Read, Read, Write] },
+    Kernel { name: "sad_cost_small", stage: "sad_cost", lanes: 32, sources: wgsl!("sad_cost_small", "differences", "quantise", "common"), choices: &[], storage: &[WORD, WORD, Write] },
     Kernel { name: "sgm_aggregate", stage: "sgm_aggregate", lanes: STRIP_LANES, sources: wgsl!("sgm_aggregate", "path_step", "common"), choices: VOLUMES, storage: &[Cost, Write, Read, Write] },
     Kernel { name: "winner", stage: "winner", lanes: STRIP_LANES, sources: wgsl!("winner", "path_step", "winner_row", "costs", "common"), choices: VOLUMES, storage: &[Cost, Read, Read, Read, Read, Write, Write] },
     Kernel { name: "block_match", stage: "block_match", lanes: 32, sources: wgsl!("block_match", "column_sums", "costs", "winner_row", "common"), choices: MEMBERS, storage: &[Read, Write, Write] },
@@ -105,8 +106,23 @@ impl Kernel {
     }
 }
 
-/// Rows that one invocation of `sad_columns` walks.
-pub(crate) const SEGMENT: u32 = 128;
+/// Rows that one invocation of `sad_columns` or `sad_cost_lanes` walks. What the rows before the first one cost is lost,
+/// but a GPU wants many invocations.
+pub(crate) fn segment(plan: &Plan) -> u32 {
+    if plan.lanes { 32 } else { 128 }
+}
+
+/// Vectors of 16 disparities that one invocation of `sad_columns` owns: a divisor of all. More of them load a right pixel
+/// less often, but make code that grows with them.
+pub(crate) fn vectors(quads: u32, plan: &Plan) -> u32 {
+    let most = if plan.lanes { 1 } else { 4 };
+    (1..=most).rev().find(|&vectors| quads.is_multiple_of(vectors)).unwrap_or(1)
+}
+
+/// Columns that one invocation of `sad_cost` walks: for a CPU any row that may be.
+pub(crate) fn span(plan: &Plan) -> u32 {
+    if plan.lanes { 64 } else { 1 << 16 }
+}
 
 /// The constants that specialise a kernel, as the WGSL line that is appended to it: `override` constants cannot size
 /// the arrays that hold a path's state. Only those that the source names are given, so that settings which do not
@@ -132,7 +148,9 @@ pub(crate) fn constants(kernel: &Kernel, params: &Params, format: PixelFormat, p
         ("OWN_QUADS", number(plan.own_quads)),
         ("SLICES", number(plan.own_quads / plan.width)),
         ("WIDTH", number(plan.width)),
-        ("SEGMENT", number(SEGMENT)),
+        ("SEGMENT", number(segment(plan))),
+        ("VECTORS", number(vectors(quads, plan))),
+        ("SPAN", number(span(plan))),
         ("DISPARITIES", number(params.disparities)),
         ("QUADS", number(quads)),
         ("TEXELS", number(TEXELS)),

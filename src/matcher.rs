@@ -325,15 +325,16 @@ impl StereoMatcher {
                 height,
                 Output::Prefiltered { side },
             );
-            if sizes.small_block {
+            if sizes.small_block && !b.plan.lanes {
                 plane_views.push(b.copy_to_texture(stride, height, wgpu::TextureFormat::R32Uint));
             }
         }
 
         let column_step = |b: &mut Builder<'_>, chunk: Rows| {
             let pass = Pass { first_row: chunk.first, rows: chunk.count, ..Pass::default() };
-            let lanes = width + 2 * params.radius();
-            let segments = chunk.count.div_ceil(kernels::SEGMENT);
+            let vectors = kernels::vectors(params.quads(), &b.plan);
+            let lanes = (width + 2 * params.radius()) * (params.quads() / vectors);
+            let segments = chunk.count.div_ceil(kernels::segment(&b.plan));
             b.step(
                 "sad_columns",
                 &[Buffer(&planes[0]), Buffer(&planes[1]), Buffer(&columns)],
@@ -375,16 +376,24 @@ impl StereoMatcher {
                 for (band, (&rows, chunks)) in sizes.bands.iter().zip(&sizes.chunks).enumerate() {
                     if sizes.small_block {
                         let pass = Pass { first_row: rows.first, rows: rows.count, ..Pass::default() };
-                        let storage = [Texture(&plane_views[0]), Texture(&plane_views[1]), Buffer(&computed[band])];
                         let output = Output::Cost { chunk: rows, volume_row: 0 };
-                        b.step("sad_cost_small", &storage, pass, rows.count.div_ceil(2), 1, output);
+                        if b.plan.lanes {
+                            let storage = [Buffer(&planes[0]), Buffer(&planes[1]), Buffer(&computed[band])];
+                            let segments = rows.count.div_ceil(kernels::segment(&b.plan));
+                            b.step("sad_cost_lanes", &storage, pass, width * params.quads(), segments, output);
+                        } else {
+                            let storage = [Texture(&plane_views[0]), Texture(&plane_views[1]), Buffer(&computed[band])];
+                            let lanes = rows.count.div_ceil(2) * params.quads();
+                            b.step("sad_cost_small", &storage, pass, lanes, 1, output);
+                        }
                     }
                     for &chunk in chunks {
                         let volume_row = chunk.first - rows.first;
                         let pass = Pass { volume_row, ..column_step(&mut b, chunk) };
                         let output = Output::Cost { chunk, volume_row };
                         let storage = [Buffer(&columns), Buffer(&computed[band])];
-                        b.step("sad_cost", &storage, pass, chunk.count, 1, output);
+                        let spans = width.div_ceil(kernels::span(&b.plan));
+                        b.step("sad_cost", &storage, pass, chunk.count * params.quads(), spans, output);
                     }
                     if !b.plan.lanes {
                         textures.push(b.copy_to_texels());

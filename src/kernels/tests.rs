@@ -388,11 +388,28 @@ const MUTANTS: &[Mutant] = &[
     mutant("sad_columns", "here + r)", "here + r - 1)", wide),
     mutant("sad_cost", "1u << 23u", "1u << 22u", wide),
     mutant("sad_cost", "frame.cost_scale", "(frame.cost_scale + 9000u)", wide),
+    mutant("sad_cost", "c < begin + reach", "c < begin + reach - 1u", wide),
+    mutant("sad_cost", "min(begin + SPAN,", "min(begin + SPAN - 1u,", |params| {
+        wide(params);
+        lanes(params);
+    }),
     mutant("sad_cost_small", "1u << 23u", "1u << 22u", |_| ()),
     mutant("sad_cost_small", "frame.height) - 1)", "frame.height) - 2)", |_| ()),
-    mutant("sad_cost_small", "first, start - c)", "first, start - c + 1u)", |_| ()),
+    mutant("sad_cost_small", "start - four,", "start - four + 1u,", |_| ()),
+    mutant("sad_cost_small", "window(start + 1u,", "window(start,", |params| params.min_disparity = -12),
+    mutant("sad_cost_small", "values[j] >>= 8u", "values[j] >>= 16u", |_| ()),
+    mutant("sad_cost_small", "c < columns", "c + 1u < columns", |_| ()),
     mutant("sad_cost_small", "- kept[0]", "- kept[1]", |_| ()),
     mutant("sad_cost_small", "j % SUMMABLE == 0u", "j % (SUMMABLE + 3u) == 0u", |params| params.prefilter_cap = 63),
+    mutant("sad_cost_lanes", "1u << 23u", "1u << 22u", lanes),
+    mutant("sad_cost_lanes", "frame.height) - 1)", "frame.height) - 2)", lanes),
+    mutant("sad_cost_lanes", "- kept[0]", "- kept[1]", lanes),
+    mutant("sad_cost_lanes", "values[c >> 2u], (c & 3u)", "values[c >> 2u], (i & 3u)", lanes),
+    mutant("sad_cost_lanes", "% SUMMABLE == 0u", "% (SUMMABLE + 3u) == 0u", |params| {
+        lanes(params);
+        params.prefilter_cap = 63;
+    }),
+    mutant("sad_cost_lanes", "+ REACH;", "+ REACH - 1u;", lanes),
     mutant("sgm_aggregate", "frame.p1", "frame.p2", |_| ()),
     mutant("sgm_aggregate", "frame.p2", "frame.p1", |_| ()),
     mutant("sgm_aggregate", "frame.p2", "frame.p1", eight),
