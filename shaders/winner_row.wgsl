@@ -90,7 +90,7 @@ fn winner(costs: ptr<function, Costs>, least: u32, x: i32) -> i32 {
     let cost = least >> 12u;
     // The costs at the neighbours of the winner, and how many costs fail the uniqueness test
     // cost(d) * (100 - ratio) > cost * 100.
-    let limit = min(cost * 100u / (100u - frame.uniqueness), COST_NONE - 1u);
+    let limit = min(cost * 100u / (100u - UNIQUENESS), COST_NONE - 1u);
     var before = vec4(0u);
     var after = vec4(0u);
     var rivals = vec4(0u);
@@ -98,11 +98,11 @@ fn winner(costs: ptr<function, Costs>, least: u32, x: i32) -> i32 {
         for (var i = 0u; i < 4u; i++) {
             let c = (*costs)[q][i];
             let d = vec4(4u * (4u * q + i)) + vec4(0u, 1u, 2u, 3u);
-            if SUBPIXEL == 1u || UNIQUENESS == 1u {
+            if SUBPIXEL == 1u || UNIQUENESS > 0u {
                 before = select(before, c, d + vec4(1u) == vec4(own_best));
                 after = select(after, c, d == vec4(own_best + 1u));
             }
-            if UNIQUENESS == 1u {
+            if UNIQUENESS > 0u {
                 rivals += select(vec4(0u), vec4(1u), c <= vec4(limit));
             }
         }
@@ -118,8 +118,8 @@ fn winner(costs: ptr<function, Costs>, least: u32, x: i32) -> i32 {
     var value = 16 * (frame.min_disparity + i32(best));
     if SUBPIXEL == 1u && has_before && has_after {
         let curvature = a + c - 2u * cost;
-        // 16 (a - c) >= -16 curvature: shifted by 8 whole steps the quotient is of positive numbers.
-        value += i32((16u * (a + curvature) - 16u * c + curvature - 1u) / (2u * curvature)) - 8;
+        // 16 (a - c) >= -16 curvature: shifted by 8 whole steps the quotient is of positive numbers, and at most 16.
+        value += quotient(16u * (a + curvature) - 16u * c + curvature - 1u, 2u * curvature) - 8;
     }
     var allowed = 1u;
     if has_before && a <= limit {
@@ -128,10 +128,23 @@ fn winner(costs: ptr<function, Costs>, least: u32, x: i32) -> i32 {
     if has_after && c <= limit {
         allowed += 1u;
     }
-    if (UNIQUENESS == 1u && total.z > allowed) || !points_inside(x, value) {
+    if (UNIQUENESS > 0u && total.z > allowed) || !points_inside(x, value) {
         value = INVALID;
     }
     return value;
+}
+
+// a / b, at most 31, bit by bit: a CPU has no division of many numbers at once.
+fn quotient(a: u32, b: u32) -> i32 {
+    var rest = a;
+    var bits = 0u;
+    for (var i = 0u; i < 5u; i++) {
+        let part = b << (4u - i);
+        let fits = rest >= part;
+        rest -= select(0u, part, fits);
+        bits = 2u * bits + select(0u, 1u, fits);
+    }
+    return i32(bits);
 }
 
 // The right view: diagonal[d] is the smallest key so far of the right pixel that disparity d sees from this column;

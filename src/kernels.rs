@@ -162,7 +162,7 @@ pub(crate) fn constants(kernel: &Kernel, params: &Params, format: PixelFormat, p
         ("PAIRED", number(paired)),
         ("SUBPIXEL", number(params.subpixel.into())),
         ("SHIFTED", number((params.min_disparity != 0).into())),
-        ("UNIQUENESS", number((params.uniqueness > 0).into())),
+        ("UNIQUENESS", number(params.uniqueness)),
         ("FORMAT", number(format as u32)),
         ("GRAY8", number(PixelFormat::Gray8 as u32)),
         ("GRAY16", number(PixelFormat::Gray16 as u32)),
