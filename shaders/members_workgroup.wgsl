@@ -14,8 +14,8 @@ fn join_group(invocation: u32, local: u32) -> u32 {
     return invocation / MEMBERS;
 }
 
-// Leaves a member's values and waits for the others'. Returns the place of member 0.
-fn leave(values: vec3<u32>) -> u32 {
+// Deposits a member's values and waits for the others'. Returns the place of member 0.
+fn deposit(values: vec3<u32>) -> u32 {
     turn = LANES - turn;
     places[turn + lane] = values;
     workgroupBarrier();
@@ -23,7 +23,7 @@ fn leave(values: vec3<u32>) -> u32 {
 }
 
 fn exchange(least: u32, first: u32, last: u32) -> Surroundings {
-    let start = leave(vec3(least, first, last));
+    let start = deposit(vec3(least, first, last));
     var around = Surroundings(least, NONE, NONE);
     for (var i = 0u; i < MEMBERS; i++) {
         around.least = min(around.least, places[start + i].x);
@@ -38,7 +38,7 @@ fn exchange(least: u32, first: u32, last: u32) -> Surroundings {
 }
 
 fn sum_of_members(own: vec3<u32>) -> vec3<u32> {
-    let start = leave(own);
+    let start = deposit(own);
     var sum = vec3(0u);
     for (var i = 0u; i < MEMBERS; i++) {
         sum += places[start + i];

@@ -32,6 +32,9 @@ fn main(@builtin(global_invocation_id) id: vec3<u32>, @builtin(local_invocation_
             if in_volume(s * WIDTH) {
                 state[s] = slice_of(carry_in[slice_at(u32(before), s)]);
             }
+            for (var w = 0u; w < WIDTH; w++) {
+                state[s][w] |= beyond(s * WIDTH + w);
+            }
         }
     }
     var at = y * width + x;

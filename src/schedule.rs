@@ -18,7 +18,7 @@ pub enum Schedule {
 }
 
 /// How invocations that share the disparities of a pixel tell each other what they have.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub(crate) enum Exchange {
     Alone,
     Subgroup,
@@ -26,7 +26,7 @@ pub(crate) enum Exchange {
 }
 
 /// The schedule of a matcher: [`Schedule`] applied to a device and a number of disparities.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub(crate) struct Plan {
     /// Whether this is [`Schedule::Lanes`].
     pub(crate) lanes: bool,

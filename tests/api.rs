@@ -149,7 +149,7 @@ fn images_of_the_wrong_size_or_format_are_refused() {
 
 #[test]
 fn what_does_not_fit_the_device_is_told_in_bytes() {
-    let setup = support::device_with(|limits| limits.max_storage_buffer_binding_size = 24 << 10);
+    let setup = support::device_with(|_, limits| limits.max_storage_buffer_binding_size = 24 << 10);
     let Some((_, device, queue)) = setup else { return };
     let cases = [
         (200, 200, PixelFormat::Gray8, Params::sgm(1), 200 * 200, 24 << 10),
@@ -167,7 +167,7 @@ fn what_does_not_fit_the_device_is_told_in_bytes() {
 
 #[test]
 fn a_device_without_the_limits_is_told_all_that_it_lacks() {
-    let setup = support::device_with(|limits| {
+    let setup = support::device_with(|_, limits| {
         limits.max_storage_buffers_per_shader_stage = 2;
         limits.max_compute_invocations_per_workgroup = 8;
     });
@@ -182,7 +182,7 @@ fn a_device_without_the_limits_is_told_all_that_it_lacks() {
 /// No more is needed than every WebGPU device has.
 #[test]
 fn webgpu_default_limits_suffice() {
-    let setup = support::device_with(|limits| *limits = wgpu::Limits::default());
+    let setup = support::device_with(|_, limits| *limits = wgpu::Limits::default());
     let Some((adapter, device, queue)) = setup else { return };
     let (left, right) = support::pair(70, 50, 11);
     for mut params in [Params::sgm(130), Params::bm(130)] {

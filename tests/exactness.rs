@@ -3,7 +3,7 @@
 
 mod support;
 
-use gpu_stereo::{Image, Params, Paths, Prefilter, StereoMatcher, wgpu};
+use gpu_stereo::{Image, Params, Paths, Prefilter, Schedule, StereoMatcher, wgpu};
 use rand::{Rng, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 
@@ -22,29 +22,51 @@ fn check(setup: &(wgpu::Adapter, wgpu::Device, wgpu::Queue), left: &Image, right
 const SIZES: [(u32, u32); 12] =
     [(1, 1), (1, 9), (9, 1), (2, 2), (3, 5), (5, 33), (31, 32), (32, 31), (33, 17), (64, 40), (67, 13), (101, 37)];
 
+/// Both schedules, with subgroups and 64-bit integers and without.
 #[test]
 fn awkward_sizes() {
-    let Some(setup) = support::device() else { return };
+    let (Some(full), Some(bare)) = (support::device(), support::bare_device()) else { return };
     for (seed, (width, height)) in (0..).zip(SIZES) {
         let (left, right) = support::pair(width, height, seed);
-        for paths in [Paths::Three, Paths::Four, Paths::Eight] {
-            let mut params = Params::sgm(40);
-            params.paths = paths;
-            check(&setup, &left, &right, &params, seed);
+        for (setup, schedule) in [&full, &bare].into_iter().flat_map(|s| [(s, Schedule::Lines), (s, Schedule::Lanes)]) {
+            for paths in [Paths::Three, Paths::Four, Paths::Eight] {
+                let mut params = Params::sgm(40);
+                (params.paths, params.schedule) = (paths, schedule);
+                check(setup, &left, &right, &params, seed);
+            }
+            let mut params = Params::bm(21);
+            params.schedule = schedule;
+            check(setup, &left, &right, &params, seed);
         }
-        check(&setup, &left, &right, &Params::bm(21), seed);
+    }
+}
+
+/// So many disparities that invocations share them, on either schedule; even and odd numbers of vectors, and members
+/// that have none.
+#[test]
+fn shared_disparities() {
+    let (Some(full), Some(bare)) = (support::device(), support::bare_device()) else { return };
+    for (seed, disparities) in (0..).zip([97, 128, 193, 300]) {
+        let (left, right) = support::pair(131, 9, seed);
+        for (setup, schedule) in [(&full, Schedule::Lines), (&full, Schedule::Lanes), (&bare, Schedule::Lanes)] {
+            let block = if disparities == 193 { 17 } else { 5 };
+            let mut params = if disparities == 128 { Params::bm(disparities) } else { Params::sgm(disparities) };
+            (params.schedule, params.block, params.min_disparity) = (schedule, block, -70);
+            check(setup, &left, &right, &params, seed);
+        }
     }
 }
 
 #[test]
 fn random_parameters() {
-    let Some(setup) = support::device() else { return };
+    let (Some(full), Some(bare)) = (support::device(), support::bare_device()) else { return };
     for seed in 0..40 {
+        let setup = if seed % 3 == 0 { &bare } else { &full };
         let mut random = ChaCha8Rng::seed_from_u64(seed);
         let params = support::random_params(&mut random);
         let (left, right) = support::pair(random.random_range(1..90), random.random_range(1..50), seed);
         let format = random.random_range(0..4);
-        check(&setup, &support::as_format(&left, format), &support::as_format(&right, format), &params, seed);
+        check(setup, &support::as_format(&left, format), &support::as_format(&right, format), &params, seed);
     }
 }
 
@@ -76,7 +98,7 @@ fn largest_sums() {
 /// Sides that no texture has: the planes stay in buffers.
 #[test]
 fn long_sides() {
-    let setup = support::device_with(|limits| limits.max_texture_dimension_2d = 2048);
+    let setup = support::device_with(|_, limits| limits.max_texture_dimension_2d = 2048);
     let Some(setup) = setup else { return };
     for (seed, (width, height)) in (0..).zip([(3, 2100), (9001, 3), (33_001, 2)]) {
         let (left, right) = support::pair(width, height, seed);
@@ -88,13 +110,14 @@ fn long_sides() {
 /// A device whose bindings are so small that volumes are cut into many bands.
 #[test]
 fn bands() {
-    let setup = support::device_with(|limits| limits.max_storage_buffer_binding_size = 24 << 10);
+    let setup = support::device_with(|_, limits| limits.max_storage_buffer_binding_size = 24 << 10);
     let Some(setup) = setup else { return };
     for (seed, (width, height)) in (0..).zip([(40, 37), (7, 61), (61, 50)]) {
         let (left, right) = support::pair(width, height, seed);
-        for paths in [Paths::Three, Paths::Four, Paths::Eight] {
+        for (i, paths) in [Paths::Three, Paths::Four, Paths::Eight, Paths::Eight].into_iter().enumerate() {
             let mut params = Params::sgm(35);
             params.paths = paths;
+            params.schedule = if i == 3 { Schedule::Lanes } else { Schedule::Lines };
             params.min_disparity = -3;
             check(&setup, &left, &right, &params, seed);
         }

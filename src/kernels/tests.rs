@@ -7,8 +7,8 @@ use std::mem::offset_of;
 use std::path::{Path, PathBuf};
 
 use super::*;
-use crate::StereoMatcher;
 use crate::buffers::{Frame, Pass};
+use crate::{Schedule, StereoMatcher};
 use wgpu::naga;
 
 #[path = "../../tests/support/mod.rs"]
@@ -28,8 +28,15 @@ pub(super) fn edited(name: &str, text: String) -> String {
     })
 }
 
+/// Plans for devices with and without subgroups and 64-bit integers.
+fn plans(params: &Params) -> BTreeSet<Plan> {
+    let devices =
+        [(false, 1, false), (false, 1, true), (false, 8, true), (true, 1, false), (true, 4, true), (true, 32, true)];
+    devices.iter().map(|&(lanes, subgroup, int64)| Plan::of(params.quads(), lanes, subgroup, int64)).collect()
+}
+
 /// Settings that between them give every constant of [`constants`] every kind of value.
-fn specialisations() -> Vec<(Params, PixelFormat)> {
+fn specialisations() -> Vec<(Params, PixelFormat, Plan)> {
     let formats = [PixelFormat::Gray8, PixelFormat::Gray16, PixelFormat::Rgba8, PixelFormat::Rgba16];
     let mut all = Vec::new();
     for disparities in [1, 16, 17, 64, 65, 256] {
@@ -39,7 +46,10 @@ fn specialisations() -> Vec<(Params, PixelFormat)> {
                     for subpixel in [false, true] {
                         let params = Params { paths, prefilter, subpixel, ..base.clone() };
                         let params = Params { block: if subpixel { 5 } else { 21 }, ..params };
-                        all.extend(formats.map(|format| (params.clone(), format)));
+                        for (i, plan) in plans(&params).into_iter().enumerate() {
+                            let formats = formats.iter().take(if i == 0 { 4 } else { 1 });
+                            all.extend(formats.map(|&format| (params.clone(), format, plan)));
+                        }
                     }
                 }
             }
@@ -50,7 +60,7 @@ fn specialisations() -> Vec<(Params, PixelFormat)> {
 
 /// The different texts of a kernel over all [`specialisations`].
 fn texts(kernel: &Kernel) -> BTreeSet<String> {
-    specialisations().iter().map(|(params, format)| source(kernel, params, *format)).collect()
+    specialisations().iter().map(|(params, format, plan)| source(kernel, params, *format, plan)).collect()
 }
 
 fn parse(kernel: &Kernel, text: &str) -> naga::Module {
@@ -73,6 +83,10 @@ fn files(path: &str, extension: &str) -> Vec<(String, String)> {
         .collect()
 }
 
+/// What the kernels may use beyond WebGPU, where a device has it.
+const CAPABILITIES: naga::valid::Capabilities =
+    naga::valid::Capabilities::SUBGROUP.union(naga::valid::Capabilities::SHADER_INT64);
+
 #[test]
 fn every_kernel_is_valid_wgsl() {
     assert!(!KERNELS.is_empty(), "the table of kernels is empty");
@@ -81,8 +95,7 @@ fn every_kernel_is_valid_wgsl() {
         assert!(!texts.is_empty(), "{} has no text", kernel.name);
         for text in texts {
             let module = parse(kernel, &text);
-            let mut validator =
-                naga::valid::Validator::new(naga::valid::ValidationFlags::all(), naga::valid::Capabilities::empty());
+            let mut validator = naga::valid::Validator::new(naga::valid::ValidationFlags::all(), CAPABILITIES);
             if let Err(error) = validator.validate(&module) {
                 panic!("{}.wgsl: {}", kernel.name, error.emit_to_string(&text));
             }
@@ -96,9 +109,11 @@ fn the_table_and_the_folders_name_the_same_kernels() {
     assert_eq!(names.len(), KERNELS.len(), "two kernels have one name");
 
     let shaders = files("shaders", "wgsl");
+    let plans: BTreeSet<Plan> = specialisations().into_iter().map(|(_, _, plan)| plan).collect();
     for (file, text) in &shaders {
-        let used = KERNELS.iter().filter(|kernel| kernel.sources.contains(&text.as_str())).count();
-        assert!(used > 0, "shaders/{file}.wgsl is in no row of the table");
+        let used =
+            plans.iter().any(|plan| KERNELS.iter().any(|kernel| kernel.fragments(plan).contains(&text.as_str())));
+        assert!(used, "shaders/{file}.wgsl is in no row of the table");
         let has_entry = text.contains("@compute");
         assert_eq!(has_entry, names.contains(file.as_str()), "shaders/{file}.wgsl: entry points and rows differ");
     }
@@ -163,6 +178,9 @@ fn reflected(module: &naga::Module, name: &str) -> (Vec<(String, u32, String)>, 
     (members, *span)
 }
 
+/// A plan for 64 disparities.
+const PLAN: Plan = Plan { lanes: false, members: 1, exchange: Exchange::Alone, own_quads: 4, threads: None, width: 1 };
+
 fn frame_layout() -> (Vec<(String, u32, String)>, u32) {
     layout!(Frame {
         width,
@@ -189,7 +207,7 @@ fn pass_layout() -> (Vec<(String, u32, String)>, u32) {
 #[test]
 fn uniform_blocks_are_laid_out_as_their_rust_twins() {
     for kernel in KERNELS {
-        let module = parse(kernel, &source(kernel, &Params::sgm(64), PixelFormat::Gray8));
+        let module = parse(kernel, &source(kernel, &Params::sgm(64), PixelFormat::Gray8, &PLAN));
         assert_eq!(reflected(&module, "Frame"), frame_layout(), "Frame in WGSL (left) and Rust (right)");
         assert_eq!(reflected(&module, "Pass"), pass_layout(), "Pass in WGSL (left) and Rust (right)");
     }
@@ -199,7 +217,7 @@ fn uniform_blocks_are_laid_out_as_their_rust_twins() {
 #[test]
 fn a_changed_uniform_block_is_noticed() {
     let kernel = &KERNELS[0];
-    let text = source(kernel, &Params::sgm(64), PixelFormat::Gray8);
+    let text = source(kernel, &Params::sgm(64), PixelFormat::Gray8, &PLAN);
     for (from, to) in [
         ("    p1: u32,\n    p2: u32,\n", "    p2: u32,\n    p1: u32,\n"),
         ("    min_disparity: i32,\n", "    min_disparity: u32,\n"),
@@ -214,8 +232,8 @@ fn a_changed_uniform_block_is_noticed() {
 #[test]
 fn bindings_agree_with_the_table() {
     for kernel in KERNELS {
-        for text in texts(kernel) {
-            let module = parse(kernel, &text);
+        for (params, format, plan) in specialisations().into_iter().step_by(5) {
+            let module = parse(kernel, &source(kernel, &params, format, &plan));
             let mut bindings: Vec<(u32, String)> = Vec::new();
             for (_, variable) in module.global_variables.iter() {
                 let Some(at) = &variable.binding else { continue };
@@ -240,7 +258,7 @@ fn bindings_agree_with_the_table() {
                 bindings.push((at.binding, kind));
             }
             bindings.sort();
-            let storage = kernel.storage.iter().map(|access| format!("{access:?}"));
+            let storage = kernel.storage(&plan).into_iter().map(|access| format!("{access:?}"));
             let expected = ["Frame".to_string(), "Pass".to_string()].into_iter().chain(storage);
             let expected: Vec<(u32, String)> = (0..).zip(expected).collect();
             assert_eq!(bindings, expected, "{}: bindings in WGSL (left) and in the table (right)", kernel.name);
@@ -254,7 +272,7 @@ fn webgpu_default_limits_suffice() {
     assert!(check_limits(&limits).is_ok());
     for kernel in KERNELS {
         let name = kernel.name;
-        let storage = kernel.storage.iter().filter(|access| matches!(access, Read | Write)).count() as u32;
+        let storage = kernel.storage.iter().filter(|access| matches!(access, Read | Write | Cost)).count() as u32;
         assert!(storage <= limits.max_storage_buffers_per_shader_stage, "{name} has {storage} storage buffers");
         for text in texts(kernel) {
             let module = parse(kernel, &text);
@@ -274,22 +292,32 @@ fn webgpu_default_limits_suffice() {
     }
 }
 
+/// A device without a driver, with the features that some plans need.
+fn noop_device() -> (wgpu::Device, wgpu::Queue) {
+    wgpu::Device::noop(&wgpu::DeviceDescriptor {
+        required_features: wgpu::Features::SUBGROUP | wgpu::Features::SHADER_INT64,
+        ..Default::default()
+    })
+}
+
 /// wgpu itself accepts every pipeline with the table's layout, and every bind group of a matcher. The backend `noop`
 /// has no driver, so this also holds where there is no adapter.
 #[test]
 fn pipelines_and_matchers_are_made_without_a_driver() {
-    let (device, queue) = wgpu::Device::noop(&wgpu::DeviceDescriptor::default());
+    let (device, queue) = noop_device();
     for kernel in KERNELS {
         let mut seen = BTreeSet::new();
-        for (params, format) in specialisations() {
-            if seen.insert(source(kernel, &params, format)) {
-                let made = crate::readback::guarded(&device, || compile(&device, kernel, &params, format));
+        for (params, format, plan) in specialisations() {
+            if seen.insert(source(kernel, &params, format, &plan)) {
+                let made = crate::readback::guarded(&device, || compile(&device, kernel, &params, format, &plan));
                 assert!(made.is_ok(), "{} with {params:?}, {format:?}: {}", kernel.name, made.unwrap_err());
             }
         }
     }
-    for (params, format) in specialisations().into_iter().step_by(7) {
+    for (params, format, plan) in specialisations().into_iter().step_by(7) {
         for (width, height) in [(1, 1), (2, 3), (301, 45)] {
+            let schedule = if plan.lanes { Schedule::Lanes } else { Schedule::Lines };
+            let params = Params { schedule, ..params.clone() };
             let matcher = StereoMatcher::new(&device, &queue, width, height, format, &params);
             assert!(matcher.is_ok(), "{width}x{height} in {format:?}, {params:?}: {}", matcher.unwrap_err());
         }
@@ -299,10 +327,11 @@ fn pipelines_and_matchers_are_made_without_a_driver() {
 /// A kernel that lacks a binding is refused where the pipeline is made: the test of the test above.
 #[test]
 fn a_wrong_row_of_the_table_is_refused() {
-    let (device, _queue) = wgpu::Device::noop(&wgpu::DeviceDescriptor::default());
+    let (device, _queue) = noop_device();
     for kernel in KERNELS {
         let row = Kernel { storage: &kernel.storage[1..], ..*kernel };
-        let made = crate::readback::guarded(&device, || compile(&device, &row, &Params::sgm(16), PixelFormat::Gray8));
+        let params = Params::sgm(64);
+        let made = crate::readback::guarded(&device, || compile(&device, &row, &params, PixelFormat::Gray8, &PLAN));
         assert!(made.is_err(), "{} was accepted with a binding too few", kernel.name);
     }
 }
@@ -338,6 +367,13 @@ fn eight(params: &mut Params) {
 }
 
 /// One rule a row: a weight, a rounding, a border, a tie, a penalty, a test of the winner.
+/// Invocations that share a pixel's disparities.
+fn lanes(params: &mut Params) {
+    (params.schedule, params.disparities) = (Schedule::Lanes, 50);
+}
+
+type Setup = (wgpu::Adapter, wgpu::Device, wgpu::Queue);
+
 const MUTANTS: &[Mutant] = &[
     mutant("gray", "16384u", "0u", |_| ()),
     mutant("gray", "3735u", "3734u", |_| ()),
@@ -361,6 +397,17 @@ const MUTANTS: &[Mutant] = &[
     mutant("sgm_aggregate", "frame.p2", "frame.p1", |_| ()),
     mutant("sgm_aggregate", "frame.p2", "frame.p1", eight),
     mutant("sgm_aggregate", "x >= width", "x > width", eight),
+    mutant("sgm_aggregate", "select(below, NONE, member == 0u)", "below", lanes),
+    mutant("sgm_aggregate", "subgroupShuffleXor(least_of_all, step)", "least", lanes),
+    mutant("sgm_aggregate", "places[start + member + 1u].y", "NONE", lanes),
+    mutant("sgm_aggregate", "places[start + i].x", "places[start].x", lanes),
+    mutant("sgm_aggregate", "select(after, (*state)[s]", "select(0u, (*state)[s]", |params| params.disparities = 64),
+    mutant("sgm_aggregate", "stored >> vec4(32u)", "stored >> vec4(31u)", |params| params.disparities = 64),
+    mutant("sgm_aggregate", "i32(pass_.first_line", "i32(0u * pass_.first_line", |_| ()),
+    mutant("winner", "pass_.volume_row * frame.width", "0u", |_| ()),
+    mutant("winner", "least_key(costs) + member * OWN", "least_key(costs)", lanes),
+    mutant("winner", "min(entering, COST_NONE << 12u)", "COST_NONE << 12u", lanes),
+    mutant("winner", "sum_of_members(vec3(", "(vec3(", lanes),
     mutant("winner", "frame.p1", "frame.p2", |_| ()),
     mutant("winner", "PATHS *", "(PATHS - 1u) *", |_| ()),
     mutant("winner", "curvature - 1u", "curvature", |_| ()),
@@ -385,21 +432,26 @@ const MUTANTS: &[Mutant] = &[
 /// The check finds each mutant, and in the stage that it is in: the stages before stay exact.
 #[test]
 fn a_mutated_shader_is_caught() {
-    let Some((adapter, device, queue)) = support::device() else { return };
+    let (Some(full), Some(bare)) = (support::device(), support::bare_device()) else { return };
     let (width, height, seed) = (93, 41, 5);
     let (left, right) = support::pair(width, height, seed);
     let (left, right) = (support::as_format(&left, 2), support::as_format(&right, 2));
     let mut wrong = Vec::new();
     for Mutant { kernel, from, to, change } in MUTANTS {
-        let case = format!("{kernel} with {to:?} for {from:?}, seed {seed}, on {}", adapter.get_info().name);
+        let case = format!("{kernel} with {to:?} for {from:?}, seed {seed}, on {}", full.0.get_info().name);
         let row = KERNELS.iter().find(|row| row.name == *kernel).unwrap_or_else(|| panic!("no kernel for {case}"));
         let mut params = Params { min_disparity: -2, ..Params::sgm(21) };
         change(&mut params);
-        let text = source(row, &params, left.format());
-        assert!(text.contains(from), "{case}: that is no longer in the text, break the same rule in its new words");
+        // A rule that only a device without features follows is broken there.
+        let has_it =
+            |(_, device, _): &&Setup| source(row, &params, left.format(), &Plan::new(device, &params)).contains(from);
+        let setup = [&full, &bare].into_iter().find(has_it);
+        let Some((_, device, queue)) = setup else {
+            panic!("{case}: that is no longer in the text, break the same rule in its new words")
+        };
 
         EDIT.set(Some([kernel, from, to]));
-        let matcher = StereoMatcher::new(&device, &queue, width, height, left.format(), &params);
+        let matcher = StereoMatcher::new(device, queue, width, height, left.format(), &params);
         EDIT.set(None);
         let stages = matcher.unwrap().check(&left, &right).unwrap();
         let at = stages.iter().position(|stage| stage.stage == row.stage).unwrap_or_else(|| panic!("{case}: not run"));

@@ -7,8 +7,10 @@ use gpu_stereo::{Image, Params, Pixels, StageCheck, wgpu};
 use rand::{Rng, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 
-/// A device, with `limits` changed by the test. `None` only where there is no adapter and the environment allows that.
-pub fn device_with(change: impl FnOnce(&mut wgpu::Limits)) -> Option<(wgpu::Adapter, wgpu::Device, wgpu::Queue)> {
+/// A device, with features and limits changed by the test. `None` only where there is no adapter and the environment allows that.
+pub fn device_with(
+    change: impl FnOnce(&mut wgpu::Features, &mut wgpu::Limits),
+) -> Option<(wgpu::Adapter, wgpu::Device, wgpu::Queue)> {
     let instance = wgpu::Instance::new(wgpu::InstanceDescriptor::new_without_display_handle_from_env());
     let adapters = pollster::block_on(instance.enumerate_adapters(wgpu::Backends::PRIMARY));
     let Some(adapter) = adapters.into_iter().next() else {
@@ -22,9 +24,10 @@ pub fn device_with(change: impl FnOnce(&mut wgpu::Limits)) -> Option<(wgpu::Adap
         return None;
     };
     let mut limits = gpu_stereo::StereoMatcher::required_limits(&adapter);
-    change(&mut limits);
+    let mut features = gpu_stereo::StereoMatcher::required_features(&adapter);
+    change(&mut features, &mut limits);
     let (device, queue) = pollster::block_on(adapter.request_device(&wgpu::DeviceDescriptor {
-        required_features: gpu_stereo::StereoMatcher::required_features(&adapter),
+        required_features: features,
         required_limits: limits,
         ..Default::default()
     }))
@@ -33,7 +36,12 @@ pub fn device_with(change: impl FnOnce(&mut wgpu::Limits)) -> Option<(wgpu::Adap
 }
 
 pub fn device() -> Option<(wgpu::Adapter, wgpu::Device, wgpu::Queue)> {
-    device_with(|_| ())
+    device_with(|_, _| ())
+}
+
+/// A device without any feature: no subgroups, no 64-bit integers.
+pub fn bare_device() -> Option<(wgpu::Adapter, wgpu::Device, wgpu::Queue)> {
+    device_with(|features, _| *features = wgpu::Features::empty())
 }
 
 /// A pair: smooth noise, the right image the left one shifted by disparities that change over the image, plus noise.
@@ -93,8 +101,8 @@ pub fn assert_equal(checks: &[StageCheck], adapter: &wgpu::Adapter, case: &dyn s
 
 /// Parameters from a seed: every setting, every range.
 pub fn random_params(random: &mut ChaCha8Rng) -> Params {
-    use gpu_stereo::{Median, Paths, Prefilter};
-    let disparities = *[1, 2, 3, 7, 15, 16, 17, 31, 33, 48, 64, 65].get(random.random_range(0..12)).unwrap();
+    use gpu_stereo::{Median, Paths, Prefilter, Schedule};
+    let disparities = *[1, 2, 3, 7, 15, 16, 17, 31, 33, 48, 64, 65, 97, 130].get(random.random_range(0..14)).unwrap();
     let mut params = if random.random_bool(0.3) { Params::bm(disparities) } else { Params::sgm(disparities) };
     params.min_disparity = *[0, 0, 0, 1, 5, -1, -7, -40, 30].get(random.random_range(0..9)).unwrap();
     params.paths = [Paths::Three, Paths::Four, Paths::Eight][random.random_range(0..3)];
@@ -108,5 +116,6 @@ pub fn random_params(random: &mut ChaCha8Rng) -> Params {
     params.median = if random.random_bool(0.3) { Median::Off } else { Median::Three };
     params.subpixel = random.random_bool(0.7);
     params.shader_checks = random.random_bool(0.3);
+    params.schedule = [Schedule::Auto, Schedule::Lines, Schedule::Lanes][random.random_range(0..3)];
     params
 }
