@@ -135,11 +135,14 @@ impl Sizes {
         let texture_rows = (allowed / TEXTURE_ROW).min(limits.max_texture_dimension_2d.into());
         let volume_allowed = texture_rows * TEXTURE_ROW;
         let source = (pixels * u64::from(format.bytes_per_pixel()) + 256).next_multiple_of(TEXTURE_ROW);
-        for (what, needed) in
-            [("an image", source), ("a gray image", texels(4 * gray_stride)), ("a disparity map", texels(map_stride))]
-        {
-            if needed > volume_allowed {
-                return Err(Error::TooLarge { what: what.into(), needed, allowed: volume_allowed, remedy: smaller });
+        let source_allowed = TEXTURE_ROW * u64::from(limits.max_texture_dimension_2d); // a texture alone
+        for (what, needed, allowed) in [
+            ("an image", source, source_allowed),
+            ("a gray image", texels(4 * gray_stride), volume_allowed),
+            ("a disparity map", texels(map_stride), volume_allowed),
+        ] {
+            if needed > allowed {
+                return Err(Error::TooLarge { what: what.into(), needed, allowed, remedy: smaller });
             }
         }
         let fewer = "use fewer disparities or narrower images";

@@ -152,9 +152,9 @@ fn what_does_not_fit_the_device_is_told_in_bytes() {
     let setup = support::device_with(|_, limits| limits.max_storage_buffer_binding_size = 24 << 10);
     let Some((_, device, queue)) = setup else { return };
     let cases = [
-        (200, 200, PixelFormat::Gray8, Params::sgm(1), 200 * 200, 24 << 10),
-        (100, 62, PixelFormat::Rgba8, Params::bm(1), 100 * 62 * 4, 24 << 10),
-        (100, 2, PixelFormat::Gray8, Params::sgm(500), 64 << 10, 16 << 10), // 100 * 512, both in units of 16 KiB
+        (200, 200, PixelFormat::Gray8, Params::sgm(1), 200 * 256, 24 << 10), // a plane, rows in units of 256 bytes
+        (190, 90, PixelFormat::Rgba8, Params::bm(1), 32 << 10, 16 << 10),    // 240 * 90, both in units of 16 KiB
+        (100, 2, PixelFormat::Gray8, Params::sgm(500), 64 << 10, 16 << 10),  // 100 * 512, both in units of 16 KiB
     ];
     for (width, height, format, params, bytes, most) in cases {
         let error = StereoMatcher::new(&device, &queue, width, height, format, &params).unwrap_err();
@@ -315,7 +315,8 @@ fn expected_values(left: &Image, right: &Image, params: &Params) -> impl Fn(&str
     let plane = reference::prefilter(&left_gray, params);
     let columns = reference::sad_columns(&plane, &reference::prefilter(&right_gray, params), params);
     let cost = reference::sad_cost(&columns, params);
-    let path = reference::aggregate_direction(&cost, Direction::all(params.paths)[0], params);
+    // The first pair, there and back.
+    let paths = [0, 1].map(|i| reference::aggregate_direction(&cost, Direction::all(params.paths)[i], params));
     let sum = reference::sgm_aggregate(&cost, params);
     let winner = reference::winner(&sum, params);
     let block_match = reference::block_match(&columns, params);
@@ -334,7 +335,8 @@ fn expected_values(left: &Image, right: &Image, params: &Params) -> impl Fn(&str
             "prefilter" => plane.clamped(i64::from(x) - radius, y.into()).into(),
             "sad_columns" => volume(&columns, x, y, d),
             "sad_cost" => volume(&cost, x, y, d),
-            "sgm_aggregate" => volume(&path, x, y, d) - volume(&cost, x, y, d), // the device keeps L - C
+            // The device keeps L - C.
+            "sgm_aggregate" => paths.iter().map(|path| volume(path, x, y, d) - volume(&cost, x, y, d)).sum(),
             "winner" => map(&winner.left),
             "block_match" => map(&block_match.left),
             "lr_check" => map(&checked),
