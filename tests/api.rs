@@ -315,7 +315,6 @@ fn expected_values(left: &Image, right: &Image, params: &Params) -> impl Fn(&str
     let plane = reference::prefilter(&left_gray, params);
     let columns = reference::sad_columns(&plane, &reference::prefilter(&right_gray, params), params);
     let cost = reference::sad_cost(&columns, params);
-    // The first pair, there and back.
     let paths = [0, 1].map(|i| reference::aggregate_direction(&cost, Direction::all(params.paths)[i], params));
     let sum = reference::sgm_aggregate(&cost, params);
     let winner = reference::winner(&sum, params);
@@ -335,7 +334,7 @@ fn expected_values(left: &Image, right: &Image, params: &Params) -> impl Fn(&str
             "prefilter" => plane.clamped(i64::from(x) - radius, y.into()).into(),
             "sad_columns" => volume(&columns, x, y, d),
             "sad_cost" => volume(&cost, x, y, d),
-            // The device keeps L - C.
+            // The device keeps L - C, of two directions together.
             "sgm_aggregate" => paths.iter().map(|path| volume(path, x, y, d) - volume(&cost, x, y, d)).sum(),
             "winner" => map(&winner.left),
             "block_match" => map(&block_match.left),

@@ -722,6 +722,9 @@ fn every_option_reaches_the_matcher() {
         assert!(map(&changed.split(' ').collect::<Vec<_>>()) != default, "{changed}");
     }
     assert!(map(&["--uniqueness", "0"]) == default);
+    for same in ["--schedule lines", "--schedule lanes", "--shader-checks on"] {
+        assert!(map(&same.split(' ').collect::<Vec<_>>()) == default, "{same}");
+    }
     let bm = map(&["--method", "bm"]);
     assert!(map(&["--method", "bm", "--block", "15", "--uniqueness", "15"]) == bm, "the help tells other defaults");
 }
@@ -744,6 +747,8 @@ fn help_and_version() {
         "--lr-check",
         "--median",
         "--subpixel",
+        "--shader-checks",
+        "--schedule",
         "--backend",
         "--adapter",
         "--list-adapters",

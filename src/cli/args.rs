@@ -93,6 +93,11 @@ pub struct Args {
     #[arg(long, value_enum, value_name = "on|off")]
     pub shader_checks: Option<OnOff>,
 
+    /// How the kernels are laid out; the same result. lines: a path an invocation, for CPU adapters; lanes: a path for
+    /// several, for GPUs; auto: as the adapter is
+    #[arg(long, value_enum, default_value_t = Schedule::Auto)]
+    pub schedule: Schedule,
+
     /// auto: the best GPU, else a CPU adapter, else the CPU reference; gpu: any adapter; cpu: the reference
     #[arg(long, value_enum, default_value_t = Backend::Auto)]
     pub backend: Backend,
@@ -252,6 +257,17 @@ pub enum OnOff {
     On,
     /// Without it
     Off,
+}
+
+/// `--schedule`.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+pub enum Schedule {
+    /// As the adapter is
+    Auto,
+    /// A path an invocation
+    Lines,
+    /// A path for neighbouring invocations
+    Lanes,
 }
 
 /// `--backend`.

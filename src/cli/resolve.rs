@@ -3,7 +3,7 @@
 use crate::args::{self, Args, Whole, WholeOrOff};
 use crate::output::Output;
 use anyhow::{Result, anyhow, bail};
-use gpu_stereo::{Error, Median, Method, Params, Paths, Prefilter};
+use gpu_stereo::{Error, Median, Method, Params, Paths, Prefilter, Schedule};
 use std::path::PathBuf;
 
 /// A run, ready to start.
@@ -128,6 +128,11 @@ fn params(args: &Args) -> Result<Params> {
     if let Some(checks) = args.shader_checks {
         params.shader_checks = checks == args::OnOff::On;
     }
+    params.schedule = match args.schedule {
+        args::Schedule::Auto => Schedule::Auto,
+        args::Schedule::Lines => Schedule::Lines,
+        args::Schedule::Lanes => Schedule::Lanes,
+    };
     if let Some(subpixel) = args.subpixel {
         params.subpixel = subpixel == args::OnOff::On;
     }
