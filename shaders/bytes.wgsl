@@ -12,6 +12,19 @@ fn select_bits(a: vec4<u32>, b: vec4<u32>, mask: vec4<u32>) -> vec4<u32> {
     return (a & ~mask) | (b & mask);
 }
 
+// All sixteen are byte k, the last one where k is larger.
+fn byte_at(words: vec4<u32>, k: i32) -> vec4<u32> {
+    let index = u32(clamp(k, 0, 15));
+    return vec4(extractBits(words[index >> 2u], (index & 3u) * 8u, 8u) * 0x01010101u);
+}
+
+// Four of eight words, from the word at offset & 3 on.
+fn from_word(a: vec4<u32>, b: vec4<u32>, offset: u32) -> vec4<u32> {
+    let two = vec4((offset & 2u) != 0u);
+    let c = select(a, vec4(a.zw, b.xy), two);
+    return select(c, vec4(c.yzw, select(b.x, b.z, two.x)), vec4((offset & 1u) != 0u));
+}
+
 // Sixteen of twenty bytes, from the byte at offset & 3 on.
 fn from_byte(words: vec4<u32>, next: u32, offset: u32) -> vec4<u32> {
     let shift = vec4((offset & 3u) * 8u);

@@ -1,49 +1,54 @@
 // gray: luma in 8 bits, (9798 R + 19235 G + 3735 B + 16384) >> 15; 16-bit samples end as (v + 128) / 257.
-// source (samples as uploaded, FORMAT) -> gray (u8, sixteen pixels a vector, gray_stride vectors a row)
+// source (samples as uploaded, FORMAT, in a texture) -> gray (u8, sixteen pixels a vector, gray_stride vectors a row)
 //   Byte j of a row is column j - 16; the image is continued by its border, so that the prefilter needs no clamping.
 // One invocation: one vector, sixteen pixels of a row.
 // Reference: src/reference/gray.rs
 
-@group(0) @binding(2) var<storage, read> source: array<u32>;
+@group(0) @binding(2) var source: texture_storage_2d<rgba32uint, read>;
 @group(0) @binding(3) var<storage, read_write> gray: array<vec4<u32>>;
 
-fn luma(r: u32, g: u32, b: u32) -> u32 {
-    return (9798u * r + 19235u * g + 3735u * b + 16384u) >> 15u;
+fn luma(r: vec4<u32>, g: vec4<u32>, b: vec4<u32>) -> vec4<u32> {
+    return (9798u * r + 19235u * g + 3735u * b + 16384u) >> vec4(15u);
 }
 
-fn narrow(v: u32) -> u32 {
+fn narrow(v: vec4<u32>) -> vec4<u32> {
     return (v + 128u) / 257u;
 }
 
-// Sixteen pixels beyond a border are asked for, and not used.
-fn word(i: u32) -> u32 {
-    return source[min(i, arrayLength(&source) - 1u)];
+fn source_at(index: u32) -> vec4<u32> {
+    return textureLoad(source, vec2(index % TEXELS, index / TEXELS));
 }
 
-fn pixel(p: u32) -> u32 {
+fn sixteen_bytes(byte: u32) -> vec4<u32> {
+    let at = byte >> 4u;
+    let a = source_at(at);
+    let b = source_at(at + 1u);
+    let c = source_at(at + 2u);
+    return from_byte(from_word(a, b, byte >> 2u), from_word(b, c, byte >> 2u).x, byte);
+}
+
+fn four_pixels(p: u32) -> u32 {
     switch FORMAT {
-        case GRAY8: { return extractBits(word(p >> 2u), (p & 3u) * 8u, 8u); }
-        case GRAY16: { return narrow(extractBits(word(p >> 1u), (p & 1u) * 16u, 16u)); }
+        case GRAY16: {
+            let s = sixteen_bytes(2u * p);
+            return pack(narrow(vec4(s.x & 0xffffu, s.x >> 16u, s.y & 0xffffu, s.y >> 16u)));
+        }
         case RGBA8: {
-            let s = unpack(word(p));
-            return luma(s.x, s.y, s.z);
+            let s = sixteen_bytes(4u * p);
+            return pack(luma(s & vec4(255u), (s >> vec4(8u)) & vec4(255u), (s >> vec4(16u)) & vec4(255u)));
         }
         default: {
-            let rg = word(2u * p);
-            return narrow(luma(rg & 0xffffu, rg >> 16u, word(2u * p + 1u) & 0xffffu));
+            let s = sixteen_bytes(8u * p);
+            let t = sixteen_bytes(8u * p + 16u);
+            let rg = vec4(s.xz, t.xz);
+            return pack(narrow(luma(rg & vec4(0xffffu), rg >> vec4(16u), vec4(s.yw, t.yw) & vec4(0xffffu))));
         }
     }
 }
 
-fn four_pixels(p: u32) -> u32 {
-    return pack(vec4(pixel(p), pixel(p + 1u), pixel(p + 2u), pixel(p + 3u)));
-}
-
 fn sixteen_pixels(p: u32) -> vec4<u32> {
     if FORMAT == GRAY8 {
-        let i = p >> 2u;
-        let first = vec4(word(i), word(i + 1u), word(i + 2u), word(i + 3u));
-        return from_byte(first, word(i + 4u), p);
+        return sixteen_bytes(p);
     }
     return vec4(four_pixels(p), four_pixels(p + 4u), four_pixels(p + 8u), four_pixels(p + 12u));
 }
@@ -55,7 +60,10 @@ fn main(@builtin(global_invocation_id) id: vec3<u32>) {
     }
     let row = id.y * frame.width;
     let x = 16 * i32(id.x) - 16;
-    let inside = low_bytes(select(i32(frame.width) - x, 0, x < 0));
-    let border = vec4(pixel(row + select(frame.width - 1u, 0u, x < 0)) * 0x01010101u);
-    gray[id.y * frame.gray_stride + id.x] = select_bits(border, sixteen_pixels(row + u32(x)), inside);
+    // Where no column or not all of them lie in the image, others are read in their place and not used.
+    let start = clamp(x, 0, i32(frame.width) - 1);
+    let pixels = sixteen_pixels(row + u32(start));
+    let inside = select(i32(frame.width) - start, 1, x < 0);
+    gray[id.y * frame.gray_stride + id.x] =
+        select_bits(byte_at(pixels, inside - 1), pixels, low_bytes(inside));
 }

@@ -24,15 +24,9 @@ fn pixels(word: u32) -> vec4<i32> {
 fn gray_pixels(x: i32, y: i32) -> Pixels {
     let byte = u32(x + 16);
     let at = u32(clamp(y, 0, i32(frame.height) - 1)) * frame.gray_stride + (byte >> 4u);
-    var a = gray_at(at);
-    var b = gray_at(at + 1u);
-    let c = gray_at(at + 2u);
-    let half = vec4((byte & 8u) != 0u);
-    a = select(a, vec4(a.zw, b.xy), half);
-    b = select(b, vec4(b.zw, c.xy), half);
-    let quarter = vec4((byte & 4u) != 0u);
-    a = select(a, vec4(a.yzw, b.x), quarter);
-    b = select(b, vec4(b.yzw, 0u), quarter);
+    let texels = array(gray_at(at), gray_at(at + 1u), gray_at(at + 2u));
+    let a = from_word(texels[0], texels[1], byte >> 2u);
+    let b = from_word(texels[1], texels[2], byte >> 2u);
     let words = from_byte(a, b.x, byte);
     return Pixels(pixels(words.x), pixels(words.y), pixels(words.z), pixels(words.w),
         pixels(from_byte(b, 0u, byte).x));
@@ -76,11 +70,6 @@ fn filtered(above: Pixels, here: Pixels, below: Pixels, i: u32) -> u32 {
 fn reversed(words: vec4<u32>) -> vec4<u32> {
     let w = words.wzyx;
     return vec4(pack(unpack(w.x).wzyx), pack(unpack(w.y).wzyx), pack(unpack(w.z).wzyx), pack(unpack(w.w).wzyx));
-}
-
-fn byte_at(words: vec4<u32>, k: i32) -> vec4<u32> {
-    let index = u32(clamp(k, 0, 15));
-    return vec4(extractBits(words[index >> 2u], (index & 3u) * 8u, 8u) * 0x01010101u);
 }
 
 @compute @workgroup_size(LANES)

@@ -64,7 +64,7 @@ pub(crate) const TEXTURE_ROW: u64 = 16 * TEXELS as u64;
 #[derive(Clone, Debug)]
 pub(crate) struct Sizes {
     pub(crate) frame: Frame,
-    /// Bytes of one uploaded image.
+    /// Bytes of the texture of one uploaded image: 256 more than it has may be read.
     pub(crate) source: u64,
     pub(crate) gray: u64,
     pub(crate) left: u64,
@@ -116,7 +116,6 @@ impl Sizes {
         }
         let pixels = u64::from(width) * u64::from(height);
         let smaller = "make the images smaller";
-        fits("an image", pixels * u64::from(format.bytes_per_pixel()), smaller)?;
 
         let words = 4 * params.disparities.div_ceil(16);
         let reach = 2 * params.radius();
@@ -135,9 +134,15 @@ impl Sizes {
         // What is copied into a texture is made of whole rows of it.
         let texture_rows = (allowed / TEXTURE_ROW).min(limits.max_texture_dimension_2d.into());
         let volume_allowed = texture_rows * TEXTURE_ROW;
-        for (what, needed) in [("a gray image", texels(4 * gray_stride)), ("a disparity map", texels(map_stride))] {
-            if needed > volume_allowed {
-                return Err(Error::TooLarge { what: what.into(), needed, allowed: volume_allowed, remedy: smaller });
+        let source = (pixels * u64::from(format.bytes_per_pixel()) + 256).next_multiple_of(TEXTURE_ROW);
+        let source_allowed = TEXTURE_ROW * u64::from(limits.max_texture_dimension_2d); // a texture alone
+        for (what, needed, allowed) in [
+            ("an image", source, source_allowed),
+            ("a gray image", texels(4 * gray_stride), volume_allowed),
+            ("a disparity map", texels(map_stride), volume_allowed),
+        ] {
+            if needed > allowed {
+                return Err(Error::TooLarge { what: what.into(), needed, allowed, remedy: smaller });
             }
         }
         let fewer = "use fewer disparities or narrower images";
@@ -186,7 +191,7 @@ impl Sizes {
                 right_stride,
                 map_stride,
             },
-            source: (pixels * u64::from(format.bytes_per_pixel())).next_multiple_of(4),
+            source,
             gray: texels(4 * gray_stride),
             left: rows(left_stride),
             right: rows(right_stride),

@@ -81,7 +81,7 @@ pub struct StereoMatcher {
     pub(crate) sizes: Sizes,
     pipelines: Vec<Option<Compiled>>,
     pub(crate) steps: Vec<Step>,
-    sources: [wgpu::Buffer; 2],
+    sources: [wgpu::Texture; 2],
     pub(crate) right_map: wgpu::Buffer,
     output: wgpu::Buffer,
     readback: wgpu::Buffer,
@@ -154,11 +154,11 @@ impl Builder<'_> {
         sizes.bands.iter().map(|band| self.buffer(name, sizes.volume(band.count))).collect()
     }
 
-    /// Copies what the last step left into a texture of `width` texels a row.
-    fn copy_to_texture(&mut self, width: u32, height: u32, format: wgpu::TextureFormat) -> wgpu::TextureView {
+    /// A texture of `width` texels a row, to be filled by copies.
+    fn texture(&mut self, name: &str, width: u32, height: u32, format: wgpu::TextureFormat) -> wgpu::Texture {
         self.device_bytes += u64::from(row_bytes(format, width)) * u64::from(height);
-        let texture = self.device.create_texture(&wgpu::TextureDescriptor {
-            label: Some("gpu-stereo.copy"),
+        self.device.create_texture(&wgpu::TextureDescriptor {
+            label: Some(&format!("gpu-stereo.{name}")),
             size: wgpu::Extent3d { width, height, depth_or_array_layers: 1 },
             mip_level_count: 1,
             sample_count: 1,
@@ -166,7 +166,12 @@ impl Builder<'_> {
             format,
             usage: wgpu::TextureUsages::STORAGE_BINDING | wgpu::TextureUsages::COPY_DST,
             view_formats: &[],
-        });
+        })
+    }
+
+    /// Copies what the last step left into a texture of `width` texels a row.
+    fn copy_to_texture(&mut self, width: u32, height: u32, format: wgpu::TextureFormat) -> wgpu::TextureView {
+        let texture = self.texture("copy", width, height, format);
         let view = texture.create_view(&wgpu::TextureViewDescriptor::default());
         if let Some(step) = self.steps.last_mut() {
             step.copy_to = Some(texture);
@@ -304,7 +309,10 @@ impl StereoMatcher {
         };
         let Frame { width, height, gray_stride, left_stride, right_stride, map_stride, .. } = sizes.frame;
 
-        let sources = [b.buffer("source.left", sizes.source), b.buffer("source.right", sizes.source)];
+        let source_rows = (sizes.source / TEXTURE_ROW) as u32;
+        let sources = ["source.left", "source.right"]
+            .map(|name| b.texture(name, TEXELS, source_rows, wgpu::TextureFormat::Rgba32Uint));
+        let source_views = [0, 1].map(|i: usize| sources[i].create_view(&wgpu::TextureViewDescriptor::default()));
         let grays = [b.buffer("gray.left", sizes.gray), b.buffer("gray.right", sizes.gray)];
         let planes = [b.buffer("prefilter.left", sizes.left), b.buffer("prefilter.right", sizes.right)];
         let most_chunk = sizes.chunks.iter().flatten().map(|chunk| chunk.count).max().unwrap_or(0);
@@ -314,7 +322,14 @@ impl StereoMatcher {
         let mut plane_views = Vec::new();
         for side in 0..2 {
             let (i, pass) = (side as usize, Pass { side, ..Pass::default() });
-            b.step("gray", &[Buffer(&sources[i]), Buffer(&grays[i])], pass, gray_stride, height, Output::Gray { side });
+            b.step(
+                "gray",
+                &[Texture(&source_views[i]), Buffer(&grays[i])],
+                pass,
+                gray_stride,
+                height,
+                Output::Gray { side },
+            );
             let gray = b.copy_to_texels();
             let stride = [left_stride, right_stride][i];
             b.step(
@@ -546,12 +561,21 @@ impl StereoMatcher {
                 )));
             }
             let bytes = image.bytes();
-            let whole = bytes.len() / 4 * 4;
-            self.queue.write_buffer(source, 0, &bytes[..whole]);
-            if whole < bytes.len() {
-                let mut rest = [0; 4];
-                rest[..bytes.len() - whole].copy_from_slice(&bytes[whole..]);
-                self.queue.write_buffer(source, whole as u64, &rest);
+            // Whole rows of the texture, then the rest of them.
+            let (whole, rest) = bytes.split_at(bytes.len() / TEXTURE_ROW as usize * TEXTURE_ROW as usize);
+            let rows = (whole.len() / TEXTURE_ROW as usize) as u32;
+            let mut rest = rest.to_vec();
+            rest.resize(rest.len().next_multiple_of(16), 0);
+            for (data, y, width, height) in [(whole, 0, TEXELS, rows), (&rest, rows, rest.len() as u32 / 16, 1)] {
+                if data.is_empty() {
+                    continue;
+                }
+                let destination =
+                    wgpu::TexelCopyTextureInfo { origin: wgpu::Origin3d { x: 0, y, z: 0 }, ..source.as_image_copy() };
+                let bytes_per_row = Some(TEXTURE_ROW as u32);
+                let layout = wgpu::TexelCopyBufferLayout { offset: 0, bytes_per_row, rows_per_image: None };
+                let size = wgpu::Extent3d { width, height, depth_or_array_layers: 1 };
+                self.queue.write_texture(destination, data, layout, size);
             }
         }
         Ok(())

@@ -377,7 +377,7 @@ type Setup = (wgpu::Adapter, wgpu::Device, wgpu::Queue);
 const MUTANTS: &[Mutant] = &[
     mutant("gray", "16384u", "0u", |_| ()),
     mutant("gray", "3735u", "3734u", |_| ()),
-    mutant("gray", "frame.width - 1u", "frame.width - 2u", |_| ()),
+    mutant("gray", "frame.width) - 1)", "frame.width) - 2)", |_| ()),
     mutant("prefilter", "low_bytes(-x)", "low_bytes(-x - 1)", |_| ()),
     mutant("prefilter", "low_bytes(last - x)", "low_bytes(last - x + 2)", |_| ()),
     mutant("prefilter", "frame.height) - 1)", "frame.height) - 2)", |_| ()),

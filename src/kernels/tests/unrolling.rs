@@ -60,14 +60,12 @@ fn number(module: &Module, function: &Function, expression: Handle<Expression>) 
 /// Whether an expression is a constant once the loops are unrolled. Arguments of which that is asked are added to
 /// `asked`: it is the callers who know.
 fn fixed(
-    module: &Module,
     function: &Function,
     counters: &[Handle<naga::LocalVariable>],
     expression: Handle<Expression>,
     asked: &mut BTreeSet<u32>,
 ) -> bool {
-    let mut all =
-        |parts: &[Handle<Expression>]| parts.iter().all(|part| fixed(module, function, counters, *part, asked));
+    let mut all = |parts: &[Handle<Expression>]| parts.iter().all(|part| fixed(function, counters, *part, asked));
     match &function.expressions[expression] {
         Expression::Literal(_) | Expression::Constant(_) | Expression::ZeroValue(_) => true,
         Expression::Load { pointer } => {
@@ -152,7 +150,7 @@ fn examine(
     for (_, expression) in function.expressions.iter() {
         if let Expression::Access { base, index } = *expression
             && is_local_array(module, &info[base].ty)
-            && !fixed(module, function, &loops, index, &mut questions)
+            && !fixed(function, &loops, index, &mut questions)
         {
             wrong.push(format!("{name}: an index of a local array"));
         }
@@ -161,7 +159,7 @@ fn examine(
     calls(&function.body, &mut called);
     for (callee, arguments) in called {
         for &argument in &asked[&callee] {
-            if !fixed(module, function, &loops, arguments[argument as usize], &mut questions) {
+            if !fixed(function, &loops, arguments[argument as usize], &mut questions) {
                 let callee = module.functions[callee].name.as_deref().unwrap_or("a function");
                 wrong.push(format!("{name}: argument {argument} of {callee}, which is an index of a local array"));
             }
