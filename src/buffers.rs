@@ -47,8 +47,12 @@ pub(crate) struct Rows {
 /// keeps a device busy is a waste of memory.
 const COLUMNS_BYTES: u64 = 32 << 20;
 
-/// The largest block that `sad_cost_small` takes: 15 * 15 * 255 fits the 16 bits that its sums have.
+/// The largest block that `sad_cost_small` takes: 15 * 15 * 255 fits the 16 bits that its sums have. And the largest that
+/// `block_match_small` takes: 15 * 15 * 127 fits 15 bits.
 const SMALL_BLOCK: u32 = 15;
+
+/// The most disparities that `block_match_small` takes: 32 for each of 8 slices.
+const MOST_SLICED: u32 = 256;
 
 /// Texels of 16 bytes in a row of the texture that holds a band of the cost, which is filled line by line.
 pub(crate) const COST_TEXELS: u32 = 1024;
@@ -73,7 +77,7 @@ pub(crate) struct Sizes {
     /// Bytes of a row of column sums.
     pub(crate) columns_row: u64,
     pub(crate) bands: Vec<Rows>,
-    /// Whether the cost is computed by `sad_cost_small`, from planes in textures and without column sums.
+    /// Whether `sad_cost_small` or `block_match_small` is used, from planes in textures and without column sums.
     pub(crate) small_block: bool,
     /// The chunks of each band; none if `small_block`.
     pub(crate) chunks: Vec<Vec<Rows>>,
@@ -105,6 +109,7 @@ impl Sizes {
         format: PixelFormat,
         params: &Params,
         limits: &wgpu::Limits,
+        subgroups: bool,
     ) -> Result<Self, Error> {
         let allowed = limits.max_storage_buffer_binding_size.min(limits.max_buffer_size);
         let fits = |what: &str, needed: u64, remedy| {
@@ -150,7 +155,11 @@ impl Sizes {
             Method::Sgm => cut(whole, most(volume_allowed, volume_row)),
             Method::Bm => vec![whole],
         };
-        let small_block = params.method == Method::Sgm
+        let small_method = match params.method {
+            Method::Sgm => true,
+            Method::Bm => subgroups && params.disparities <= MOST_SLICED && params.prefiltered_max() < 128,
+        };
+        let small_block = small_method
             && params.block <= SMALL_BLOCK
             && left_stride.max(right_stride).max(height) <= limits.max_texture_dimension_2d;
         if !small_block {

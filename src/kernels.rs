@@ -47,12 +47,19 @@ pub(crate) const KERNELS: &[Kernel] = &[
     Kernel { name: "sgm_aggregate", stage: "sgm_aggregate", lanes: 32, sources: wgsl!("sgm_aggregate", "path_step", "cost_texels", "common"), storage: &[QUAD, Write, Read, Write] },
     Kernel { name: "winner", stage: "winner", lanes: 32, sources: wgsl!("winner", "path_step", "winner_row", "costs", "cost_texels", "common"), storage: &[QUAD, Read, Read, Read, Read, Write, Write] },
     Kernel { name: "block_match", stage: "block_match", lanes: 32, sources: wgsl!("block_match", "column_sums", "costs", "winner_row", "common"), storage: &[Read, Write, Write] },
+    Kernel { name: "block_match_small", stage: "block_match", lanes: 8, sources: wgsl!("block_match_small", "common"), storage: &[WORD, WORD, Write, Write] },
     Kernel { name: "lr_check", stage: "lr_check", lanes: 128, sources: wgsl!("lr_check", "common"), storage: &[Read, Read, Write] },
     Kernel { name: "median", stage: "median", lanes: 128, sources: wgsl!("median", "common"), storage: &[Read, Write] },
 ];
 
 /// Rows that one invocation of `sad_columns` walks.
 pub(crate) const SEGMENT: u32 = 128;
+
+/// Invocations of `block_match_small` that share the disparities of a row, and rows that they walk.
+pub(crate) fn slices_and_strip(disparities: u32) -> (u32, u32) {
+    let slices = disparities.div_ceil(16).next_power_of_two().min(8);
+    (slices, if disparities <= 16 * slices { 16 } else { 8 })
+}
 
 /// The constants that specialise a kernel, as the WGSL line that is appended to it: `override` constants cannot size
 /// the arrays that hold a path's state. Only those that the source names are given, so that settings which do not
@@ -70,6 +77,7 @@ pub(crate) fn constants(kernel: &Kernel, params: &Params, format: PixelFormat) -
         Paths::Four => (4, 1),
         Paths::Eight => (8, 3),
     };
+    let (slices, strip) = slices_and_strip(params.disparities);
     let number = |value: u32| ("u32", format!("{value}u"));
     let table = [
         ("LANES", number(kernel.lanes)),
@@ -81,6 +89,8 @@ pub(crate) fn constants(kernel: &Kernel, params: &Params, format: PixelFormat) -
         ("BLOCK", number(params.block)),
         ("SMALL_VALUES", number((params.prefiltered_max() < 128).into())),
         ("SUMMABLE", number(255 / params.prefiltered_max())),
+        ("SLICES", number(slices)),
+        ("STRIP", number(strip)),
         ("PATHS", number(paths)),
         ("PAIRED", number(paired)),
         ("SUBPIXEL", number(params.subpixel.into())),
@@ -105,6 +115,12 @@ pub(crate) fn constants(kernel: &Kernel, params: &Params, format: PixelFormat) -
 /// The whole text of a specialised kernel.
 pub(crate) fn source(kernel: &Kernel, params: &Params, format: PixelFormat) -> String {
     let text = format!("{}\n{}\n", kernel.sources.join("\n"), constants(kernel, params, format));
+    let text = match std::env::var("GS_DEV") { Ok(f) if kernel.name == "block_match_small" => {
+        let (slices, strip) = slices_and_strip(params.disparities);
+        let o = |n: &str, d: u32| std::env::var(n).map_or(d, |v| v.parse().unwrap());
+        let t = format!("{}\n{}\n{}\n", std::fs::read_to_string(f).unwrap(), kernel.sources[1], constants(kernel, params, format));
+        t.replace(&format!("SLICES: u32 = {slices}u"), &format!("SLICES: u32 = {}u", o("SLICES", slices))).replace(&format!("STRIP: u32 = {strip}u"), &format!("STRIP: u32 = {}u", o("STRIP", strip)))
+    }, _ => text };
     #[cfg(test)]
     let text = tests::edited(kernel.name, text);
     text
@@ -188,6 +204,11 @@ fn shader_module(
     // SAFETY: every loop of the kernels counts up to a constant or to a size from the uniform blocks, and every index is
     // made of such sizes; the matcher fills the blocks and sizes the buffers from one source (src/buffers.rs).
     unsafe { device.create_shader_module_trusted(descriptor, checks) }
+}
+
+/// Whether `block_match_small` can run: a workgroup of it lies in one subgroup, or is made of whole ones.
+pub(crate) fn has_subgroups(device: &wgpu::Device) -> bool {
+    device.features().contains(wgpu::Features::SUBGROUP) && device.adapter_info().subgroup_min_size >= 8
 }
 
 /// The limits that the kernels need, whatever the settings.

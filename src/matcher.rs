@@ -193,9 +193,9 @@ impl Builder<'_> {
 
 impl StereoMatcher {
     /// The optional features that a matcher makes use of where the adapter has them; none is required.
-    /// `TIMESTAMP_QUERY` lets [`StereoMatcher::compute_timed`] time each stage.
+    /// `TIMESTAMP_QUERY` lets [`StereoMatcher::compute_timed`] time each stage; with `SUBGROUP` block matching is faster.
     pub fn required_features(adapter: &wgpu::Adapter) -> wgpu::Features {
-        adapter.features() & wgpu::Features::TIMESTAMP_QUERY
+        adapter.features() & (wgpu::Features::TIMESTAMP_QUERY | wgpu::Features::SUBGROUP)
     }
 
     /// The limits to ask a device for. WebGPU's default limits do; this raises the sizes of buffers and textures to what
@@ -229,7 +229,7 @@ impl StereoMatcher {
         if width == 0 || height == 0 {
             return Err(Error::Image(format!("the images are {width}x{height}, but each side must be at least 1")));
         }
-        let sizes = Sizes::new(width, height, format, params, &limits)?;
+        let sizes = Sizes::new(width, height, format, params, &limits, kernels::has_subgroups(device))?;
         readback::guarded(device, || Self::build(device, queue, format, params, sizes))
     }
 
@@ -301,6 +301,15 @@ impl StereoMatcher {
 
         match params.method {
             Method::Bm => {
+                if sizes.small_block {
+                    let pass = Pass { rows: height, ..Pass::default() };
+                    let planes = [Texture(&plane_views[0]), Texture(&plane_views[1])];
+                    let storage = [planes[0], planes[1], Buffer(&left_map), Buffer(&right_map)];
+                    let (slices, strip) = kernels::slices_and_strip(params.disparities);
+                    let (slices, strip) = (std::env::var("SLICES").map_or(slices, |v| v.parse().unwrap()), std::env::var("STRIP").map_or(strip, |v| v.parse().unwrap()));
+                    let lanes = slices * height.div_ceil(strip);
+                    b.step("block_match_small", &storage, pass, lanes, 1, Output::Views { last: true });
+                }
                 for &chunk in sizes.chunks.iter().flatten() {
                     let pass = column_step(&mut b, chunk);
                     let output = Output::Views { last: chunk.first + chunk.count == height };
