@@ -195,7 +195,7 @@ fn main(@builtin(global_invocation_id) id: vec3<u32>, @builtin(subgroup_invocati
 
     // All windows begin empty. When the last column is reached they are filled, and what entered before has left again.
     let start = (width - 1 + i32(SLICE + BLOCK)) | 3;
-    let end = min(frame.min_disparity, 0);
+    let end = min(frame.min_disparity, 0) & ~3; // whole groups of four steps
     var entering_windows: Windows;
     var leaving_windows: Windows;
     var sums: Pairs;

@@ -157,7 +157,12 @@ impl Sizes {
         };
         let small_method = match params.method {
             Method::Sgm => true,
-            Method::Bm => subgroups && params.disparities <= MOST_SLICED && params.prefiltered_max() < 128,
+            // Not with the checks: lavapipe ends an invocation after 65535 rounds of all of its loops, silently, and the
+            // checks keep the loops over an invocation's state from being unrolled.
+            Method::Bm => {
+                let checks = params.shader_checks;
+                subgroups && !checks && params.disparities <= MOST_SLICED && params.prefiltered_max() < 128
+            }
         };
         let small_block = small_method
             && params.block <= SMALL_BLOCK

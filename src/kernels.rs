@@ -115,12 +115,6 @@ pub(crate) fn constants(kernel: &Kernel, params: &Params, format: PixelFormat) -
 /// The whole text of a specialised kernel.
 pub(crate) fn source(kernel: &Kernel, params: &Params, format: PixelFormat) -> String {
     let text = format!("{}\n{}\n", kernel.sources.join("\n"), constants(kernel, params, format));
-    let text = match std::env::var("GS_DEV") { Ok(f) if kernel.name == "block_match_small" => {
-        let (slices, strip) = slices_and_strip(params.disparities);
-        let o = |n: &str, d: u32| std::env::var(n).map_or(d, |v| v.parse().unwrap());
-        let t = format!("{}\n{}\n{}\n", std::fs::read_to_string(f).unwrap(), kernel.sources[1], constants(kernel, params, format));
-        t.replace(&format!("SLICES: u32 = {slices}u"), &format!("SLICES: u32 = {}u", o("SLICES", slices))).replace(&format!("STRIP: u32 = {strip}u"), &format!("STRIP: u32 = {}u", o("STRIP", strip)))
-    }, _ => text };
     #[cfg(test)]
     let text = tests::edited(kernel.name, text);
     text

@@ -306,7 +306,6 @@ impl StereoMatcher {
                     let planes = [Texture(&plane_views[0]), Texture(&plane_views[1])];
                     let storage = [planes[0], planes[1], Buffer(&left_map), Buffer(&right_map)];
                     let (slices, strip) = kernels::slices_and_strip(params.disparities);
-                    let (slices, strip) = (std::env::var("SLICES").map_or(slices, |v| v.parse().unwrap()), std::env::var("STRIP").map_or(strip, |v| v.parse().unwrap()));
                     let lanes = slices * height.div_ceil(strip);
                     b.step("block_match_small", &storage, pass, lanes, 1, Output::Views { last: true });
                 }

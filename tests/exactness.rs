@@ -33,6 +33,7 @@ fn awkward_sizes() {
             check(&setup, &left, &right, &params, seed);
         }
         check(&setup, &left, &right, &Params::bm(21), seed);
+        check(&setup, &left, &right, &Params::bm(150), seed);
     }
 }
 

@@ -80,8 +80,10 @@ fn every_kernel_is_valid_wgsl() {
         assert!(!texts.is_empty(), "{} has no text", kernel.name);
         for text in texts {
             let module = parse(kernel, &text);
-            let mut validator =
-                naga::valid::Validator::new(naga::valid::ValidationFlags::all(), naga::valid::Capabilities::empty());
+            let (flags, capabilities) = (naga::valid::ValidationFlags::all(), naga::valid::Capabilities::SUBGROUP);
+            let mut validator = naga::valid::Validator::new(flags, capabilities);
+            validator.subgroup_stages(naga::valid::ShaderStages::COMPUTE);
+            validator.subgroup_operations(naga::valid::SubgroupOperationSet::all());
             if let Err(error) = validator.validate(&module) {
                 panic!("{}.wgsl: {}", kernel.name, error.emit_to_string(&text));
             }
@@ -273,11 +275,17 @@ fn webgpu_default_limits_suffice() {
     }
 }
 
+/// A device of wgpu's backend `noop`, with the features that kernels use.
+fn noop() -> (wgpu::Device, wgpu::Queue) {
+    let required_features = wgpu::Features::SUBGROUP;
+    wgpu::Device::noop(&wgpu::DeviceDescriptor { required_features, ..Default::default() })
+}
+
 /// wgpu itself accepts every pipeline with the table's layout, and every bind group of a matcher. The backend `noop`
 /// has no driver, so this also holds where there is no adapter.
 #[test]
 fn pipelines_and_matchers_are_made_without_a_driver() {
-    let (device, queue) = wgpu::Device::noop(&wgpu::DeviceDescriptor::default());
+    let (device, queue) = noop();
     for kernel in KERNELS {
         let mut seen = BTreeSet::new();
         for (params, format) in specialisations() {
@@ -298,7 +306,7 @@ fn pipelines_and_matchers_are_made_without_a_driver() {
 /// A kernel that lacks a binding is refused where the pipeline is made: the test of the test above.
 #[test]
 fn a_wrong_row_of_the_table_is_refused() {
-    let (device, _queue) = wgpu::Device::noop(&wgpu::DeviceDescriptor::default());
+    let (device, _queue) = noop();
     for kernel in KERNELS {
         let row = Kernel { storage: &kernel.storage[1..], ..*kernel };
         let made = crate::readback::guarded(&device, || compile(&device, &row, &Params::sgm(16), PixelFormat::Gray8));
@@ -319,7 +327,25 @@ const fn mutant(kernel: &'static str, from: &'static str, to: &'static str, chan
 }
 
 fn bm(params: &mut Params) {
-    *params = Params::bm(params.disparities);
+    *params = Params { min_disparity: params.min_disparity, ..Params::bm(params.disparities) };
+}
+
+/// Block matching with the column sums kept in memory.
+fn bm_columns(params: &mut Params) {
+    bm(params);
+    params.shader_checks = true;
+}
+
+/// A range whose last disparities win, and those beyond it would.
+fn bm_far(params: &mut Params) {
+    bm(params);
+    params.min_disparity = -14;
+}
+
+/// Blocks of one pixel, whose sums are often equal.
+fn bm_pixel(params: &mut Params) {
+    bm(params);
+    (params.block, params.prefilter_cap, params.uniqueness) = (1, 4, 50);
 }
 
 /// A block for which the column sums are kept in memory.
@@ -366,11 +392,20 @@ const MUTANTS: &[Mutant] = &[
     mutant("winner", "disparity + 8", "disparity + 7", any),
     mutant("winner", "seen < i32(frame.width)", "seen <= i32(frame.width)", |_| ()),
     mutant("block_match", "<= vec4(limit)", "< vec4(limit)", |params| {
-        bm(params);
-        (params.block, params.prefilter_cap, params.uniqueness) = (1, 4, 50);
+        bm_pixel(params);
+        params.shader_checks = true;
     }),
-    mutant("block_match", "2u * frame.block_radius", "2u * frame.block_radius - 1u", bm),
-    mutant("block_match", "curvature - 1u", "curvature", bm),
+    mutant("block_match", "2u * frame.block_radius", "2u * frame.block_radius - 1u", bm_columns),
+    mutant("block_match", "curvature - 1u", "curvature", bm_columns),
+    mutant("block_match_small", "frame.height) - 1)", "frame.height) - 2)", bm),
+    mutant("block_match_small", "best * 100u", "best * 110u", bm),
+    mutant("block_match_small", "7u << u32(clamp", "6u << u32(clamp", bm),
+    mutant("block_match_small", "if PADDED", "if !PADDED", bm_far),
+    mutant("block_match_small", "BLOCK) - start", "BLOCK) - start - 1", bm),
+    mutant("block_match_small", "1u) + SLICE", "1u)", bm_far),
+    mutant("block_match_small", "x4 - frame.min_disparity", "x4", bm),
+    mutant("block_match_small", "curvature - 1u", "curvature", bm),
+    mutant("block_match_small", "0x7f7f7f7fu", "0x7f7f7f7eu", bm),
     mutant("lr_check", "frame.lr_max_difference", "(frame.lr_max_difference + 1u)", |_| ()),
     mutant("lr_check", "(value + 8)", "value", |_| ()),
     mutant("median", "frame.width) - 1)", "frame.width))", |_| ()),
