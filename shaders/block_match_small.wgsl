@@ -204,10 +204,6 @@ fn main(@builtin(global_invocation_id) id: vec3<u32>, @builtin(subgroup_invocati
     var left_unwritten: Unwritten;
     var right_unwritten: Unwritten;
     for (var own = 0u; own < OWN; own++) {
-        for (var word = 0u; word < 3u; word++) {
-            left_unwritten[own][word] = 0x80008000u;
-            right_unwritten[own][word] = 0x80008000u;
-        }
         // Right pixels that no left pixel sees.
         let at = row + own * SLICES + slice;
         for (var x = max(width - frame.min_disparity, 0); x < width; x++) {
@@ -222,6 +218,10 @@ fn main(@builtin(global_invocation_id) id: vec3<u32>, @builtin(subgroup_invocati
                 low[k][p] = KEY_NONE;
                 high[k][p] = KEY_NONE;
             }
+        }
+        for (var own = 0u; own < OWN; own++) {
+            left_unwritten[own] = array(0x80008000u, 0x80008000u, 0x80008000u);
+            right_unwritten[own] = array(0x80008000u, 0x80008000u, 0x80008000u);
         }
         let from_x = select(start, width - 1, phase == 1u);
         let to_x = select(width, end, phase == 1u);

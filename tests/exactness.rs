@@ -34,6 +34,11 @@ fn awkward_sizes() {
         }
         check(&setup, &left, &right, &Params::bm(21), seed);
         check(&setup, &left, &right, &Params::bm(150), seed);
+        for min_disparity in [-3, 1, 3, 6] {
+            let mut params = Params::bm(14);
+            params.min_disparity = min_disparity;
+            check(&setup, &left, &right, &params, seed);
+        }
     }
 }
 
