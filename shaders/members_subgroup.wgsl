@@ -10,8 +10,8 @@ fn join_group(invocation: u32, local: u32) -> u32 {
 
 fn exchange(least: u32, first: u32, last: u32) -> Surroundings {
     var least_of_all = least;
-    for (var step = 1u; step < MEMBERS; step *= 2u) {
-        least_of_all = min(least_of_all, subgroupShuffleXor(least_of_all, step));
+    for (var bit = 0u; bit < MEMBER_BITS; bit++) {
+        least_of_all = min(least_of_all, subgroupShuffleXor(least_of_all, 1u << bit));
     }
     let below = select(subgroupShuffleUp(last, 1u), subgroupShuffleDown(last, 1u), BACKWARDS);
     let above = select(subgroupShuffleDown(first, 1u), subgroupShuffleUp(first, 1u), BACKWARDS);
@@ -20,8 +20,8 @@ fn exchange(least: u32, first: u32, last: u32) -> Surroundings {
 
 fn sum_of_members(own: vec3<u32>) -> vec3<u32> {
     var sum = own;
-    for (var step = 1u; step < MEMBERS; step *= 2u) {
-        sum += subgroupShuffleXor(sum, step);
+    for (var bit = 0u; bit < MEMBER_BITS; bit++) {
+        sum += subgroupShuffleXor(sum, 1u << bit);
     }
     return sum;
 }

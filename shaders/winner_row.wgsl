@@ -134,19 +134,6 @@ fn winner(costs: ptr<function, Costs>, least: u32, x: i32) -> i32 {
     return value;
 }
 
-// a / b, at most 31, bit by bit: a CPU has no division of many numbers at once.
-fn quotient(a: u32, b: u32) -> i32 {
-    var rest = a;
-    var bits = 0u;
-    for (var i = 0u; i < 5u; i++) {
-        let part = b << (4u - i);
-        let fits = rest >= part;
-        rest -= select(0u, part, fits);
-        bits = 2u * bits + select(0u, 1u, fits);
-    }
-    return i32(bits);
-}
-
 // The right view: diagonal[d] is the smallest key so far of the right pixel that disparity d sees from this column;
 // one column to the left, the same right pixel is seen by disparity d - 1. Returns the right pixel seen by disparity 0.
 fn roll(diagonal: ptr<function, Costs>, costs: ptr<function, Costs>, entering: u32) -> i32 {

@@ -1,5 +1,6 @@
 //! Sizes, strides and usages of every buffer, computed in one place before anything is created.
 
+use crate::schedule::Plan;
 use crate::{Error, Method, Params, PixelFormat, reference};
 
 /// The WGSL block `Frame`: what stays the same for all dispatches of a frame.
@@ -50,11 +51,15 @@ pub(crate) struct Rows {
 /// keeps a device busy is a waste of memory.
 const COLUMNS_BYTES: u64 = 32 << 20;
 
-/// The largest block that `sad_cost_small` takes: 15 * 15 * 255 fits the 16 bits that its sums have.
-const SMALL_BLOCK: u32 = 15;
+/// The largest block that `sad_cost_small` takes: 15 * 15 * 255 fits the 16 bits that its sums have. And the largest that
+/// `block_match_small` takes: 15 * 15 * 127 fits 15 bits.
+pub(crate) const SMALL_BLOCK: u32 = 15;
 
 /// Texels of 16 bytes in a row of the textures that hold a copy of a buffer, which are filled line by line.
 pub(crate) const TEXELS: u32 = 1024;
+
+/// The most disparities that `block_match_small` takes: 32 for each of 8 slices.
+const MOST_SLICED: u32 = 256;
 
 /// Bytes of such a row.
 pub(crate) const TEXTURE_ROW: u64 = 16 * TEXELS as u64;
@@ -76,7 +81,7 @@ pub(crate) struct Sizes {
     /// Bytes of a row of column sums.
     pub(crate) columns_row: u64,
     pub(crate) bands: Vec<Rows>,
-    /// Whether the cost is computed by `sad_cost_small`, from planes in textures and without column sums.
+    /// Whether `sad_cost_small` or `block_match_small` is used, from planes in textures and without column sums.
     pub(crate) small_block: bool,
     /// The chunks of each band; none if `small_block`.
     pub(crate) chunks: Vec<Vec<Rows>>,
@@ -103,6 +108,7 @@ impl Sizes {
         format: PixelFormat,
         params: &Params,
         limits: &wgpu::Limits,
+        plan: &Plan,
     ) -> Result<Self, Error> {
         let allowed = limits.max_storage_buffer_binding_size.min(limits.max_buffer_size);
         let fits = |what: &str, needed: u64, remedy| {
@@ -166,7 +172,20 @@ impl Sizes {
             Method::Sgm => cut(whole, most(volume_allowed, volume_row).min(side.saturating_mul(64) / (words / 4))),
             Method::Bm => vec![whole],
         };
-        let small_block = params.method == Method::Sgm
+        let small_method = match params.method {
+            Method::Sgm => true,
+            // Not with the checks: lavapipe ends an invocation after 65535 rounds of all of its loops, silently, and the
+            // checks keep the loops over an invocation's state from being unrolled.
+            Method::Bm => {
+                let checks = params.shader_checks;
+                !plan.lanes
+                    && plan.subgroup >= 8
+                    && !checks
+                    && params.disparities <= MOST_SLICED
+                    && params.prefiltered_max() < 128
+            }
+        };
+        let small_block = small_method
             && params.block <= SMALL_BLOCK
             && left_stride.max(right_stride).max(height) <= limits.max_texture_dimension_2d;
         if !small_block {
@@ -231,8 +250,11 @@ mod tests {
     fn no_dispatch_is_too_large() {
         let limits = wgpu::Limits { max_compute_workgroups_per_dimension: 1024, ..Default::default() };
         let params = |disparities| Params { min_disparity: -2047, ..Params::sgm(disparities) };
-        let sizes =
-            |width, height, disparities| Sizes::new(width, height, PixelFormat::Gray8, &params(disparities), &limits);
+        let sizes = |width, height, disparities| {
+            let params = params(disparities);
+            let plan = Plan::of(params.quads(), false, 1, false);
+            Sizes::new(width, height, PixelFormat::Gray8, &params, &limits, &plan)
+        };
         assert!(sizes(1000, 10, 2048).is_ok());
         assert!(matches!(sizes(1000, 10, 4095), Err(Error::TooLarge { .. })));
         let bands = sizes(3, 1000, 4095).map(|sizes| sizes.bands);

@@ -63,8 +63,9 @@ pub(crate) const KERNELS: &[Kernel] = &[
     Kernel { name: "sad_cost_lanes", stage: "sad_cost", lanes: 128, sources: wgsl!("sad_cost_lanes", "differences", "quantise", "common"), choices: &[], storage: &[Read, Read, Write] },
     Kernel { name: "sad_cost_small", stage: "sad_cost", lanes: 32, sources: wgsl!("sad_cost_small", "differences", "quantise", "common"), choices: &[], storage: &[WORD, WORD, Write] },
     Kernel { name: "sgm_aggregate", stage: "sgm_aggregate", lanes: STRIP_LANES, sources: wgsl!("sgm_aggregate", "path_step", "common"), choices: VOLUMES, storage: &[Cost, Write, Read, Write] },
-    Kernel { name: "winner", stage: "winner", lanes: STRIP_LANES, sources: wgsl!("winner", "path_step", "winner_row", "costs", "common"), choices: VOLUMES, storage: &[Cost, Read, Read, Read, Read, Write, Write] },
-    Kernel { name: "block_match", stage: "block_match", lanes: 32, sources: wgsl!("block_match", "column_sums", "costs", "winner_row", "common"), choices: MEMBERS, storage: &[Read, Write, Write] },
+    Kernel { name: "winner", stage: "winner", lanes: STRIP_LANES, sources: wgsl!("winner", "path_step", "winner_row", "quotient", "costs", "common"), choices: VOLUMES, storage: &[Cost, Read, Read, Read, Read, Write, Write] },
+    Kernel { name: "block_match", stage: "block_match", lanes: 32, sources: wgsl!("block_match", "column_sums", "costs", "winner_row", "quotient", "common"), choices: MEMBERS, storage: &[Read, Write, Write] },
+    Kernel { name: "block_match_small", stage: "block_match", lanes: 8, sources: wgsl!("block_match_small", "quotient", "common"), choices: &[], storage: &[WORD, WORD, Write, Write] },
     Kernel { name: "lr_check", stage: "lr_check", lanes: 32, sources: wgsl!("lr_check", "common"), choices: &[], storage: &[Read, Read, Write] },
     Kernel { name: "median", stage: "median", lanes: 64, sources: wgsl!("median", "common"), choices: &[], storage: &[QUAD, Write] },
 ];
@@ -124,6 +125,12 @@ pub(crate) fn span(plan: &Plan) -> u32 {
     if plan.lanes { 64 } else { 1 << 16 }
 }
 
+/// Invocations of `block_match_small` that share the disparities of a row, and rows that they walk.
+pub(crate) fn parts_and_strip(disparities: u32) -> (u32, u32) {
+    let parts = disparities.div_ceil(16).next_power_of_two().min(8);
+    (parts, if disparities <= 16 * parts { 16 } else { 8 })
+}
+
 /// The constants that specialise a kernel, as the WGSL line that is appended to it: `override` constants cannot size
 /// the arrays that hold a path's state. Only those that the source names are given, so that settings which do not
 /// concern a kernel do not change its text (and the driver's cache finds it again).
@@ -141,10 +148,12 @@ pub(crate) fn constants(kernel: &Kernel, params: &Params, format: PixelFormat, p
         Paths::Four => (4, 1),
         Paths::Eight => (8, 3),
     };
+    let (parts, strip) = parts_and_strip(params.disparities);
     let number = |value: u32| ("u32", format!("{value}u"));
     let table = [
         ("LANES", number(kernel.lanes(plan))),
         ("MEMBERS", number(plan.members)),
+        ("MEMBER_BITS", number(plan.members.ilog2())),
         ("OWN_QUADS", number(plan.own_quads)),
         ("SLICES", number(plan.own_quads / plan.width)),
         ("WIDTH", number(plan.width)),
@@ -158,6 +167,8 @@ pub(crate) fn constants(kernel: &Kernel, params: &Params, format: PixelFormat, p
         ("BLOCK", number(params.block)),
         ("SMALL_VALUES", number((params.prefiltered_max() < 128).into())),
         ("SUMMABLE", number(255 / params.prefiltered_max())),
+        ("PARTS", number(parts)),
+        ("STRIP", number(strip)),
         ("PATHS", number(paths)),
         ("PAIRED", number(paired)),
         ("SUBPIXEL", number(params.subpixel.into())),

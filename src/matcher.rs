@@ -264,7 +264,7 @@ impl StereoMatcher {
             return Err(Error::Image(format!("the images are {width}x{height}, but each side must be at least 1")));
         }
         let plan = Plan::new(device, params);
-        let sizes = Sizes::new(width, height, format, params, &limits)?;
+        let sizes = Sizes::new(width, height, format, params, &limits, &plan)?;
         readback::guarded(device, || Self::build(device, queue, format, params, plan, sizes))
     }
 
@@ -363,6 +363,14 @@ impl StereoMatcher {
 
         match params.method {
             Method::Bm => {
+                if sizes.small_block {
+                    let pass = Pass { rows: height, ..Pass::default() };
+                    let planes = [Texture(&plane_views[0]), Texture(&plane_views[1])];
+                    let storage = [planes[0], planes[1], Buffer(&left_map), Buffer(&right_map)];
+                    let (parts, strip) = kernels::parts_and_strip(params.disparities);
+                    let lanes = parts * height.div_ceil(strip);
+                    b.step("block_match_small", &storage, pass, lanes, 1, Output::Views { last: true });
+                }
                 for &chunk in sizes.chunks.iter().flatten() {
                     let pass = column_step(&mut b, chunk);
                     let output = Output::Views { last: chunk.first + chunk.count == height };

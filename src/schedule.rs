@@ -33,6 +33,8 @@ pub(crate) struct Plan {
     /// Invocations that share the disparities of a pixel: a power of two.
     pub(crate) members: u32,
     pub(crate) exchange: Exchange,
+    /// Neighbours that can talk through a subgroup, whether or not they share a path; 1 if none can.
+    pub(crate) subgroup: u32,
     /// Vectors of 16 disparities that each of them owns.
     pub(crate) own_quads: u32,
     /// Threads of a CPU device: few lines at once for each, so that what one step leaves is in a cache for the next.
@@ -114,6 +116,7 @@ impl Plan {
             exchange: if members == 1 { Exchange::Alone } else { exchange },
             own_quads: quads.div_ceil(members).next_multiple_of(width),
             width,
+            subgroup,
             threads: None,
         }
     }

@@ -34,9 +34,11 @@ fn awkward_sizes() {
                 (params.paths, params.schedule) = (paths, schedule);
                 check(setup, &left, &right, &params, seed);
             }
-            let mut params = Params::bm(21);
-            params.schedule = schedule;
-            check(setup, &left, &right, &params, seed);
+            for (disparities, min_disparity) in [(21, 0), (150, 0), (14, -3), (14, 1), (14, 3), (14, 6)] {
+                let mut params = Params::bm(disparities);
+                (params.min_disparity, params.schedule) = (min_disparity, schedule);
+                check(setup, &left, &right, &params, seed);
+            }
         }
     }
 }

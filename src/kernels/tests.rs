@@ -58,9 +58,11 @@ fn specialisations() -> Vec<(Params, PixelFormat, Plan)> {
     all
 }
 
-/// The different texts of a kernel over all [`specialisations`].
+/// The different texts of a kernel over all [`specialisations`] that it is for.
 fn texts(kernel: &Kernel) -> BTreeSet<String> {
-    specialisations().iter().map(|(params, format, plan)| source(kernel, params, *format, plan)).collect()
+    let takes = |params: &Params| !kernel.name.ends_with("_small") || params.block <= crate::buffers::SMALL_BLOCK;
+    let chosen = specialisations().into_iter().filter(|(params, ..)| takes(params));
+    chosen.map(|(params, format, plan)| source(kernel, &params, format, &plan)).collect()
 }
 
 fn parse(kernel: &Kernel, text: &str) -> naga::Module {
@@ -96,6 +98,8 @@ fn every_kernel_is_valid_wgsl() {
         for text in texts {
             let module = parse(kernel, &text);
             let mut validator = naga::valid::Validator::new(naga::valid::ValidationFlags::all(), CAPABILITIES);
+            validator.subgroup_stages(naga::valid::ShaderStages::COMPUTE);
+            validator.subgroup_operations(naga::valid::SubgroupOperationSet::all());
             if let Err(error) = validator.validate(&module) {
                 panic!("{}.wgsl: {}", kernel.name, error.emit_to_string(&text));
             }
@@ -179,7 +183,8 @@ fn reflected(module: &naga::Module, name: &str) -> (Vec<(String, u32, String)>, 
 }
 
 /// A plan for 64 disparities.
-const PLAN: Plan = Plan { lanes: false, members: 1, exchange: Exchange::Alone, own_quads: 4, threads: None, width: 1 };
+const PLAN: Plan =
+    Plan { lanes: false, members: 1, exchange: Exchange::Alone, own_quads: 4, subgroup: 1, threads: None, width: 1 };
 
 fn frame_layout() -> (Vec<(String, u32, String)>, u32) {
     layout!(Frame {
@@ -349,7 +354,25 @@ const fn mutant(kernel: &'static str, from: &'static str, to: &'static str, chan
 }
 
 fn bm(params: &mut Params) {
-    *params = Params::bm(params.disparities);
+    *params = Params { min_disparity: params.min_disparity, ..Params::bm(params.disparities) };
+}
+
+/// Block matching with the column sums kept in memory.
+fn bm_columns(params: &mut Params) {
+    bm(params);
+    params.shader_checks = true;
+}
+
+/// A range whose last disparities win, and those beyond it would.
+fn bm_far(params: &mut Params) {
+    bm(params);
+    params.min_disparity = -14;
+}
+
+/// Blocks of one pixel, whose sums are often equal.
+fn bm_pixel(params: &mut Params) {
+    bm(params);
+    (params.block, params.prefilter_cap, params.uniqueness) = (1, 4, 50);
 }
 
 /// A block for which the column sums are kept in memory.
@@ -415,7 +438,7 @@ const MUTANTS: &[Mutant] = &[
     mutant("sgm_aggregate", "frame.p2", "frame.p1", eight),
     mutant("sgm_aggregate", "x >= width", "x > width", eight),
     mutant("sgm_aggregate", "select(below, NONE, member == 0u)", "below", lanes),
-    mutant("sgm_aggregate", "subgroupShuffleXor(least_of_all, step)", "least", lanes),
+    mutant("sgm_aggregate", "subgroupShuffleXor(least_of_all, 1u << bit)", "least", lanes),
     mutant("sgm_aggregate", "places[start + member_of(member + 1u)].y", "NONE", lanes),
     mutant("sgm_aggregate", "places[start + i].x", "places[start].x", lanes),
     mutant("sgm_aggregate", "select(after, (*state)[s]", "select(0u, (*state)[s]", |params| params.disparities = 64),
@@ -429,15 +452,24 @@ const MUTANTS: &[Mutant] = &[
     mutant("winner", "PATHS *", "(PATHS - 1u) *", |_| ()),
     mutant("winner", "curvature - 1u", "curvature", |_| ()),
     mutant("winner", "<= vec4(limit)", "< vec4(limit)", |params| params.uniqueness = 1),
-    mutant("winner", "frame.uniqueness)", "(frame.uniqueness + 1u))", |params| params.uniqueness = 10),
+    mutant("winner", "(100u - UNIQUENESS)", "(99u - UNIQUENESS)", |params| params.uniqueness = 10),
     mutant("winner", "disparity + 8", "disparity + 7", any),
     mutant("winner", "seen < i32(frame.width)", "seen <= i32(frame.width)", |_| ()),
     mutant("block_match", "<= vec4(limit)", "< vec4(limit)", |params| {
-        bm(params);
-        (params.block, params.prefilter_cap, params.uniqueness) = (1, 4, 50);
+        bm_pixel(params);
+        params.shader_checks = true;
     }),
-    mutant("block_match", "2u * frame.block_radius", "2u * frame.block_radius - 1u", bm),
-    mutant("block_match", "curvature - 1u", "curvature", bm),
+    mutant("block_match", "2u * frame.block_radius", "2u * frame.block_radius - 1u", bm_columns),
+    mutant("block_match", "curvature - 1u", "curvature", bm_columns),
+    mutant("block_match_small", "frame.height) - 1)", "frame.height) - 2)", bm),
+    mutant("block_match_small", "best * 100u", "best * 110u", bm),
+    mutant("block_match_small", "7u << u32(clamp", "6u << u32(clamp", bm),
+    mutant("block_match_small", "if PADDED", "if !PADDED", bm_far),
+    mutant("block_match_small", "BLOCK) - start", "BLOCK) - start - 1", bm),
+    mutant("block_match_small", "1u) + SLICE", "1u)", bm_far),
+    mutant("block_match_small", "x4 - frame.min_disparity", "x4", bm),
+    mutant("block_match_small", "curvature - 1u", "curvature", bm),
+    mutant("block_match_small", "0x7f7f7f7fu", "0x7f7f7f7eu", bm),
     mutant("lr_check", "frame.lr_max_difference", "(frame.lr_max_difference + 1u)", |_| ()),
     mutant("lr_check", "(value + 8)", "value", |_| ()),
     mutant("median", "7) == beyond", "7) == beyond + 9", |_| ()),
