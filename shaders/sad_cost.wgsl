@@ -40,7 +40,7 @@ fn main(@builtin(global_invocation_id) id: vec3<u32>) {
         for (var part = 0u; part < 4u; part++) {
             sums[part] += enters[part];
         }
-        cost[((pass_.volume_row + row) * frame.width + x) * QUADS + q] =
+        cost[((pass_.volume_row + row) * frame.volume_stride + x) * QUADS + q] =
             vec4(quantised(sums[0]), quantised(sums[1]), quantised(sums[2]), quantised(sums[3]));
         let leaves = column_at(first + x * 2u * QUADS);
         for (var part = 0u; part < 4u; part++) {

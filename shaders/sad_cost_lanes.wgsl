@@ -80,7 +80,7 @@ fn main(@builtin(global_invocation_id) id: vec3<u32>) {
         }
         if n >= REACH {
             let line = pass_.volume_row + begin + n - REACH;
-            cost[(line * frame.width + x) * QUADS + q] = quantised_block(sums[0], sums[1]);
+            cost[(line * frame.volume_stride + x) * QUADS + q] = quantised_block(sums[0], sums[1]);
         }
     }
 }

@@ -101,10 +101,10 @@ fn main(@builtin(global_invocation_id) id: vec3<u32>) {
                 kept[BLOCK - 1u][part] = column[part];
             }
             if c >= reach && c < columns {
-                let at = ((pass_.volume_row + row) * frame.width + c - reach) * QUADS + q;
+                let at = ((pass_.volume_row + row) * frame.volume_stride + c - reach) * QUADS + q;
                 cost[at] = quantised_block(sums[0], sums[1]);
                 if row + 1u < pass_.rows {
-                    cost[at + frame.width * QUADS] = quantised_block(sums[2], sums[3]);
+                    cost[at + frame.volume_stride * QUADS] = quantised_block(sums[2], sums[3]);
                 }
             }
         }

@@ -39,11 +39,12 @@ fn main(@builtin(global_invocation_id) id: vec3<u32>, @builtin(local_invocation_
             }
         }
     }
-    var at = y * width + x;
+    let stride = i32(frame.volume_stride);
+    var at = y * stride + x;
     let steps = select(rows, width, horizontal);
     for (var i = 0; i < steps; i++) {
         path_step(&state, u32(at), writes || !BARRIERS);
-        at += pass_.dy * width + pass_.dx;
+        at += pass_.dy * stride + pass_.dx;
         x += pass_.dx;
         // A mask in place of a branch, which would copy the state.
         let leaves = !horizontal && (x < 0 || x >= width);
@@ -76,7 +77,7 @@ fn path_step(state: ptr<function, State>, pixel: u32, writes: bool) {
         var costs: Slice;
         var sums: Slice;
         if in_volume(s * WIDTH) {
-            costs = costs_at(slice_at(pixel + pass_.volume_row * frame.width, s));
+            costs = costs_at(slice_at(pixel + pass_.volume_row * frame.volume_stride, s));
             if pass_.accumulate == 1u {
                 sums = slice_of(paths[slice_at(pixel, s)]);
             }

@@ -31,7 +31,7 @@ fn main(@builtin(global_invocation_id) id: vec3<u32>, @builtin(local_invocation_
     for (var i = 0; i < steps; i++) {
         let x = row_start() - i;
         if inside_row(x) {
-            walk(&state, &costs, strip_row * frame.width + u32(x));
+            walk(&state, &costs, strip_row * frame.volume_stride + u32(x));
         }
         choose(&costs, &diagonal, &kept, pass_.first_row + strip_row, x, writes);
     }
@@ -39,7 +39,7 @@ fn main(@builtin(global_invocation_id) id: vec3<u32>, @builtin(local_invocation_
 
 // One step of the leftward path, and S of the pixel.
 fn walk(state: ptr<function, State>, costs: ptr<function, Costs>, strip_pixel: u32) {
-    let pixel = pass_.volume_row * frame.width + strip_pixel;
+    let pixel = pass_.volume_row * frame.volume_stride + strip_pixel;
     var around = surroundings(state);
     for (var s = 0u; s < SLICES; s++) {
         var c: Slice;

@@ -21,6 +21,7 @@ pub(crate) struct Frame {
     pub(crate) left_stride: u32,
     pub(crate) right_stride: u32,
     pub(crate) map_stride: u32,
+    pub(crate) volume_stride: u32,
 }
 
 /// The WGSL block `Pass`: what differs between dispatches.
@@ -135,7 +136,9 @@ impl Sizes {
         let texels = |stride: u32| rows(stride).next_multiple_of(TEXTURE_ROW);
         fits("a prefiltered image", rows(left_stride.max(right_stride)), smaller)?;
 
-        let volume_row = 4 * u64::from(width) * u64::from(words);
+        // Rows an even number of pixels apart may share a few places of a cache.
+        let volume_stride = width | 1;
+        let volume_row = 4 * u64::from(volume_stride) * u64::from(words);
         let columns_row = 8 * u64::from(width + reach) * u64::from(words);
         // What is copied into a texture is made of whole rows of it.
         let texture_rows = (allowed / TEXTURE_ROW).min(limits.max_texture_dimension_2d.into());
@@ -209,6 +212,7 @@ impl Sizes {
                 left_stride,
                 right_stride,
                 map_stride,
+                volume_stride,
             },
             source,
             gray: texels(4 * gray_stride),

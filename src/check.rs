@@ -192,7 +192,7 @@ impl StereoMatcher {
             self.sizes.frame;
         let whole = Rows { first: 0, count: height };
         let (width, disparities) = (width as usize, self.params.disparities as usize);
-        let padded = self.sizes.volume_row as usize / width;
+        let padded = 16 * self.params.quads() as usize;
         // Maps and paths are compared when all their parts are there.
         if matches!(step.output, Output::Views { last: false } | Output::Paths { last: false, .. }) {
             return Ok(());
@@ -237,7 +237,7 @@ impl StereoMatcher {
             Output::Cost { chunk, volume_row } => {
                 let first = u64::from(*volume_row) * self.sizes.volume_row;
                 for (y, row) in each_row(*chunk, &bytes[first as usize..], self.sizes.volume_row) {
-                    for (x, values) in row.chunks_exact(padded).enumerate() {
+                    for (x, values) in row.chunks_exact(padded).take(width).enumerate() {
                         let expected = &expected.cost.data[(y * width + x) * disparities..][..disparities];
                         for (d, (&expected, &got)) in expected.iter().zip(values).enumerate() {
                             stage.compare(x, y, Some(d), expected.into(), got.into());
@@ -253,7 +253,7 @@ impl StereoMatcher {
                 let volumes: Vec<&Volume<u8>> =
                     expected.paths.iter().filter(|(d, _)| directions.contains(d)).map(|(_, volume)| volume).collect();
                 for (y, row) in each_row(*band, &bytes, self.sizes.volume_row) {
-                    for (x, values) in row.chunks_exact(padded).enumerate() {
+                    for (x, values) in row.chunks_exact(padded).take(width).enumerate() {
                         let at = (y * width + x) * disparities;
                         for (d, &got) in values[..disparities].iter().enumerate() {
                             let cost = i64::from(expected.cost.data[at + d]);

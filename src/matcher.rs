@@ -288,8 +288,7 @@ impl StereoMatcher {
         // horizontal ones; check and median
         let chunks: usize = sizes.chunks.iter().map(Vec::len).sum();
         let most_band = sizes.bands.iter().map(|band| band.count).max().unwrap_or(1);
-        let strip_lines = plan
-            .strip(sizes.frame.width, sizes.volume_row / u64::from(sizes.frame.width) * u64::from(sizes.frame.height));
+        let strip_lines = plan.strip(sizes.frame.width, u64::from(16 * params.quads()) * u64::from(sizes.frame.height));
         let strip_rows = plan.strip(most_band, sizes.volume_row);
         let strips = sizes.frame.width.div_ceil(strip_lines) as usize;
         let row_strips = sizes.frame.height.div_ceil(strip_rows) as usize + sizes.bands.len();

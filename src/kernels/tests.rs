@@ -202,6 +202,7 @@ fn frame_layout() -> (Vec<(String, u32, String)>, u32) {
         left_stride,
         right_stride,
         map_stride,
+        volume_stride,
     })
 }
 
@@ -444,7 +445,7 @@ const MUTANTS: &[Mutant] = &[
     mutant("sgm_aggregate", "select(after, (*state)[s]", "select(0u, (*state)[s]", |params| params.disparities = 64),
     mutant("sgm_aggregate", "stored >> vec4(32u)", "stored >> vec4(31u)", |params| params.disparities = 64),
     mutant("sgm_aggregate", "i32(pass_.first_line", "i32(0u * pass_.first_line", |_| ()),
-    mutant("winner", "pass_.volume_row * frame.width", "0u", |_| ()),
+    mutant("winner", "pass_.volume_row * frame.volume_stride", "0u", |_| ()),
     mutant("winner", "least_key(costs) + member * OWN", "least_key(costs)", lanes),
     mutant("winner", "min(entering, COST_NONE << 12u)", "COST_NONE << 12u", lanes),
     mutant("winner", "sum_of_members(vec3(", "(vec3(", lanes),
