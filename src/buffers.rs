@@ -48,6 +48,11 @@ pub(crate) struct Rows {
     pub(crate) count: u32,
 }
 
+/// lavapipe leaves all loops of an invocation after 65,535 rounds, without a word. A row and the smallest disparity take
+/// a round a pixel; where four pixels at a time are loaded, six rounds for four.
+const MOST_SIDE: u32 = 60_000;
+const MOST_SIDE_IN_FOURS: u32 = 40_000;
+
 /// Bytes a buffer of column sums may take. They live only until the cost is computed from them, so more of them than
 /// keeps a device busy is a waste of memory.
 const COLUMNS_BYTES: u64 = 32 << 20;
@@ -115,10 +120,10 @@ impl Sizes {
         let fits = |what: &str, needed: u64, remedy| {
             if needed <= allowed { Ok(()) } else { Err(Error::TooLarge { what: what.into(), needed, allowed, remedy }) }
         };
-        let side = limits.max_compute_workgroups_per_dimension;
+        let side = limits.max_compute_workgroups_per_dimension.min(MOST_SIDE);
         if width > side || height > side {
             return Err(Error::Image(format!(
-                "the images are {width}x{height}, but the device allows at most {side} pixels a side; make them smaller"
+                "the images are {width}x{height}, but at most {side} pixels a side are possible here; make them smaller"
             )));
         }
         let pixels = u64::from(width) * u64::from(height);
@@ -190,6 +195,7 @@ impl Sizes {
         };
         let small_block = small_method
             && params.block <= SMALL_BLOCK
+            && width <= MOST_SIDE_IN_FOURS
             && left_stride.max(right_stride).max(height) <= limits.max_texture_dimension_2d;
         if !small_block {
             fits("a row of column sums", columns_row, fewer)?;

@@ -5,7 +5,7 @@ use std::sync::OnceLock;
 use crate::buffers::{Frame, Pass, Rows, Sizes, TEXELS, TEXTURE_ROW, cut};
 use crate::kernels::{self, Compiled, KERNELS};
 use crate::reference::Direction;
-use crate::schedule::Plan;
+use crate::schedule::{PATHS_BYTES, Plan, ROWS_BYTES};
 use crate::{DisparityMap, Error, Image, Median, Method, Params, PixelFormat, readback};
 
 /// The time of one stage in one frame.
@@ -288,8 +288,9 @@ impl StereoMatcher {
         // horizontal ones; check and median
         let chunks: usize = sizes.chunks.iter().map(Vec::len).sum();
         let most_band = sizes.bands.iter().map(|band| band.count).max().unwrap_or(1);
-        let strip_lines = plan.strip(sizes.frame.width, u64::from(16 * params.quads()) * u64::from(sizes.frame.height));
-        let strip_rows = plan.strip(most_band, sizes.volume_row);
+        let path_bytes = u64::from(16 * params.quads()) * u64::from(sizes.frame.height);
+        let strip_lines = plan.strip(sizes.frame.width, path_bytes, PATHS_BYTES);
+        let strip_rows = plan.strip(most_band, sizes.volume_row, ROWS_BYTES);
         let strips = sizes.frame.width.div_ceil(strip_lines) as usize;
         let row_strips = sizes.frame.height.div_ceil(strip_rows) as usize + sizes.bands.len();
         let most_steps = 4 + 2 * chunks + (1 + 6 * strips) * sizes.bands.len() + 2 * row_strips + 2;

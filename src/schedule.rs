@@ -50,11 +50,18 @@ const MOST_QUADS: u32 = 6;
 /// Invocations a workgroup of the kernels that walk paths, on a CPU.
 pub(crate) const STRIP_LANES: u32 = 16;
 
-/// Bytes of a volume that a strip takes, if that keeps all threads busy: a few volumes of it fit a last-level cache.
-const STRIP_BYTES: u64 = 5 << 20;
+/// Bytes of a volume that a strip of rows takes, if that keeps all threads busy: a few volumes of it fit a last-level
+/// cache. And a strip of paths that cross rows, which are walked there and back.
+pub(crate) const ROWS_BYTES: u64 = 5 << 20;
+pub(crate) const PATHS_BYTES: u64 = 2 << 20;
 
 /// Strips of an image: each has a price.
-const MOST_STRIPS: u32 = 16;
+const MOST_STRIPS: u32 = 32;
+
+/// Trips of a loop that Mesa unrolls. A loop over more vectors stays a loop, and lavapipe leaves all loops of an
+/// invocation after 65,535 rounds, without a word: a long row would not be finished. Rather than that, invocations of
+/// [`Schedule::Lines`] share a path through workgroup memory, which is slow there.
+const MOST_TRIPS: u32 = 32;
 
 /// Invocations that may share a path through workgroup memory.
 const MOST_MEMBERS: u32 = 32;
@@ -81,29 +88,32 @@ impl Plan {
         }
     }
 
-    /// Of `lines` rows or paths of `bytes` each, those that are worked on at a time: `winner` and the paths along a row,
-    /// or paths there and back.
-    pub(crate) fn strip(&self, lines: u32, bytes: u64) -> u32 {
+    /// Of `lines` rows or paths of `bytes` each, those that are worked on at a time, for about `most` bytes.
+    pub(crate) fn strip(&self, lines: u32, bytes: u64, most: u64) -> u32 {
         let Some(threads) = self.threads else { return lines };
         let unit = STRIP_LANES * threads;
-        let fit = (STRIP_BYTES / bytes).min(lines.into()) as u32;
+        let fit = (most / bytes).min(lines.into()) as u32;
         (fit / unit * unit).max(unit).max(lines.div_ceil(MOST_STRIPS)).min(lines)
     }
 
     /// The plan for pixels of `quads` vectors, where `subgroup` neighbours can talk (at most 1: none can), with or
     /// without integers of 64 bits.
     pub(crate) fn of(quads: u32, lanes: bool, subgroup: u32, int64: bool) -> Self {
-        let exchange = match (lanes, subgroup > 1) {
-            (_, true) => Exchange::Subgroup,
-            (true, false) => Exchange::Workgroup,
-            (false, false) => Exchange::Alone,
+        let exchange = match subgroup > 1 {
+            true => Exchange::Subgroup,
+            false if lanes || quads > MOST_TRIPS => Exchange::Workgroup,
+            false => Exchange::Alone,
         };
         let most_members = match exchange {
             Exchange::Alone => 1,
             Exchange::Subgroup => subgroup.min(GROUP_LANES),
             Exchange::Workgroup => MOST_MEMBERS,
         };
-        let most_quads = if lanes { 1 } else { MOST_QUADS };
+        let most_quads = match exchange {
+            _ if lanes => 1,
+            Exchange::Workgroup => MOST_TRIPS,
+            _ => MOST_QUADS,
+        };
         let mut members = 1;
         while quads.div_ceil(members) > most_quads && 2 * members <= most_members {
             members *= 2;

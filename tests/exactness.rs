@@ -59,6 +59,17 @@ fn shared_disparities() {
     }
 }
 
+/// More disparities than loops are unrolled for: lavapipe leaves an invocation after 65,535 rounds of its loops.
+#[test]
+fn a_long_row_of_many_disparities_is_finished() {
+    let Some(setup) = support::bare_device() else { return };
+    let (left, right) = support::pair(400, 2, 3);
+    for mut params in [Params::sgm(530), Params::bm(530)] {
+        params.schedule = Schedule::Lines;
+        check(&setup, &left, &right, &params, 3);
+    }
+}
+
 #[test]
 fn random_parameters() {
     let (Some(full), Some(bare)) = (support::device(), support::bare_device()) else { return };
@@ -107,6 +118,23 @@ fn long_sides() {
         check(&setup, &left, &right, &Params::sgm(9), seed);
         check(&setup, &left, &right, &Params::bm(9), seed);
     }
+}
+
+/// The longest rows: lavapipe leaves an invocation after 65,535 rounds of its loops.
+#[test]
+fn longest_rows() {
+    let Some((adapter, device, queue)) = support::device() else { return };
+    for (seed, (width, height)) in (0..).zip([(40_000, 2), (60_000, 1), (1, 60_000)]) {
+        let (left, right) = support::pair(width, height, seed);
+        for mut params in [Params::sgm(5), Params::bm(5)] {
+            params.min_disparity = -2047;
+            let matcher = StereoMatcher::new(&device, &queue, width, height, left.format(), &params).unwrap();
+            support::assert_equal(&matcher.check(&left, &right).unwrap(), &adapter, &(width, height, &params));
+        }
+    }
+    let (params, format) = (Params::sgm(5), gpu_stereo::PixelFormat::Gray8);
+    let refused = StereoMatcher::new(&device, &queue, 60_001, 1, format, &params).unwrap_err();
+    assert!(refused.to_string().contains("60000"), "{refused}");
 }
 
 /// A device whose bindings are so small that volumes are cut into many bands.
