@@ -87,7 +87,7 @@ fn path_step(state: ptr<function, State>, pixel: u32, writes: bool) {
             sums[w] += terms[w];
         }
         if in_volume(s * WIDTH) && writes {
-            paths[slice_at(pixel, s)] = stored_of(sums);
+            paths[slice_at(pixel, s)] = stored_terms(sums);
         }
     }
 }

@@ -9,3 +9,7 @@ fn slice_of(stored: Stored) -> Slice {
 fn stored_of(slice: Slice) -> Stored {
     return slice[0];
 }
+
+fn stored_terms(terms: Slice) -> Stored {
+    return min(stored_of(terms), vec4(0xfefefefeu)); // as in volume32.wgsl
+}
