@@ -48,7 +48,7 @@ pub(crate) struct Plan {
 const MOST_QUADS: u32 = 6;
 
 /// Invocations a workgroup of the kernels that walk paths, on a CPU.
-pub(crate) const STRIP_LANES: u32 = 16;
+pub(crate) const STRIP_LANES: u32 = 8;
 
 /// Bytes of a volume that a strip of rows takes, if that keeps all threads busy: a few volumes of it fit a last-level
 /// cache. And a strip of paths that cross rows, which are walked there and back.
@@ -91,7 +91,7 @@ impl Plan {
     /// Of `lines` rows or paths of `bytes` each, those that are worked on at a time, for about `most` bytes.
     pub(crate) fn strip(&self, lines: u32, bytes: u64, most: u64) -> u32 {
         let Some(threads) = self.threads else { return lines };
-        let unit = STRIP_LANES * threads;
+        let unit = 2 * STRIP_LANES * threads;
         let fit = (most / bytes).min(lines.into()) as u32;
         (fit / unit * unit).max(unit).max(lines.div_ceil(MOST_STRIPS)).min(lines)
     }

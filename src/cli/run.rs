@@ -9,9 +9,6 @@ use anyhow::{Result, bail, ensure};
 use gpu_stereo::{DisparityMap, Error, Image, Method, Params, StageCheck, StageTime, StereoMatcher, reference};
 use std::time::Instant;
 
-/// Disparities above which a CPU adapter's compiler makes a user wait: 14 s at 512 on lavapipe, growing faster than them.
-const SLOW_TO_COMPILE: u32 = 512;
-
 /// What computes.
 enum Engine {
     Adapter(Box<OnAdapter>),
@@ -94,13 +91,6 @@ impl Engine {
         }
         let only = adapters.len() == 1 && job.adapter.is_some();
         for adapter in &adapters {
-            let is_cpu = adapter.get_info().device_type == gpu_stereo::wgpu::DeviceType::Cpu;
-            if is_cpu && job.params.disparities > SLOW_TO_COMPILE {
-                let n = job.params.disparities;
-                crate::tell(&format!(
-                    "note: a CPU adapter compiles kernels for {n} disparities for minutes the first time; --backend cpu needs none"
-                ));
-            }
             let opened = adapter::open(adapter).and_then(|opened| {
                 let (width, height) = (image.width(), image.height());
                 let matcher =
