@@ -40,7 +40,7 @@ struct Options {
     /// Uniqueness in per cent
     #[arg(long)]
     uniqueness: Option<u32>,
-    /// 4 or 8
+    /// 3, 4 or 8
     #[arg(long)]
     paths: Option<u32>,
     /// Side of the block

@@ -178,7 +178,8 @@ fn append(unwritten: ptr<function, Unwritten>, own: u32, value: i32) {
 
 @compute @workgroup_size(LANES)
 fn main(@builtin(global_invocation_id) id: vec3<u32>, @builtin(subgroup_invocation_id) lane: u32) {
-    let slice = lane % PARTS;
+    // Neighbouring invocations of a workgroup are neighbours in a subgroup: see members_subgroup.wgsl.
+    let slice = id.x % PARTS;
     let first_lane = lane - slice;
     let row = id.x / PARTS * STRIP;
     let top = i32(pass_.first_row + row) - i32(frame.block_radius);
@@ -195,12 +196,14 @@ fn main(@builtin(global_invocation_id) id: vec3<u32>, @builtin(subgroup_invocati
     var high: Pairs;
     var left_unwritten: Unwritten;
     var right_unwritten: Unwritten;
-    for (var own = 0u; own < OWN; own++) {
-        // Right pixels that no left pixel sees.
-        let at = row + own * PARTS + slice;
-        for (var x = max(width - frame.min_disparity, 0); x < width; x++) {
-            if at < pass_.rows {
-                right_map[(pass_.first_row + at) * frame.map_stride + (u32(x) >> 1u)] = 0x80008000u;
+    // Right pixels that no left pixel sees.
+    if frame.min_disparity > 0 {
+        for (var word = max(width - frame.min_disparity, 0) >> 1u; word <= (width - 1) >> 1u; word++) {
+            for (var own = 0u; own < OWN; own++) {
+                let at = row + own * PARTS + slice;
+                if at < pass_.rows {
+                    right_map[(pass_.first_row + at) * frame.map_stride + u32(word)] = 0x80008000u;
+                }
             }
         }
     }

@@ -10,7 +10,6 @@ struct Frame {
     cost_scale: u32,
     p1: u32,
     p2: u32,
-    uniqueness: u32,      // per cent, 0 is off
     lr_max_difference: u32,
     gray_stride: u32,     // vectors of 16 bytes a row of a gray image
     left_stride: u32,     // words a row of the left prefiltered plane

@@ -1,4 +1,6 @@
 // Appended to the kernels whose disparities members share: neighbours in a subgroup, which hand values to each other.
+// That invocations of a one-dimensional workgroup are numbered in a subgroup as in the workgroup, WGSL does not promise,
+// but devices do so; --check would tell.
 const BARRIERS: bool = false;
 var<private> member: u32;
 

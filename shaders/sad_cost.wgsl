@@ -5,8 +5,6 @@
 // Border: the columns reach beyond it. Disparities beyond the range are computed like the others and never used.
 // Reference: src/reference/sad_cost.rs
 
-const BACKWARDS: bool = false;
-
 @group(0) @binding(2) var<storage, read> columns: array<vec4<u32>>;
 @group(0) @binding(3) var<storage, read_write> cost: array<vec4<u32>>;
 

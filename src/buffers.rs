@@ -15,7 +15,6 @@ pub(crate) struct Frame {
     pub(crate) cost_scale: u32,
     pub(crate) p1: u32,
     pub(crate) p2: u32,
-    pub(crate) uniqueness: u32,
     pub(crate) lr_max_difference: u32,
     pub(crate) gray_stride: u32,
     pub(crate) left_stride: u32,
@@ -48,8 +47,11 @@ pub(crate) struct Rows {
     pub(crate) count: u32,
 }
 
-/// lavapipe leaves all loops of an invocation after 65,535 rounds, without a word. A row and the smallest disparity take
-/// a round a pixel; where four pixels at a time are loaded, six rounds for four.
+/// lavapipe leaves all loops of an invocation after so many rounds, without a word.
+const ROUNDS: u32 = 65_535;
+
+/// A row and the smallest disparity take a round a pixel; where four pixels at a time are loaded, six rounds for four, and
+/// one more for two pixels of the right view that no left pixel sees.
 const MOST_SIDE: u32 = 60_000;
 const MOST_SIDE_IN_FOURS: u32 = 40_000;
 
@@ -126,6 +128,15 @@ impl Sizes {
                 "the images are {width}x{height}, but at most {side} pixels a side are possible here; make them smaller"
             )));
         }
+        // With checks some loops over a state stay loops.
+        let rounds = if plan.own_quads <= 4 { 5 } else { 5 * plan.own_quads };
+        let most = ROUNDS / rounds;
+        if params.shader_checks && !plan.lanes && width + params.min_disparity.unsigned_abs() > most {
+            return Err(Error::Image(format!(
+                "the images are {width} pixels wide, but with shader checks the schedule lines takes at most {most}, less \
+                 the smallest disparity; switch the checks off or take the schedule lanes"
+            )));
+        }
         let pixels = u64::from(width) * u64::from(height);
         let smaller = "make the images smaller";
 
@@ -196,6 +207,7 @@ impl Sizes {
         let small_block = small_method
             && params.block <= SMALL_BLOCK
             && width <= MOST_SIDE_IN_FOURS
+            && (!params.shader_checks || width * (params.block + 5) <= ROUNDS)
             && left_stride.max(right_stride).max(height) <= limits.max_texture_dimension_2d;
         if !small_block {
             fits("a row of column sums", columns_row, fewer)?;
@@ -212,7 +224,6 @@ impl Sizes {
                 cost_scale: reference::sad_cost_scale(params),
                 p1: params.p1,
                 p2: params.p2,
-                uniqueness: params.uniqueness,
                 lr_max_difference: params.lr_check.unwrap_or(0),
                 gray_stride,
                 left_stride,

@@ -47,12 +47,14 @@ pub(crate) struct Plan {
 /// make code that neither the registers nor the instruction cache of a CPU hold (docs/PERFORMANCE.md).
 const MOST_QUADS: u32 = 6;
 
-/// Invocations a workgroup of the kernels that walk paths, on a CPU.
+/// Invocations a workgroup of the kernels that walk paths, with the schedule `lines`.
 pub(crate) const STRIP_LANES: u32 = 8;
 
 /// Bytes of a volume that a strip of rows takes, if that keeps all threads busy: a few volumes of it fit a last-level
-/// cache. And a strip of paths that cross rows, which are walked there and back.
+/// cache.
 pub(crate) const ROWS_BYTES: u64 = 5 << 20;
+
+/// The same of a strip of paths that cross rows, which are walked there and back.
 pub(crate) const PATHS_BYTES: u64 = 2 << 20;
 
 /// Strips of an image: each has a price.
@@ -61,7 +63,7 @@ const MOST_STRIPS: u32 = 32;
 /// Trips of a loop that Mesa unrolls. A loop over more vectors stays a loop, and lavapipe leaves all loops of an
 /// invocation after 65,535 rounds, without a word: a long row would not be finished. Rather than that, invocations of
 /// [`Schedule::Lines`] share a path through workgroup memory, which is slow there.
-const MOST_TRIPS: u32 = 32;
+pub(crate) const MOST_TRIPS: u32 = 32;
 
 /// Invocations that may share a path through workgroup memory.
 const MOST_MEMBERS: u32 = 32;
@@ -99,15 +101,18 @@ impl Plan {
     /// The plan for pixels of `quads` vectors, where `subgroup` neighbours can talk (at most 1: none can), with or
     /// without integers of 64 bits.
     pub(crate) fn of(quads: u32, lanes: bool, subgroup: u32, int64: bool) -> Self {
-        let exchange = match subgroup > 1 {
+        // Members lie in one workgroup.
+        let group = if lanes { GROUP_LANES } else { STRIP_LANES };
+        let neighbours = subgroup.min(group);
+        let exchange = match neighbours > 1 && quads.div_ceil(neighbours) <= MOST_TRIPS {
             true => Exchange::Subgroup,
             false if lanes || quads > MOST_TRIPS => Exchange::Workgroup,
             false => Exchange::Alone,
         };
         let most_members = match exchange {
             Exchange::Alone => 1,
-            Exchange::Subgroup => subgroup.min(GROUP_LANES),
-            Exchange::Workgroup => MOST_MEMBERS,
+            Exchange::Subgroup => neighbours,
+            Exchange::Workgroup => MOST_MEMBERS.min(group),
         };
         let most_quads = match exchange {
             _ if lanes => 1,
@@ -128,6 +133,30 @@ impl Plan {
             width,
             subgroup,
             threads: None,
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Members lie in one workgroup and in one subgroup, own all disparities, and no more than loops are unrolled for.
+    #[test]
+    fn plans_fit_their_workgroups() {
+        for quads in 1..=256 {
+            for subgroup in [1, 4, 8, 16, 32, 64, 128] {
+                for (lanes, int64) in [(false, false), (false, true), (true, false), (true, true)] {
+                    let plan = Plan::of(quads, lanes, subgroup, int64);
+                    let group = if lanes { GROUP_LANES } else { STRIP_LANES };
+                    assert!(group.is_multiple_of(plan.members), "{quads} {plan:?}");
+                    assert!(plan.exchange != Exchange::Subgroup || plan.members <= subgroup, "{quads} {plan:?}");
+                    assert!(plan.exchange != Exchange::Alone || plan.members == 1, "{quads} {plan:?}");
+                    assert!(plan.members * plan.own_quads >= quads, "{quads} {plan:?}");
+                    assert!(plan.own_quads <= MOST_TRIPS, "{quads} {plan:?}");
+                    assert!(plan.own_quads.is_multiple_of(plan.width) && quads.is_multiple_of(plan.width), "{plan:?}");
+                }
+            }
         }
     }
 }

@@ -126,8 +126,9 @@ fn longest_rows() {
     let Some((adapter, device, queue)) = support::device() else { return };
     for (seed, (width, height)) in (0..).zip([(40_000, 2), (60_000, 1), (1, 60_000)]) {
         let (left, right) = support::pair(width, height, seed);
-        for mut params in [Params::sgm(5), Params::bm(5)] {
-            params.min_disparity = -2047;
+        let cases = [(Params::sgm(5), -2047), (Params::bm(5), -2047), (Params::bm(16), 500), (Params::bm(32), 2000)];
+        for (mut params, min_disparity) in cases {
+            params.min_disparity = min_disparity;
             let matcher = StereoMatcher::new(&device, &queue, width, height, left.format(), &params).unwrap();
             support::assert_equal(&matcher.check(&left, &right).unwrap(), &adapter, &(width, height, &params));
         }
@@ -135,6 +136,25 @@ fn longest_rows() {
     let (params, format) = (Params::sgm(5), gpu_stereo::PixelFormat::Gray8);
     let refused = StereoMatcher::new(&device, &queue, 60_001, 1, format, &params).unwrap_err();
     assert!(refused.to_string().contains("60000"), "{refused}");
+    // With checks some loops stay loops: what would not be finished is refused, what is taken is right.
+    for (width, mut params, schedule, taken) in [
+        (13_000, Params::sgm(33), Schedule::Lines, true),
+        (1638, Params::sgm(128), Schedule::Lines, true),
+        (13_000, Params::sgm(17), Schedule::Lanes, true),
+        (1638, Params::sgm(2000), Schedule::Lines, false),
+        (2184, Params::bm(90), Schedule::Lines, true),
+    ] {
+        (params.shader_checks, params.schedule, params.block) = (true, schedule, 15);
+        let (left, right) = support::pair(width, 2, 3);
+        let matcher = StereoMatcher::new(&device, &queue, width, 2, left.format(), &params);
+        match matcher {
+            Ok(matcher) if taken => {
+                support::assert_equal(&matcher.check(&left, &right).unwrap(), &adapter, &(width, 2, &params));
+            }
+            Err(error) if !taken => assert!(error.to_string().contains("shader checks"), "{error}"),
+            other => panic!("{params:?}: {:?}", other.err()),
+        }
+    }
 }
 
 /// A device whose bindings are so small that volumes are cut into many bands.

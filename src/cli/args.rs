@@ -50,7 +50,7 @@ pub struct Args {
     pub method: Method,
 
     /// Directions along which sgm aggregates [default: 4]
-    #[arg(long, value_enum, value_name = "4|8")]
+    #[arg(long, value_enum, value_name = "3|4|8")]
     pub paths: Option<Paths>,
 
     /// Side of the square block, odd [default: sgm 5, bm 15]

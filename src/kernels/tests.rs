@@ -196,7 +196,6 @@ fn frame_layout() -> (Vec<(String, u32, String)>, u32) {
         cost_scale,
         p1,
         p2,
-        uniqueness,
         lr_max_difference,
         gray_stride,
         left_stride,
@@ -390,7 +389,6 @@ fn eight(params: &mut Params) {
     params.paths = Paths::Eight;
 }
 
-/// One rule a row: a weight, a rounding, a border, a tie, a penalty, a test of the winner.
 /// Invocations that share a pixel's disparities.
 fn lanes(params: &mut Params) {
     (params.schedule, params.disparities) = (Schedule::Lanes, 50);
@@ -398,6 +396,7 @@ fn lanes(params: &mut Params) {
 
 type Setup = (wgpu::Adapter, wgpu::Device, wgpu::Queue);
 
+/// One rule a row: a weight, a rounding, a border, a tie, a penalty, a test of the winner.
 const MUTANTS: &[Mutant] = &[
     mutant("gray", "16384u", "0u", |_| ()),
     mutant("gray", "3735u", "3734u", |_| ()),

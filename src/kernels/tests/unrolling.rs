@@ -7,9 +7,7 @@ use std::collections::BTreeMap;
 use naga::{Expression, Function, Handle, Module, Statement, TypeInner};
 
 use super::*;
-
-/// Trips of a loop that Mesa unrolls.
-const MOST_TRIPS: u32 = 32;
+use crate::schedule::MOST_TRIPS;
 
 /// The local variables that count a loop from below to a constant.
 fn counters(module: &Module, function: &Function, block: &naga::Block, found: &mut Vec<Handle<naga::LocalVariable>>) {
