@@ -40,3 +40,27 @@ fn main(@builtin(global_invocation_id) id: vec3<u32>, @builtin(local_invocation_
         choose(&costs, &diagonal, &kept, pass_.first_row + band_row, x, writes);
     }
 }
+
+// A column enters the sums.
+fn enter(sums: ptr<function, Costs>, at: u32) {
+    for (var q = 0u; q < OWN_QUADS; q++) {
+        if in_volume(q) {
+            let column = column_at(at + 2u * (member * OWN_QUADS + q));
+            for (var i = 0u; i < 4u; i++) {
+                (*sums)[q][i] += column[i];
+            }
+        }
+    }
+}
+
+// A column leaves the sums.
+fn leave(sums: ptr<function, Costs>, at: u32) {
+    for (var q = 0u; q < OWN_QUADS; q++) {
+        if in_volume(q) {
+            let column = column_at(at + 2u * (member * OWN_QUADS + q));
+            for (var i = 0u; i < 4u; i++) {
+                (*sums)[q][i] -= column[i];
+            }
+        }
+    }
+}

@@ -47,14 +47,18 @@ fn left_bytes(at: i32, row: u32) -> u32 {
     let last = i32(frame.left_stride) - 1;
     let low = textureLoad(left, vec2(u32(clamp(at >> 2u, 0, last)), row)).x;
     let high = textureLoad(left, vec2(u32(clamp((at >> 2u) + 1, 0, last)), row)).x;
-    let shift = (u32(at) & 3u) * 8u;
-    return (low >> shift) | ((high << 1u) << (31u - shift));
+    return bytes_between(low, high, at);
 }
 
 fn right_bytes(at: i32, row: u32) -> u32 {
     let last = i32(frame.right_stride) - 1;
     let low = textureLoad(right, vec2(u32(clamp(at >> 2u, 0, last)), row)).x;
     let high = textureLoad(right, vec2(u32(clamp((at >> 2u) + 1, 0, last)), row)).x;
+    return bytes_between(low, high, at);
+}
+
+// The four bytes that begin `at` modulo 4 bytes into the first of two neighbouring words.
+fn bytes_between(low: u32, high: u32, at: i32) -> u32 {
     let shift = (u32(at) & 3u) * 8u;
     return (low >> shift) | ((high << 1u) << (31u - shift));
 }

@@ -8,14 +8,6 @@
 @group(0) @binding(2) var<storage, read> columns: array<vec4<u32>>;
 @group(0) @binding(3) var<storage, read_write> cost: array<vec4<u32>>;
 
-// Sixteen sums of columns, four a vector.
-fn column_at(vector: u32) -> array<vec4<u32>, 4> {
-    let low = columns[vector];
-    let high = columns[vector + 1u];
-    return array(unpack_pairs(low.x, low.y), unpack_pairs(low.z, low.w), unpack_pairs(high.x, high.y),
-        unpack_pairs(high.z, high.w));
-}
-
 @compute @workgroup_size(LANES)
 fn main(@builtin(global_invocation_id) id: vec3<u32>) {
     let row = id.x / QUADS;

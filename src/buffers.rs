@@ -66,11 +66,11 @@ pub(crate) const SMALL_BLOCK: u32 = 15;
 /// Texels of 16 bytes in a row of the textures that hold a copy of a buffer, which are filled line by line.
 pub(crate) const TEXELS: u32 = 1024;
 
-/// The most disparities that `block_match_small` takes: 32 for each of 8 slices.
-const MOST_SLICED: u32 = 256;
-
 /// Bytes of such a row.
 pub(crate) const TEXTURE_ROW: u64 = 16 * TEXELS as u64;
+
+/// The most disparities that `block_match_small` takes: 32 for each of 8 slices.
+const MOST_SLICED: u32 = 256;
 
 /// The sizes of everything. A volume is cut into bands of rows, each in a buffer of its own, none larger than one
 /// storage binding may be; column sums are computed for one chunk of a band at a time.
@@ -196,10 +196,9 @@ impl Sizes {
             // Not with the checks: lavapipe ends an invocation after 65535 rounds of all of its loops, silently, and the
             // checks keep the loops over an invocation's state from being unrolled.
             Method::Bm => {
-                let checks = params.shader_checks;
                 !plan.lanes
                     && plan.subgroup >= 8
-                    && !checks
+                    && !params.shader_checks
                     && params.disparities <= MOST_SLICED
                     && params.prefiltered_max() < 128
             }

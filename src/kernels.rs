@@ -59,7 +59,7 @@ pub(crate) const KERNELS: &[Kernel] = &[
     Kernel { name: "gray", stage: "gray", lanes: 64, sources: wgsl!("gray", "bytes", "common"), choices: &[], storage: &[QUAD, Write] },
     Kernel { name: "prefilter", stage: "prefilter", lanes: 64, sources: wgsl!("prefilter", "bytes", "common"), choices: &[], storage: &[QUAD, Write] },
     Kernel { name: "sad_columns", stage: "sad_columns", lanes: 128, sources: wgsl!("sad_columns", "common"), choices: &[], storage: &[Read, Read, Write] },
-    Kernel { name: "sad_cost", stage: "sad_cost", lanes: 32, sources: wgsl!("sad_cost", "quantise", "common"), choices: &[], storage: &[Read, Write] },
+    Kernel { name: "sad_cost", stage: "sad_cost", lanes: 32, sources: wgsl!("sad_cost", "column_sums", "quantise", "common"), choices: &[], storage: &[Read, Write] },
     Kernel { name: "sad_cost_lanes", stage: "sad_cost", lanes: 128, sources: wgsl!("sad_cost_lanes", "differences", "quantise", "common"), choices: &[], storage: &[Read, Read, Write] },
     Kernel { name: "sad_cost_small", stage: "sad_cost", lanes: 32, sources: wgsl!("sad_cost_small", "differences", "quantise", "common"), choices: &[], storage: &[WORD, WORD, Write] },
     Kernel { name: "sgm_aggregate", stage: "sgm_aggregate", lanes: STRIP_LANES, sources: wgsl!("sgm_aggregate", "path_step", "common"), choices: VOLUMES, storage: &[Cost, Write, Read, Write] },

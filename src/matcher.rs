@@ -391,9 +391,7 @@ impl StereoMatcher {
                 let paired: Vec<Vec<wgpu::Buffer>> = pairs.iter().map(|_| b.volume("sgm_aggregate", &sizes)).collect();
                 let carries: Vec<[wgpu::Buffer; 2]> =
                     pairs.iter().map(|_| [(); 2].map(|()| b.buffer("sgm_aggregate.carry", sizes.volume_row))).collect();
-                // On `lines` the cost is computed into what is then the first pair's volume, and copied into a texture:
-                // lavapipe reads 16 bytes of an image in a quarter of the time that a buffer takes, but writes buffers
-                // faster (docs/PERFORMANCE.md).
+                // On `lines` the cost is computed into what is then the first pair's volume, and copied into a texture.
                 let computed = if b.plan.lanes { b.volume("sad_cost", &sizes) } else { paired[0].clone() };
                 let mut textures = Vec::new();
                 for (band, (&rows, chunks)) in sizes.bands.iter().zip(&sizes.chunks).enumerate() {

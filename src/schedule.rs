@@ -33,10 +33,10 @@ pub(crate) struct Plan {
     /// Invocations that share the disparities of a pixel: a power of two.
     pub(crate) members: u32,
     pub(crate) exchange: Exchange,
-    /// Neighbours that can talk through a subgroup, whether or not they share a path; 1 if none can.
-    pub(crate) subgroup: u32,
     /// Vectors of 16 disparities that each of them owns.
     pub(crate) own_quads: u32,
+    /// Neighbours that can talk through a subgroup, whether or not they share a path; 1 if none can.
+    pub(crate) subgroup: u32,
     /// Threads of a CPU device: few lines at once for each, so that what one step leaves is in a cache for the next.
     pub(crate) threads: Option<u32>,
     /// Vectors of 16 disparities that a load or store of a volume moves: 1, or 2 as 64-bit integers.
