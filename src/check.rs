@@ -1,8 +1,8 @@
 //! The comparison of every stage's buffer with the reference.
 
 use crate::buffers::{Frame, Rows};
-use crate::matcher::{Output, Step};
 use crate::reference::{self, Direction, Plane, Views, Volume};
+use crate::steps::{Output, Step};
 use crate::{DisparityMap, Error, Image, Method, StereoMatcher, readback};
 
 /// The first element of a stage that differs from the reference.

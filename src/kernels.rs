@@ -1,7 +1,7 @@
 //! The table of kernels: everything that turns a WGSL file into a pipeline.
 
 use crate::buffers::TEXELS;
-use crate::params::{Params, Paths, Prefilter};
+use crate::params::{Params, Paths, Prefilter, Subpixel};
 use crate::schedule::{Exchange, GROUP_LANES, Plan, STRIP_LANES};
 use crate::{Error, PixelFormat};
 
@@ -147,6 +147,7 @@ pub(crate) fn constants(kernel: &Kernel, params: &Params, format: PixelFormat, p
         Paths::Three => (3, 1),
         Paths::Four => (4, 1),
         Paths::Eight => (8, 3),
+        Paths::Five | Paths::Sixteen => (0, 0),
     };
     let (parts, strip) = parts_and_strip(params.disparities);
     let number = |value: u32| ("u32", format!("{value}u"));
@@ -171,7 +172,7 @@ pub(crate) fn constants(kernel: &Kernel, params: &Params, format: PixelFormat, p
         ("STRIP", number(strip)),
         ("PATHS", number(paths)),
         ("PAIRED", number(paired)),
-        ("SUBPIXEL", number(params.subpixel.into())),
+        ("SUBPIXEL", number((params.subpixel != Subpixel::Off).into())),
         ("SHIFTED", number((params.min_disparity != 0).into())),
         ("UNIQUENESS", number(params.uniqueness)),
         ("FORMAT", number(format as u32)),
@@ -200,17 +201,18 @@ pub(crate) fn source(kernel: &Kernel, params: &Params, format: PixelFormat, plan
 }
 
 /// A kernel compiled for a device.
-#[derive(Debug)]
+#[derive(Clone, Debug)]
 pub(crate) struct Compiled {
     pub(crate) layout: wgpu::BindGroupLayout,
     pub(crate) pipeline: wgpu::ComputePipeline,
 }
 
+/// Compiles `text`, a kernel's [`source`].
 pub(crate) fn compile(
     device: &wgpu::Device,
     kernel: &Kernel,
-    params: &Params,
-    format: PixelFormat,
+    text: &str,
+    shader_checks: bool,
     plan: &Plan,
 ) -> Compiled {
     let label = format!("gpu-stereo.{}", kernel.name);
@@ -238,11 +240,8 @@ pub(crate) fn compile(
         device.create_bind_group_layout(&wgpu::BindGroupLayoutDescriptor { label: Some(&label), entries: &entries });
     let module = shader_module(
         device,
-        wgpu::ShaderModuleDescriptor {
-            label: Some(&label),
-            source: wgpu::ShaderSource::Wgsl(source(kernel, params, format, plan).into()),
-        },
-        params,
+        wgpu::ShaderModuleDescriptor { label: Some(&label), source: wgpu::ShaderSource::Wgsl(text.into()) },
+        shader_checks,
     );
     let pipeline_layout = device.create_pipeline_layout(&wgpu::PipelineLayoutDescriptor {
         label: Some(&label),
@@ -271,9 +270,9 @@ pub(crate) fn compile(
 fn shader_module(
     device: &wgpu::Device,
     descriptor: wgpu::ShaderModuleDescriptor<'_>,
-    params: &Params,
+    shader_checks: bool,
 ) -> wgpu::ShaderModule {
-    if params.shader_checks {
+    if shader_checks {
         return device.create_shader_module(descriptor);
     }
     let checks = wgpu::ShaderRuntimeChecks {

@@ -57,6 +57,7 @@
 extern crate self as gpu_stereo; // for tests/support, which the unit tests share
 
 mod buffers;
+mod chain;
 mod check;
 mod error;
 mod image;
@@ -66,11 +67,12 @@ mod params;
 mod readback;
 pub mod reference;
 mod schedule;
+mod steps;
 
 pub use check::{Mismatch, StageCheck};
 pub use error::Error;
 pub use image::{DisparityMap, Image, PixelFormat, Pixels};
 pub use matcher::{StageTime, StereoMatcher};
-pub use params::{Median, Method, Params, Paths, Prefilter};
+pub use params::{Census, Cost, Fill, Median, Method, Params, Paths, Prefilter, RightView, Subpixel, Wls};
 pub use schedule::Schedule;
 pub use wgpu;

@@ -10,8 +10,54 @@ pub enum Prefilter {
     XSobel,
     /// Sobel gradient magnitude, rounded down and clipped to [0, 2 cap].
     Sobel,
+    /// Normalised response: the smoothed pixel less the mean of the window around it, clipped to [-cap, cap] and shifted
+    /// by cap.
+    Normalized,
     /// The gray image itself.
     None,
+}
+
+/// How alike two pixels are, summed over a block: the matching cost.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+#[non_exhaustive]
+pub enum Cost {
+    /// Absolute differences.
+    Sad,
+    /// Squared differences.
+    Ssd,
+    /// Absolute differences after the mean of the block around each pixel is subtracted from it.
+    ZeroMeanSad,
+    /// The difference that does not depend on sampling: Birchfield and Tomasi, "A Pixel Dissimilarity Measure That Is
+    /// Insensitive to Image Sampling", IEEE TPAMI 20(4), 1998.
+    BirchfieldTomasi,
+    /// Absolute differences of the horizontal and of the vertical Sobel derivative.
+    SadXy,
+    /// Hamming distance of census strings ([`Census`]): Zabih and Woodfill, "Non-parametric Local Transforms for
+    /// Computing Visual Correspondence", ECCV 1994.
+    Census,
+    /// Twice the Hamming distance of census strings, and the absolute differences of both Sobel derivatives.
+    CensusSobel,
+    /// Absolute differences and the Hamming distance of census strings, each with a weight.
+    AdCensus,
+    /// Normalised cross correlation; for [`Method::Bm`].
+    Ncc,
+    /// Mutual information: Hirschmüller, "Accurate and Efficient Stereo Processing by Semi-Global Matching and Mutual
+    /// Information", CVPR 2005.
+    MutualInformation,
+}
+
+/// The neighbours that a census string compares.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+#[non_exhaustive]
+pub enum Census {
+    /// 5 x 5 pixels with their centre: 24 bits.
+    Five,
+    /// 7 x 7 pixels with their centre: 48 bits.
+    Seven,
+    /// 9 columns x 7 rows with their centre: 62 bits.
+    NineBySeven,
+    /// The 31 pairs of 9 columns x 7 rows that lie opposite to each other: centre-symmetric, as in libSGM.
+    CentreSymmetric,
 }
 
 /// How the block cost becomes a disparity.
@@ -33,8 +79,12 @@ pub enum Paths {
     Three,
     /// Both horizontal and both vertical directions.
     Four,
+    /// Both horizontal directions, the downward one and the two diagonal ones downwards: OpenCV's `MODE_SGBM`.
+    Five,
     /// The four, and the four diagonal ones.
     Eight,
+    /// The eight, and the eight that go two pixels one way and one the other.
+    Sixteen,
 }
 
 impl Paths {
@@ -43,12 +93,36 @@ impl Paths {
         match self {
             Self::Three => 3,
             Self::Four => 4,
+            Self::Five => 5,
             Self::Eight => 8,
+            Self::Sixteen => 16,
         }
     }
 }
 
-/// The last filter of the chain.
+/// Where the right view comes from that the left-right check compares with.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+#[non_exhaustive]
+pub enum RightView {
+    /// The costs of the left view, read along the diagonal: almost free.
+    Diagonal,
+    /// A full matching of its own, with the right image as the one that is matched: twice the time.
+    Match,
+}
+
+/// The part of a pixel by which a winner is refined.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+#[non_exhaustive]
+pub enum Subpixel {
+    /// Whole pixels.
+    Off,
+    /// The vertex of the parabola through the winner's cost and its neighbours'.
+    Parabola,
+    /// Where two lines of equal and opposite slope through those three costs meet.
+    Equiangular,
+}
+
+/// The median filter of the map.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 #[non_exhaustive]
 pub enum Median {
@@ -56,6 +130,32 @@ pub enum Median {
     Off,
     /// Median of 3x3 pixels.
     Three,
+    /// Median of 5x5 pixels.
+    Five,
+}
+
+/// How pixels without a disparity are given one.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+#[non_exhaustive]
+pub enum Fill {
+    /// They stay without.
+    None,
+    /// The farther of the two neighbours in the row, as the KITTI development kit does.
+    Background,
+    /// Occlusions by the farther neighbour in the row, then mismatches by the median along eight rays.
+    Rays,
+    /// Occlusions by the second lowest and mismatches by the median along eight rays: Hirschmüller 2008, section 2.6.
+    Hirschmuller,
+}
+
+/// Edge-preserving smoothing of the map, guided by the left image: Min et al., "Fast Global Image Smoothing Based on
+/// Weighted Least Squares", IEEE TIP 23(12), 2014.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Wls {
+    /// Strength of the smoothing; 8000 is usual.
+    pub lambda: f32,
+    /// Intensity step that stops it; 1 to 2 is usual.
+    pub sigma: f32,
 }
 
 /// What a user may ask for. Start from [`Params::sgm`] or [`Params::bm`] and change what differs.
@@ -67,7 +167,7 @@ pub enum Median {
 /// params.uniqueness = 15;
 /// assert!(params.validate().is_ok());
 /// ```
-#[derive(Clone, Debug, PartialEq, Eq, Hash)]
+#[derive(Clone, Debug, PartialEq)]
 #[non_exhaustive]
 pub struct Params {
     /// Smallest disparity in pixels, negative allowed.
@@ -76,26 +176,58 @@ pub struct Params {
     pub disparities: u32,
     /// How the winner is found.
     pub method: Method,
-    /// Directions of [`Method::Sgm`].
-    pub paths: Paths,
+    /// The matching cost.
+    pub cost: Cost,
+    /// The window of the costs with a census.
+    pub census: Census,
+    /// Weight of an absolute difference in [`Cost::AdCensus`], in sixteenths.
+    pub ad_weight: u32,
+    /// Weight of a differing bit in [`Cost::AdCensus`], in sixteenths.
+    pub census_weight: u32,
+    /// Compare red, green and blue rather than luma: [`Cost::Sad`] and [`Cost::BirchfieldTomasi`].
+    pub color_cost: bool,
     /// Side of the square block in pixels: odd, 1 to 51.
     pub block: u32,
     /// The image on which costs are computed.
     pub prefilter: Prefilter,
     /// Clip of the prefilter, 1 to 127.
     pub prefilter_cap: u32,
+    /// Side of the window of [`Prefilter::Normalized`] in pixels: odd, 3 to 51.
+    pub prefilter_window: u32,
+    /// Directions of [`Method::Sgm`].
+    pub paths: Paths,
     /// Penalty of a disparity step of 1 between neighbours on a path, in units of the quantised cost (0 to 89), 0 to P2.
     pub p1: u32,
     /// Penalty of a larger disparity step, in the same units, P1 to 127.
     pub p2: u32,
+    /// Lower P2 where the intensity changes along the path.
+    pub adaptive_p2: bool,
+    /// Texture that a block needs: the sum over it of the clipped horizontal derivative; 0 switches the test off.
+    pub texture: u32,
     /// Uniqueness in per cent, 0 to 99; 0 switches the test off.
     pub uniqueness: u32,
+    /// How the winner is refined to 1/16 pixel.
+    pub subpixel: Subpixel,
     /// Largest difference in pixels between the left and the right view's disparity; `None` switches the check off.
     pub lr_check: Option<u32>,
-    /// The last filter.
+    /// The right view that the check compares with.
+    pub right_view: RightView,
+    /// Regions of at most so many pixels are removed; 0 switches the filter off.
+    pub speckle_window: u32,
+    /// Largest disparity step in pixels between neighbours of a region.
+    pub speckle_range: u32,
+    /// Median filter.
     pub median: Median,
-    /// Refine the winner to 1/16 pixel with a parabola.
-    pub subpixel: bool,
+    /// How holes are filled.
+    pub fill: Fill,
+    /// Radius in pixels of the median weighted by the left image, 1 to 15; `None` switches it off.
+    pub weighted_median: Option<u32>,
+    /// Intensity step at which a weight of that median halves, 1 to 255.
+    pub weighted_median_sigma: u32,
+    /// Smoothing by weighted least squares.
+    pub wls: Option<Wls>,
+    /// Compute a confidence for each pixel, too.
+    pub confidence: bool,
     /// Compile the kernels with checks of every index and loop: slower, the same result. For a device that misbehaves.
     pub shader_checks: bool,
     /// How the kernels are laid out on the device; the same result.
@@ -118,16 +250,32 @@ impl Params {
             min_disparity: 0,
             disparities,
             method: Method::Sgm,
-            paths: Paths::Four,
+            cost: Cost::Sad,
+            census: Census::NineBySeven,
+            ad_weight: 8,
+            census_weight: 32,
+            color_cost: false,
             block: 5,
             prefilter: Prefilter::XSobel,
             prefilter_cap: 31,
+            prefilter_window: 9,
+            paths: Paths::Four,
             p1: 16,
             p2: 96,
+            adaptive_p2: false,
+            texture: 0,
             uniqueness: 10,
+            subpixel: Subpixel::Parabola,
             lr_check: Some(1),
+            right_view: RightView::Diagonal,
+            speckle_window: 0,
+            speckle_range: 2,
             median: Median::Three,
-            subpixel: true,
+            fill: Fill::None,
+            weighted_median: None,
+            weighted_median_sigma: 20,
+            wls: None,
+            confidence: false,
             shader_checks: false,
             schedule: Schedule::Auto,
         }
@@ -203,6 +351,34 @@ impl Params {
             self.lr_check.unwrap_or_default().to_string(),
             format!("off, or from 0 to {} px", 2 * limit + 1),
             "1 is usual",
+        )?;
+        check(
+            self.prefilter_window % 2 == 1 && (3..=Self::MAX_BLOCK).contains(&self.prefilter_window),
+            "prefilter-window",
+            self.prefilter_window.to_string(),
+            format!("odd and from 3 to {}", Self::MAX_BLOCK),
+            "9 is usual",
+        )?;
+        check(
+            self.speckle_range <= 2 * limit as u32 + 1,
+            "speckle-range",
+            self.speckle_range.to_string(),
+            format!("from 0 to {} px", 2 * limit + 1),
+            "1 or 2 is usual",
+        )?;
+        check(
+            self.weighted_median.is_none_or(|radius| (1..=15).contains(&radius)),
+            "weighted-median",
+            self.weighted_median.unwrap_or_default().to_string(),
+            "off, or a radius from 1 to 15 px".into(),
+            "5 is usual",
+        )?;
+        check(
+            (1..=255).contains(&self.weighted_median_sigma),
+            "weighted-median-sigma",
+            self.weighted_median_sigma.to_string(),
+            "from 1 to 255".into(),
+            "20 is usual",
         )
     }
 
@@ -219,7 +395,7 @@ impl Params {
     /// The largest value of the prefiltered image.
     pub(crate) fn prefiltered_max(&self) -> u32 {
         match self.prefilter {
-            Prefilter::XSobel | Prefilter::Sobel => 2 * self.prefilter_cap,
+            Prefilter::XSobel | Prefilter::Sobel | Prefilter::Normalized => 2 * self.prefilter_cap,
             Prefilter::None => 255,
         }
     }

@@ -4,7 +4,9 @@
 
 mod support;
 
-use gpu_stereo::{DisparityMap, Image, Median, Method, Params, Paths, PixelFormat, Pixels, Prefilter, reference};
+use gpu_stereo::{
+    DisparityMap, Image, Median, Method, Params, Paths, PixelFormat, Pixels, Prefilter, Subpixel, reference,
+};
 use rand::{Rng, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 use std::io::Write;
@@ -49,7 +51,7 @@ fn settings(params: &Params) -> Vec<(&'static str, String)> {
         ("uniqueness", number(params.uniqueness)),
         ("lr_check", params.lr_check.map_or("off".into(), number)),
         ("median", if params.median == Median::Off { "off" } else { "3" }.into()),
-        ("subpixel", if params.subpixel { "on" } else { "off" }.into()),
+        ("subpixel", if params.subpixel == Subpixel::Off { "off" } else { "on" }.into()),
     ]
 }
 

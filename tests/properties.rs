@@ -5,7 +5,9 @@
 mod support;
 
 use gpu_stereo::reference::{self, points_inside};
-use gpu_stereo::{DisparityMap, Image, Median, Method, Params, Paths, Pixels, Prefilter, StereoMatcher, wgpu};
+use gpu_stereo::{
+    DisparityMap, Image, Median, Method, Params, Paths, Pixels, Prefilter, StereoMatcher, Subpixel, wgpu,
+};
 use rand::{Rng, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 
@@ -76,7 +78,7 @@ fn chains(disparities: u32) -> Vec<Params> {
 /// The winner alone: whole pixels, no test.
 fn whole_pixels(params: &Params) -> Params {
     let mut params = params.clone();
-    (params.subpixel, params.uniqueness, params.lr_check, params.median) = (false, 0, None, Median::Off);
+    (params.subpixel, params.uniqueness, params.lr_check, params.median) = (Subpixel::Off, 0, None, Median::Off);
     params
 }
 
@@ -97,7 +99,7 @@ fn a_shifted_pair_gives_the_shift() {
         for mut params in chains(16) {
             params.min_disparity = min_disparity;
             params.prefilter_cap = 127; // clipped noise is flat
-            for subpixel in [false, true] {
+            for subpixel in [Subpixel::Off, Subpixel::Parabola] {
                 params.subpixel = subpixel;
                 let map = compute(&setup, &left, &right, &params);
                 let inside = |x: i64| x >= border && x < i64::from(width) - border;
@@ -105,7 +107,7 @@ fn a_shifted_pair_gives_the_shift() {
                 let mut pixels = 0;
                 for (x, y, value) in interior {
                     let off = i64::from(value) - 16 * shift;
-                    let most = if subpixel { 8 } else { 0 };
+                    let most = if subpixel == Subpixel::Off { 0 } else { 8 };
                     assert!(off.abs() <= most, "{value}/16 px at ({x}, {y}) for {shift} px, {params:?}, seed {seed}");
                     pixels += 1;
                 }

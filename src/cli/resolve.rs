@@ -3,7 +3,7 @@
 use crate::args::{self, Args, Whole, WholeOrOff};
 use crate::output::Output;
 use anyhow::{Result, anyhow, bail};
-use gpu_stereo::{Error, Median, Method, Params, Paths, Prefilter, Schedule};
+use gpu_stereo::{Error, Median, Method, Params, Paths, Prefilter, Schedule, Subpixel};
 use std::path::PathBuf;
 
 /// A run, ready to start.
@@ -134,7 +134,7 @@ fn params(args: &Args) -> Result<Params> {
         args::Schedule::Lanes => Schedule::Lanes,
     };
     if let Some(subpixel) = args.subpixel {
-        params.subpixel = subpixel == args::OnOff::On;
+        params.subpixel = if subpixel == args::OnOff::On { Subpixel::Parabola } else { Subpixel::Off };
     }
     params.validate().map_err(|error| as_typed(error, args))?;
     tell_unused(&params, args);

@@ -43,9 +43,9 @@ fn specialisations() -> Vec<(Params, PixelFormat, Plan)> {
         for paths in [Paths::Three, Paths::Four, Paths::Eight] {
             for prefilter in [Prefilter::XSobel, Prefilter::Sobel, Prefilter::None] {
                 for base in [Params::sgm(disparities), Params::bm(disparities)] {
-                    for subpixel in [false, true] {
+                    for subpixel in [Subpixel::Off, Subpixel::Parabola] {
                         let params = Params { paths, prefilter, subpixel, ..base.clone() };
-                        let params = Params { block: if subpixel { 5 } else { 21 }, ..params };
+                        let params = Params { block: if subpixel == Subpixel::Off { 21 } else { 5 }, ..params };
                         for (i, plan) in plans(&params).into_iter().enumerate() {
                             let formats = formats.iter().take(if i == 0 { 4 } else { 1 });
                             all.extend(formats.map(|&format| (params.clone(), format, plan)));
@@ -314,7 +314,9 @@ fn pipelines_and_matchers_are_made_without_a_driver() {
         let mut seen = BTreeSet::new();
         for (params, format, plan) in specialisations() {
             if seen.insert(source(kernel, &params, format, &plan)) {
-                let made = crate::readback::guarded(&device, || compile(&device, kernel, &params, format, &plan));
+                let made = crate::readback::guarded(&device, || {
+                    compile(&device, kernel, &source(kernel, &params, format, &plan), false, &plan)
+                });
                 assert!(made.is_ok(), "{} with {params:?}, {format:?}: {}", kernel.name, made.unwrap_err());
             }
         }
@@ -336,7 +338,8 @@ fn a_wrong_row_of_the_table_is_refused() {
     for kernel in KERNELS {
         let row = Kernel { storage: &kernel.storage[1..], ..*kernel };
         let params = Params::sgm(64);
-        let made = crate::readback::guarded(&device, || compile(&device, &row, &params, PixelFormat::Gray8, &PLAN));
+        let text = source(&row, &params, PixelFormat::Gray8, &PLAN);
+        let made = crate::readback::guarded(&device, || compile(&device, &row, &text, false, &PLAN));
         assert!(made.is_err(), "{} was accepted with a binding too few", kernel.name);
     }
 }

@@ -19,7 +19,7 @@ pub fn prefilter(gray: &Plane, params: &Params) -> Plane {
             let value = match params.prefilter {
                 Prefilter::XSobel => gx.clamp(-cap, cap) + cap,
                 Prefilter::Sobel => ((gx * gx + gy * gy).isqrt()).min(2 * cap),
-                Prefilter::None => at(0, 0),
+                Prefilter::Normalized | Prefilter::None => at(0, 0),
             };
             data.push(value as u8);
         }

@@ -30,6 +30,7 @@ impl Direction {
             Paths::Three => &THREE,
             Paths::Four => &FOUR,
             Paths::Eight => &ALL,
+            Paths::Five | Paths::Sixteen => &[],
         }
     }
 }

@@ -1,5 +1,5 @@
 use super::Volume;
-use crate::{DisparityMap, Params};
+use crate::{DisparityMap, Params, Subpixel};
 use rayon::prelude::*;
 
 /// The disparity maps of both views, before any check of one against the other.
@@ -49,7 +49,7 @@ pub(super) fn winner_of_row(costs: &[u32], params: &Params) -> (Vec<i16>, Vec<i1
             .filter(|d| d.abs_diff(best) > 1)
             .all(|d| ratio == 0 || cost(x, d) * (100 - ratio) > cost(x, best) * 100);
         let mut value = 16 * disparity(best);
-        if params.subpixel && best > 0 && best + 1 < n {
+        if params.subpixel != Subpixel::Off && best > 0 && best + 1 < n {
             // The vertex of the parabola through three costs, to the nearest 1/16 px, halves downwards:
             // ceil(8 (before - after) / curvature - 1/2), where curvature > 0 since ties go to the smallest disparity.
             let (before, here, after) = (cost(x, best - 1), cost(x, best), cost(x, best + 1));

@@ -1,0 +1,101 @@
+//! From the planes to the matching cost of every disparity, or with block matching to the winner.
+
+use super::Views;
+use super::planes::Planes;
+use crate::buffers::{Frame, Pass, Rows};
+use crate::kernels;
+use crate::steps::Bound::{self, Buffer, Texture};
+use crate::steps::{Builder, Output};
+
+/// Column sums for one chunk of rows at a time.
+struct Columns {
+    buffer: wgpu::Buffer,
+}
+
+impl Columns {
+    fn new(b: &mut Builder<'_>) -> Self {
+        let most = b.sizes.chunks.iter().flatten().map(|chunk| chunk.count).max().unwrap_or(0);
+        Self { buffer: b.buffer("sad_columns", u64::from(most) * b.sizes.columns_row) }
+    }
+
+    /// Stage `sad_columns` for the rows of `chunk`.
+    fn compute(&self, b: &mut Builder<'_>, planes: &Planes, chunk: Rows) -> Pass {
+        let pass = Pass { first_row: chunk.first, rows: chunk.count, ..Pass::default() };
+        let quads = b.params.quads();
+        let lanes = (b.sizes.frame.width + 2 * b.params.radius()) * (quads / kernels::vectors(quads, &b.plan));
+        let segments = chunk.count.div_ceil(kernels::segment(&b.plan));
+        let [left, right] = &planes.buffers;
+        let storage = [Buffer(left), Buffer(right), Buffer(&self.buffer)];
+        b.step("sad_columns", &storage, pass, lanes, segments, Output::Columns { chunk });
+        pass
+    }
+}
+
+/// Stage `sad_cost` into `computed`, a buffer a band. Returns where the cost is read: there, or from a texture that it is
+/// copied into.
+pub(super) fn sad_cost(b: &mut Builder<'_>, planes: &Planes, computed: &[wgpu::Buffer]) -> Vec<Cost> {
+    let Frame { width, .. } = b.sizes.frame;
+    let columns = Columns::new(b);
+    let quads = b.params.quads();
+    let mut costs = Vec::new();
+    for (band, (&rows, chunks)) in b.sizes.bands.iter().zip(&b.sizes.chunks).enumerate() {
+        let cost = &computed[band];
+        if b.sizes.small_block {
+            let pass = Pass { first_row: rows.first, rows: rows.count, ..Pass::default() };
+            let output = Output::Cost { chunk: rows, volume_row: 0 };
+            if b.plan.lanes {
+                let [left, right] = &planes.buffers;
+                let storage = [Buffer(left), Buffer(right), Buffer(cost)];
+                let segments = rows.count.div_ceil(kernels::segment(&b.plan));
+                b.step("sad_cost_lanes", &storage, pass, width * quads, segments, output);
+            } else {
+                let storage = [Texture(&planes.textures[0]), Texture(&planes.textures[1]), Buffer(cost)];
+                b.step("sad_cost_small", &storage, pass, rows.count.div_ceil(2) * quads, 1, output);
+            }
+        }
+        for &chunk in chunks {
+            let volume_row = chunk.first - rows.first;
+            let pass = Pass { volume_row, ..columns.compute(b, planes, chunk) };
+            let output = Output::Cost { chunk, volume_row };
+            let spans = width.div_ceil(kernels::span(&b.plan));
+            b.step("sad_cost", &[Buffer(&columns.buffer), Buffer(cost)], pass, chunk.count * quads, spans, output);
+        }
+        costs.push(if b.plan.lanes { Cost::Buffer(cost.clone()) } else { Cost::Texture(b.copy_to_texels()) });
+    }
+    costs
+}
+
+/// Where the cost of a band is read.
+pub(super) enum Cost {
+    Buffer(wgpu::Buffer),
+    Texture(wgpu::TextureView),
+}
+
+impl Cost {
+    pub(super) fn bound(&self) -> Bound<'_> {
+        match self {
+            Self::Buffer(buffer) => Buffer(buffer),
+            Self::Texture(view) => Texture(view),
+        }
+    }
+}
+
+/// Stage `block_match`.
+pub(super) fn block_match(b: &mut Builder<'_>, planes: &Planes, views: &Views) {
+    let Frame { height, .. } = b.sizes.frame;
+    if b.sizes.small_block {
+        let pass = Pass { rows: height, ..Pass::default() };
+        let [left, right] = &planes.textures[..] else { unreachable!("small blocks are matched from textures") };
+        let storage = [Texture(left), Texture(right), Buffer(&views.left), Buffer(&views.right)];
+        let (parts, strip) = kernels::parts_and_strip(b.params.disparities);
+        let lanes = parts * height.div_ceil(strip);
+        b.step("block_match_small", &storage, pass, lanes, 1, Output::Views { last: true });
+    }
+    let columns = Columns::new(b);
+    for &chunk in b.sizes.chunks.iter().flatten() {
+        let pass = columns.compute(b, planes, chunk);
+        let output = Output::Views { last: chunk.first + chunk.count == height };
+        let storage = [Buffer(&columns.buffer), Buffer(&views.left), Buffer(&views.right)];
+        b.step("block_match", &storage, pass, chunk.count, 1, output);
+    }
+}

@@ -1,0 +1,38 @@
+//! The schedule: which kernel runs on what, in what order.
+
+mod aggregation;
+mod cost;
+mod filters;
+mod planes;
+
+use crate::Method;
+use crate::steps::Builder;
+
+/// What the matcher needs of what the chain made.
+pub(crate) struct Made {
+    /// The textures into which images are uploaded.
+    pub(crate) sources: [wgpu::Texture; 2],
+    /// The map of the right view.
+    pub(crate) right_map: wgpu::Buffer,
+    /// The map that is read back.
+    pub(crate) output: wgpu::Buffer,
+}
+
+/// The maps of both views.
+pub(crate) struct Views {
+    left: wgpu::Buffer,
+    right: wgpu::Buffer,
+}
+
+/// All stages, from the uploaded images to the map.
+pub(crate) fn chain(b: &mut Builder<'_>) -> Made {
+    let sources = planes::sources(b);
+    let planes = planes::prefiltered(b, &sources);
+    let views = Views { left: b.buffer("winner.left", b.sizes.map), right: b.buffer("winner.right", b.sizes.map) };
+    match b.params.method {
+        Method::Bm => cost::block_match(b, &planes, &views),
+        Method::Sgm => aggregation::winner(b, &planes, &views),
+    }
+    let output = filters::filtered(b, &views);
+    Made { sources, right_map: views.right, output }
+}

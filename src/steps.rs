@@ -1,0 +1,266 @@
+//! Builds the list of steps: buffers, textures, pipelines, bind groups and dispatches.
+
+use std::collections::HashMap;
+
+use crate::buffers::{Pass, Rows, Sizes, TEXELS, TEXTURE_ROW};
+use crate::kernels::{self, Compiled, KERNELS};
+use crate::reference::Direction;
+use crate::schedule::Plan;
+use crate::{Params, PixelFormat};
+
+/// What a step leaves behind, and where: for the comparison with the reference.
+#[derive(Clone, Debug)]
+pub(crate) enum Output {
+    Gray {
+        side: u32,
+    },
+    Prefiltered {
+        side: u32,
+    },
+    Columns {
+        chunk: Rows,
+    },
+    Cost {
+        chunk: Rows,
+        volume_row: u32,
+    },
+    /// The paths of all directions together, when the last of their steps is done.
+    Paths {
+        directions: Vec<Direction>,
+        band: Rows,
+        first: bool,
+        last: bool,
+    },
+    Views {
+        last: bool,
+    },
+    Checked,
+    Median,
+}
+
+/// One dispatch, and what is copied after it.
+#[derive(Debug)]
+pub(crate) struct Step {
+    kernel: usize,
+    pub(crate) pipeline: wgpu::ComputePipeline,
+    pub(crate) bind_group: wgpu::BindGroup,
+    /// The offset of its [`Pass`] in the uniform buffer.
+    pub(crate) pass: u32,
+    pub(crate) workgroups: [u32; 2],
+    pub(crate) output: Output,
+    pub(crate) buffer: wgpu::Buffer,
+    /// The texture that `buffer` is copied into when it is complete, row by row.
+    pub(crate) copy_to: Option<wgpu::Texture>,
+}
+
+impl Step {
+    pub(crate) fn stage(&self) -> &'static str {
+        KERNELS[self.kernel].stage
+    }
+}
+
+/// Distance of the blocks in the uniform buffer of [`Pass`]es: the largest alignment that WebGPU allows a device to ask.
+const PASS_STRIDE: u32 = 256;
+
+/// What a kernel is bound to.
+#[derive(Clone, Copy, Debug)]
+pub(crate) enum Bound<'a> {
+    Buffer(&'a wgpu::Buffer),
+    Texture(&'a wgpu::TextureView),
+}
+
+/// Bytes of a row of `width` texels.
+pub(crate) fn row_bytes(format: wgpu::TextureFormat, width: u32) -> u32 {
+    format.block_copy_size(None).unwrap_or(0) * width
+}
+
+/// A step whose bind group is not made yet.
+struct Planned {
+    kernel: usize,
+    compiled: Compiled,
+    storage: Vec<Resource>,
+    pass: Pass,
+    workgroups: [u32; 2],
+    output: Output,
+    buffer: wgpu::Buffer,
+    copy_to: Option<wgpu::Texture>,
+}
+
+enum Resource {
+    Buffer(wgpu::Buffer),
+    Texture(wgpu::TextureView),
+}
+
+/// Makes buffers and steps.
+pub(crate) struct Builder<'a> {
+    device: &'a wgpu::Device,
+    /// The settings of the kernels that are made next.
+    pub(crate) params: Params,
+    pub(crate) plan: Plan,
+    pub(crate) format: PixelFormat,
+    pub(crate) sizes: &'a Sizes,
+    compiled: HashMap<(usize, String), Compiled>,
+    planned: Vec<Planned>,
+    pub(crate) device_bytes: u64,
+}
+
+impl<'a> Builder<'a> {
+    pub(crate) fn new(
+        device: &'a wgpu::Device,
+        params: &Params,
+        plan: Plan,
+        format: PixelFormat,
+        sizes: &'a Sizes,
+    ) -> Self {
+        let (compiled, planned) = (HashMap::new(), Vec::new());
+        Self { device, params: params.clone(), plan, format, sizes, compiled, planned, device_bytes: 0 }
+    }
+
+    pub(crate) fn buffer(&mut self, name: &str, size: u64) -> wgpu::Buffer {
+        self.device_bytes += size;
+        self.device.create_buffer(&wgpu::BufferDescriptor {
+            label: Some(&format!("gpu-stereo.{name}")),
+            size,
+            usage: wgpu::BufferUsages::STORAGE | wgpu::BufferUsages::COPY_SRC | wgpu::BufferUsages::COPY_DST,
+            mapped_at_creation: false,
+        })
+    }
+
+    /// A volume with a byte a disparity, a buffer a band.
+    pub(crate) fn volume(&mut self, name: &str) -> Vec<wgpu::Buffer> {
+        let sizes = self.sizes;
+        sizes.bands.iter().map(|band| self.buffer(name, sizes.volume(band.count))).collect()
+    }
+
+    /// A texture of `width` texels a row, to be filled by copies.
+    pub(crate) fn texture(
+        &mut self,
+        name: &str,
+        width: u32,
+        height: u32,
+        format: wgpu::TextureFormat,
+    ) -> wgpu::Texture {
+        self.device_bytes += u64::from(row_bytes(format, width)) * u64::from(height);
+        self.device.create_texture(&wgpu::TextureDescriptor {
+            label: Some(&format!("gpu-stereo.{name}")),
+            size: wgpu::Extent3d { width, height, depth_or_array_layers: 1 },
+            mip_level_count: 1,
+            sample_count: 1,
+            dimension: wgpu::TextureDimension::D2,
+            format,
+            usage: wgpu::TextureUsages::STORAGE_BINDING | wgpu::TextureUsages::COPY_DST,
+            view_formats: &[],
+        })
+    }
+
+    /// Copies what the last step left into a texture of `width` texels a row.
+    pub(crate) fn copy_to_texture(
+        &mut self,
+        width: u32,
+        height: u32,
+        format: wgpu::TextureFormat,
+    ) -> wgpu::TextureView {
+        let texture = self.texture("copy", width, height, format);
+        let view = texture.create_view(&wgpu::TextureViewDescriptor::default());
+        if let Some(step) = self.planned.last_mut() {
+            step.copy_to = Some(texture);
+        }
+        view
+    }
+
+    /// Copies what the last step left into a texture of 16 bytes a texel, [`TEXELS`] a row: lavapipe reads 16 bytes of an
+    /// image in a quarter of the time that a buffer takes, but writes buffers faster (docs/PERFORMANCE.md).
+    pub(crate) fn copy_to_texels(&mut self) -> wgpu::TextureView {
+        let bytes = self.planned.last().map_or(0, |step| step.buffer.size());
+        self.copy_to_texture(TEXELS, (bytes / TEXTURE_ROW) as u32, wgpu::TextureFormat::Rgba32Uint)
+    }
+
+    /// One dispatch for `lines` x `rows` lines of the kernel. The first of `storage` that the kernel writes is what it leaves.
+    pub(crate) fn step(
+        &mut self,
+        name: &str,
+        storage: &[Bound<'_>],
+        pass: Pass,
+        lines: u32,
+        rows: u32,
+        output: Output,
+    ) {
+        let Some(kernel) = KERNELS.iter().position(|kernel| kernel.name == name) else {
+            unreachable!("{name} is not in the table of kernels");
+        };
+        let row = &KERNELS[kernel];
+        let text = kernels::source(row, &self.params, self.format, &self.plan);
+        let compiled = self.compiled.entry((kernel, text)).or_insert_with_key(|(_, text)| {
+            kernels::compile(self.device, row, text, self.params.shader_checks, &self.plan)
+        });
+        let written = row.storage.iter().position(|access| *access == kernels::Access::Write);
+        let Some(Bound::Buffer(buffer)) = written.map(|i| storage[i]) else {
+            unreachable!("{name} writes no buffer");
+        };
+        let resource = |bound: &Bound<'_>| match *bound {
+            Bound::Buffer(buffer) => Resource::Buffer(buffer.clone()),
+            Bound::Texture(view) => Resource::Texture(view.clone()),
+        };
+        let invocations = lines * row.members(&self.plan);
+        self.planned.push(Planned {
+            kernel,
+            compiled: compiled.clone(),
+            storage: storage.iter().map(resource).collect(),
+            pass,
+            workgroups: [invocations.div_ceil(row.lanes(&self.plan)), rows],
+            output,
+            buffer: buffer.clone(),
+            copy_to: None,
+        });
+    }
+
+    /// The steps, with the uniform blocks that they read, and the bytes of all that was made.
+    pub(crate) fn finish(mut self, queue: &wgpu::Queue) -> (Vec<Step>, u64) {
+        let uniform = |name: &str, contents: &[u8]| {
+            let buffer = self.device.create_buffer(&wgpu::BufferDescriptor {
+                label: Some(&format!("gpu-stereo.{name}")),
+                size: contents.len() as u64,
+                usage: wgpu::BufferUsages::UNIFORM | wgpu::BufferUsages::COPY_DST,
+                mapped_at_creation: false,
+            });
+            queue.write_buffer(&buffer, 0, contents);
+            buffer
+        };
+        let mut blocks = vec![0u8; self.planned.len() * PASS_STRIDE as usize];
+        for (block, step) in blocks.chunks_exact_mut(PASS_STRIDE as usize).zip(&self.planned) {
+            block[..size_of::<Pass>()].copy_from_slice(bytemuck::bytes_of(&step.pass));
+        }
+        let frame_bytes = bytemuck::bytes_of(&self.sizes.frame);
+        let (frame, passes) = (uniform("frame", frame_bytes), uniform("passes", &blocks));
+        self.device_bytes += frame_bytes.len() as u64 + blocks.len() as u64;
+        let block = (size_of::<Pass>() as u64).try_into().ok();
+        let finished = |(pass, step): (u32, Planned)| {
+            let passes = wgpu::BufferBinding { buffer: &passes, offset: 0, size: block };
+            let uniforms = [frame.as_entire_binding(), wgpu::BindingResource::Buffer(passes)];
+            let storage = step.storage.iter().map(|resource| match resource {
+                Resource::Buffer(buffer) => buffer.as_entire_binding(),
+                Resource::Texture(view) => wgpu::BindingResource::TextureView(view),
+            });
+            let entries: Vec<_> = (0..)
+                .zip(uniforms.into_iter().chain(storage))
+                .map(|(binding, resource)| wgpu::BindGroupEntry { binding, resource })
+                .collect();
+            let bind_group = self.device.create_bind_group(&wgpu::BindGroupDescriptor {
+                label: Some(&format!("gpu-stereo.{}", KERNELS[step.kernel].name)),
+                layout: &step.compiled.layout,
+                entries: &entries,
+            });
+            Step {
+                kernel: step.kernel,
+                pipeline: step.compiled.pipeline,
+                bind_group,
+                pass: pass * PASS_STRIDE,
+                workgroups: step.workgroups,
+                output: step.output,
+                buffer: step.buffer,
+                copy_to: step.copy_to,
+            }
+        };
+        ((0..).zip(self.planned).map(finished).collect(), self.device_bytes)
+    }
+}
