@@ -119,9 +119,9 @@ pub struct ParamOption {
     pub name: &'static str,
     /// What it belongs to.
     pub heading: &'static str,
-    /// What stands for a value, such as `PX|off`; empty where [`ParamOption::values`] are all that there are.
+    /// What stands for a value, such as `PX|off`.
     pub placeholder: &'static str,
-    /// The values that are words, each with a few words of explanation.
+    /// The words that are all its values, each with an explanation; empty where it takes numbers.
     pub values: &'static [(&'static str, &'static str)],
     /// What it does, in a line.
     pub help: &'static str,
@@ -284,6 +284,7 @@ impl Params {
         ParamOption {
             name: "cost",
             heading: COST,
+            placeholder: "COST",
             values: Cost::NAMES,
             help: "How alike two pixels are; brings its usual prefilter and block along",
             set: |params, text| set_named(&mut params.cost, text),
@@ -293,6 +294,7 @@ impl Params {
         ParamOption {
             name: "census",
             heading: COST,
+            placeholder: "CENSUS",
             values: Census::NAMES,
             help: "Neighbours that a census string compares",
             set: |params, text| set_named(&mut params.census, text),
@@ -323,6 +325,7 @@ impl Params {
         ParamOption {
             name: "color-cost",
             heading: COST,
+            placeholder: "on|off",
             values: ON_OFF,
             help: "sad, bt: compare red, green and blue rather than luma",
             set: |params, text| set_switch(&mut params.color_cost, text),
@@ -341,6 +344,7 @@ impl Params {
         ParamOption {
             name: "prefilter",
             heading: COST,
+            placeholder: "PREFILTER",
             values: Prefilter::NAMES,
             help: "The image on which costs are computed",
             set: |params, text| set_named(&mut params.prefilter, text),
@@ -373,6 +377,7 @@ impl Params {
         ParamOption {
             name: "method",
             heading: AGGREGATION,
+            placeholder: "METHOD",
             values: Method::NAMES,
             help: "How costs become disparities; bm brings its own cost and block along",
             set: |params, text| set_named(&mut params.method, text),
@@ -382,6 +387,7 @@ impl Params {
         ParamOption {
             name: "paths",
             heading: AGGREGATION,
+            placeholder: "PATHS",
             values: Paths::NAMES,
             help: "sgm: directions along which costs are aggregated",
             set: |params, text| set_named(&mut params.paths, text),
@@ -412,6 +418,7 @@ impl Params {
         ParamOption {
             name: "adaptive-p2",
             heading: AGGREGATION,
+            placeholder: "on|off",
             values: ON_OFF,
             help: "sgm: lower P2 where the intensity changes along the path",
             set: |params, text| set_switch(&mut params.adaptive_p2, text),
@@ -440,6 +447,7 @@ impl Params {
         ParamOption {
             name: "subpixel",
             heading: AFTER,
+            placeholder: "SUBPIXEL",
             values: Subpixel::NAMES,
             help: "How the winner is refined to 1/16 pixel",
             set: |params, text| set_named(&mut params.subpixel, if text == "on" { "parabola" } else { text }),
@@ -458,6 +466,7 @@ impl Params {
         ParamOption {
             name: "right-view",
             heading: AFTER,
+            placeholder: "RIGHT-VIEW",
             values: RightView::NAMES,
             help: "Where the right view comes from",
             set: |params, text| set_named(&mut params.right_view, text),
@@ -486,6 +495,7 @@ impl Params {
         ParamOption {
             name: "median",
             heading: AFTER,
+            placeholder: "MEDIAN",
             values: Median::NAMES,
             help: "Median filter",
             set: |params, text| set_named(&mut params.median, text),
@@ -495,6 +505,7 @@ impl Params {
         ParamOption {
             name: "fill",
             heading: AFTER,
+            placeholder: "FILL",
             values: Fill::NAMES,
             help: "How holes are filled",
             set: |params, text| set_named(&mut params.fill, text),
@@ -523,6 +534,7 @@ impl Params {
         ParamOption {
             name: "wls",
             heading: AFTER,
+            placeholder: "on|off",
             values: ON_OFF,
             help: "Edge-preserving smoothing by weighted least squares",
             set: |params, text| {
@@ -538,7 +550,7 @@ impl Params {
             name: "wls-lambda",
             heading: AFTER,
             placeholder: "L|off",
-            help: "Strength of that smoothing; switches it on",
+            help: "Strength of that smoothing, 8000 unless given; switches it on",
             set: |params, text| set_wls(params, text, |wls| &mut wls.lambda),
             get: |params| or_off(params.wls.map(|wls| wls.lambda)),
             idle: |params| with(params.wls.is_none(), "wls"),
@@ -548,7 +560,7 @@ impl Params {
             name: "wls-sigma",
             heading: AFTER,
             placeholder: "S|off",
-            help: "Intensity step that stops it; switches it on",
+            help: "Intensity step that stops it, 1.5 unless given; switches it on",
             set: |params, text| set_wls(params, text, |wls| &mut wls.sigma),
             get: |params| or_off(params.wls.map(|wls| wls.sigma)),
             idle: |params| with(params.wls.is_none(), "wls"),
@@ -557,6 +569,7 @@ impl Params {
         ParamOption {
             name: "shader-checks",
             heading: DEVICE,
+            placeholder: "on|off",
             values: ON_OFF,
             help: "Compile the kernels with checks of every index and loop: slower, the same result",
             set: |params, text| set_switch(&mut params.shader_checks, text),
@@ -566,6 +579,7 @@ impl Params {
         ParamOption {
             name: "schedule",
             heading: DEVICE,
+            placeholder: "SCHEDULE",
             values: Schedule::NAMES,
             help: "How the kernels are laid out; the same result",
             set: |params, text| set_named(&mut params.schedule, text),
@@ -727,7 +741,7 @@ mod tests {
             assert!(Params::OPTIONS[..i].iter().all(|other| other.name != option.name), "{}", option.name);
             let words: Vec<_> = option.values.iter().map(|(name, _)| name).collect();
             assert!(words.iter().enumerate().all(|(i, word)| !words[..i].contains(word)), "{words:?}");
-            assert_eq!(option.placeholder.is_empty(), !option.values.is_empty(), "{}", option.name);
+            assert!(!option.placeholder.is_empty(), "{}", option.name);
             for params in PRESETS.iter().map(|&preset| Params::preset(preset, 8)).chain([Params::bm(8)]) {
                 assert_eq!((option.idle)(&params).is_some(), option.idle(&params).is_some(), "{}", option.name);
             }
