@@ -862,6 +862,9 @@ fn help_and_version() {
     }
     let headings =
         ["Arguments", "Options", "Input", "Matching cost", "Aggregation", "After the winner", "Device", "Output"];
+    for option in Params::OPTIONS {
+        assert!(include_str!("../README.md").contains(&format!("`--{} ", option.name)), "README: --{}", option.name);
+    }
     let mut rest = stdout(&help);
     for heading in headings {
         rest = rest.split_once(&format!("\n{heading}:\n")).unwrap_or_else(|| panic!("{heading}")).1.to_owned();
