@@ -636,7 +636,7 @@ mod tests {
             }
         }
         assert_eq!(of(&[("cost", "sad"), ("preset", "balanced")]).prefilter, Prefilter::XSobel);
-        assert_eq!(of(&[("cost", "census")]).prefilter, Prefilter::None);
+        assert_eq!(of(&[("cost", "census"), ("preset", "classic")]).prefilter, Prefilter::None);
         // The preset's own cost stays as the preset has it.
         let balanced = Params::preset(Preset::Balanced, 64);
         assert_eq!(of(&[("cost", "census-sobel"), ("preset", "balanced")]), balanced);
