@@ -158,7 +158,31 @@ pub struct Wls {
     pub sigma: f32,
 }
 
-/// What a user may ask for. Start from [`Params::sgm`] or [`Params::bm`] and change what differs.
+impl Default for Wls {
+    fn default() -> Self {
+        Self { lambda: 8000.0, sigma: 1.5 }
+    }
+}
+
+/// Settings that go well together ([`Params::preset`]).
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
+#[non_exhaustive]
+pub enum Preset {
+    /// The plain chain, [`Params::sgm`], and the speckle filter.
+    #[default]
+    Classic,
+    /// As the classic one, along three directions.
+    Fast,
+    /// Census strings and gradients, four directions, P2 by the intensity step.
+    Balanced,
+    /// As balanced, and only what a second match confirms.
+    Strict,
+    /// As balanced, with every hole filled.
+    Dense,
+}
+
+/// What a user may ask for. Start from [`Params::preset`], [`Params::sgm`] or [`Params::bm`] and change what differs, or
+/// set it by name ([`Params::set`], [`Params::from_options`]).
 ///
 /// ```
 /// use gpu_stereo::{Params, Paths};
@@ -244,6 +268,10 @@ impl Params {
     pub(crate) const SMALL_BLOCK: u32 = 15;
     /// The largest clip of a prefilter: twice it fits a byte.
     pub const MAX_CAP: u32 = 127;
+    /// The largest weight of [`Cost::AdCensus`]: four times what it counts.
+    pub const MAX_WEIGHT: u32 = 64;
+    /// The largest texture: every pixel of the largest block at the largest clip.
+    pub const MAX_TEXTURE: u32 = Self::MAX_BLOCK * Self::MAX_BLOCK * Self::MAX_CAP;
     /// The largest P2: a forward and a backward path without their costs, at most P2 each, sum in a byte.
     pub const MAX_P2: u32 = 127;
 
@@ -289,7 +317,51 @@ impl Params {
         Self { method: Method::Bm, block: 15, uniqueness: 15, ..Self::sgm(disparities) }
     }
 
-    /// Checks every range.
+    /// A preset over `disparities` disparities from 0.
+    pub fn preset(preset: Preset, disparities: u32) -> Self {
+        let classic = Self { speckle_window: 100, ..Self::sgm(disparities) };
+        let balanced = Self {
+            cost: Cost::CensusSobel,
+            block: 1,
+            prefilter: Prefilter::None,
+            p1: 18,
+            adaptive_p2: true,
+            uniqueness: 0,
+            ..classic.clone()
+        };
+        match preset {
+            Preset::Classic => classic,
+            Preset::Fast => Self { paths: Paths::Three, ..classic },
+            Preset::Balanced => balanced,
+            Preset::Strict => {
+                Self { right_view: RightView::Match, uniqueness: 10, speckle_window: 200, speckle_range: 1, ..balanced }
+            }
+            Preset::Dense => {
+                Self { right_view: RightView::Match, fill: Fill::Rays, weighted_median: Some(5), ..balanced }
+            }
+        }
+    }
+
+    /// The same with block matching: its own cost, block and uniqueness, the same filters.
+    pub(crate) fn with_bm(self) -> Self {
+        let Self { method, cost, block, prefilter, uniqueness, .. } = Self::bm(self.disparities);
+        Self { method, cost, block, prefilter, uniqueness, ..self }
+    }
+
+    /// The prefilter and the block that are usual for the cost.
+    pub(crate) fn take_usual(&mut self) {
+        let (prefilter, block) = match self.cost {
+            Cost::Sad | Cost::Ssd | Cost::BirchfieldTomasi => (Prefilter::XSobel, 5),
+            Cost::ZeroMeanSad | Cost::SadXy | Cost::Ncc => (Prefilter::None, 5),
+            Cost::Census | Cost::CensusSobel | Cost::AdCensus | Cost::MutualInformation => (Prefilter::None, 1),
+        };
+        self.prefilter = prefilter;
+        if self.method == Method::Sgm {
+            self.block = block;
+        }
+    }
+
+    /// Checks every range, and that the settings go together.
     ///
     /// # Errors
     /// [`Error::Parameter`] for the first parameter outside its range.
@@ -368,6 +440,59 @@ impl Params {
             self.speckle_range.to_string(),
             format!("from 0 to {} px", 2 * limit + 1),
             "1 or 2 is usual",
+        )?;
+        for (name, weight) in [("ad-weight", self.ad_weight), ("census-weight", self.census_weight)] {
+            check(
+                weight <= Self::MAX_WEIGHT,
+                name,
+                weight.to_string(),
+                format!("from 0 to {} sixteenths", Self::MAX_WEIGHT),
+                "16 counts once",
+            )?;
+        }
+        check(
+            self.texture <= Self::MAX_TEXTURE,
+            "texture",
+            self.texture.to_string(),
+            format!("from 0 (off) to {}", Self::MAX_TEXTURE),
+            "a few units for each pixel of the block are usual",
+        )?;
+        check(
+            self.speckle_window <= i32::MAX as u32,
+            "speckle-window",
+            self.speckle_window.to_string(),
+            format!("from 0 (off) to {} px", i32::MAX),
+            "100 is usual",
+        )?;
+        if let Some(Wls { lambda, sigma }) = self.wls {
+            for (name, value, remedy) in
+                [("wls-lambda", lambda, "8000 is usual"), ("wls-sigma", sigma, "1 to 2 is usual")]
+            {
+                let good = value.is_finite() && value > 0.0;
+                check(good, name, value.to_string(), "finite and more than 0".into(), remedy)?;
+            }
+        }
+        let (cost, method) = (self.cost, self.method);
+        check(
+            cost != Cost::Ncc || method == Method::Bm,
+            "cost",
+            cost.to_string(),
+            format!("another one with method {method}"),
+            "take method bm",
+        )?;
+        check(
+            cost != Cost::Ncc || (3..=19).contains(&self.block),
+            "block",
+            self.block.to_string(),
+            "odd and from 3 to 19 with cost ncc".into(),
+            "11 is usual",
+        )?;
+        check(
+            !self.color_cost || matches!(cost, Cost::Sad | Cost::BirchfieldTomasi),
+            "color-cost",
+            "on".into(),
+            format!("off with cost {cost}"),
+            "take cost sad or bt",
         )?;
         check(
             self.weighted_median.is_none_or(|radius| (1..=15).contains(&radius)),

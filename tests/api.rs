@@ -7,12 +7,14 @@ mod support;
 use std::collections::BTreeSet;
 
 use gpu_stereo::reference::{self, Direction, Volume};
-use gpu_stereo::{DisparityMap, Error, Image, Params, Paths, PixelFormat, Pixels, StereoMatcher, wgpu};
+use gpu_stereo::{
+    Cost, DisparityMap, Error, Image, Method, Params, Paths, PixelFormat, Pixels, StereoMatcher, Wls, wgpu,
+};
 
 type Change = fn(&mut Params);
 
 /// Each row of [`Params::validate`]: what is set, the parameter's name, the value given, and what is allowed.
-const REFUSED: [(Change, &str, &str, &str); 16] = [
+const REFUSED: &[(Change, &str, &str, &str)] = &[
     (|p| p.min_disparity = -2048, "min-disp", "-2048", "-2047 to 2047"),
     (|p| p.min_disparity = 2048, "min-disp", "2048", "-2047 to 2047"),
     (|p| p.min_disparity = i32::MIN, "min-disp", "-2147483648", "-2047 to 2047"),
@@ -29,13 +31,32 @@ const REFUSED: [(Change, &str, &str, &str); 16] = [
     (|p| (p.p1, p.p2) = (8, 7), "p1", "8", "0 to p2, which is 7"),
     (|p| p.uniqueness = 100, "uniqueness", "100", "0 (off) to 99"),
     (|p| p.lr_check = Some(4096), "lr-check", "4096", "0 to 4095"),
+    (|p| p.prefilter_window = 1, "prefilter-window", "1", "odd and from 3 to 51"),
+    (|p| p.prefilter_window = 8, "prefilter-window", "8", "odd and from 3 to 51"),
+    (|p| p.ad_weight = 65, "ad-weight", "65", "0 to 64"),
+    (|p| p.census_weight = 65, "census-weight", "65", "0 to 64"),
+    (|p| p.texture = 330_328, "texture", "330328", "0 (off) to 330327"),
+    (|p| p.speckle_window = 1 << 31, "speckle-window", "2147483648", "0 (off) to 2147483647"),
+    (|p| p.speckle_range = 4096, "speckle-range", "4096", "0 to 4095"),
+    (|p| p.weighted_median = Some(0), "weighted-median", "0", "off, or a radius from 1 to 15"),
+    (|p| p.weighted_median = Some(16), "weighted-median", "16", "off, or a radius from 1 to 15"),
+    (|p| p.weighted_median_sigma = 0, "weighted-median-sigma", "0", "1 to 255"),
+    (|p| p.weighted_median_sigma = 256, "weighted-median-sigma", "256", "1 to 255"),
+    (|p| p.wls = Some(Wls { lambda: 0.0, sigma: 1.0 }), "wls-lambda", "0", "finite and more than 0"),
+    (|p| p.wls = Some(Wls { lambda: f32::NAN, sigma: 1.0 }), "wls-lambda", "NaN", "finite and more than 0"),
+    (|p| p.wls = Some(Wls { lambda: 1.0, sigma: f32::INFINITY }), "wls-sigma", "inf", "finite and more than 0"),
+    (|p| p.wls = Some(Wls { lambda: 1.0, sigma: -1.0 }), "wls-sigma", "-1", "finite and more than 0"),
+    (|p| (p.method, p.cost) = (Method::Sgm, Cost::Ncc), "cost", "ncc", "another one with method sgm"),
+    (|p| (p.method, p.cost, p.block) = (Method::Bm, Cost::Ncc, 1), "block", "1", "3 to 19 with cost ncc"),
+    (|p| (p.method, p.cost, p.block) = (Method::Bm, Cost::Ncc, 21), "block", "21", "3 to 19 with cost ncc"),
+    (|p| (p.color_cost, p.cost) = (true, Cost::Census), "color-cost", "on", "off with cost census"),
 ];
 
 #[test]
 fn a_refused_parameter_is_named_with_what_is_allowed() {
     let (device, queue) = wgpu::Device::noop(&wgpu::DeviceDescriptor::default());
     let (left, right) = support::pair(4, 4, 0);
-    for (change, name, given, allowed) in REFUSED {
+    for &(change, name, given, allowed) in REFUSED {
         for mut params in [Params::sgm(16), Params::bm(16)] {
             change(&mut params);
             let errors = [

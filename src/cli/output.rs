@@ -23,6 +23,8 @@ pub enum Format {
     Tiff,
     /// A picture: turbo colours over the searched range, invalid black.
     Color,
+    /// An 8-bit gray PNG: 255 where there is a disparity, 0 where not.
+    Mask,
 }
 
 /// A file to write.
@@ -37,18 +39,24 @@ pub struct Output {
 }
 
 /// The files to write, each checked: its ending is known, its folder can be written, it is neither an input nor named
-/// twice. Without any, the default ones.
-pub fn resolve(maps: &[PathBuf], color: Option<&Path>, inputs: [&PathBuf; 2], params: &Params) -> Result<Vec<Output>> {
+/// twice. Pictures have an option of their own, each. Without any file, the default ones.
+pub fn resolve(
+    maps: &[PathBuf],
+    pictures: &[(&str, &Option<PathBuf>, Format)],
+    inputs: [&PathBuf; 2],
+    params: &Params,
+) -> Result<Vec<Output>> {
     let mut wanted = Vec::new();
     for path in maps {
         wanted.push((path.clone(), map_format(path)?));
     }
-    if let Some(path) = color {
+    for (option, path, format) in pictures {
+        let Some(path) = path else { continue };
         ensure!(
             ending(path) == "png",
-            "--color is {path:?}, but a picture is written as .png; give a name that ends in .png"
+            "--{option} is {path:?}, but a picture is written as .png; give a name that ends in .png"
         );
-        wanted.push((path.into(), Format::Color));
+        wanted.push((path.clone(), *format));
     }
     if wanted.is_empty() {
         wanted.push(default_map(params));
@@ -216,6 +224,11 @@ fn encode(format: Format, map: &DisparityMap, params: &Params) -> Result<Vec<u8>
             let samples: Vec<u8> = map.data.iter().flat_map(|&value| color(value, params)).collect();
             PngEncoder::new(&mut bytes).write_image(&samples, width, height, ExtendedColorType::Rgb8)?;
         }
+        Format::Mask => {
+            let samples: Vec<u8> =
+                map.data.iter().map(|&value| if pixels(value).is_some() { 255 } else { 0 }).collect();
+            PngEncoder::new(&mut bytes).write_image(&samples, width, height, ExtendedColorType::L8)?;
+        }
     }
     Ok(bytes.into_inner())
 }
@@ -291,7 +304,7 @@ mod tests {
         let folder = tempfile::tempdir().unwrap();
         let paths = [folder.path().join("a.npy"), folder.path().join("b.png")];
         let none = PathBuf::new();
-        let outputs = resolve(&paths, None, [&none, &none], &Params::sgm(8)).unwrap();
+        let outputs = resolve(&paths, &[], [&none, &none], &Params::sgm(8)).unwrap();
         assert!(write(&outputs, &map(&[-16]), &Params::sgm(8)).is_err());
         assert_eq!(fs::read_dir(folder.path()).unwrap().count(), 0);
     }
