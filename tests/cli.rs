@@ -677,6 +677,160 @@ fn options_that_contradict_each_other() {
     refuses(folder.path(), &on("left.png", "right.png", &["--adapter", "0"]), &["--adapter", "--backend cpu"]);
 }
 
+// Studies.
+
+/// `sweep` or `compare` on the scene, with the reference.
+fn study<'a>(name: &'a str, more: &[&'a str]) -> Vec<&'a str> {
+    [&[name, "left.png", "right.png", "--backend", "cpu"], more].concat()
+}
+
+fn picture(path: &Path) -> image::RgbImage {
+    image::open(path).unwrap().into_rgb8()
+}
+
+/// Whether some part of the sheet is this picture, drawn this wide.
+fn shows(sheet: &image::RgbImage, part: &image::RgbImage, width: u32) -> bool {
+    let height = (part.height() * width).div_ceil(part.width());
+    let part = image::imageops::resize(part, width, height, image::imageops::FilterType::Nearest);
+    let corners = (0..sheet.height() - height).flat_map(|y| (0..sheet.width() - width).map(move |x| (x, y)));
+    let equal =
+        |(left, top): (u32, u32)| part.enumerate_pixels().all(|(x, y, p)| sheet.get_pixel(left + x, top + y) == p);
+    corners.into_iter().any(equal)
+}
+
+#[test]
+fn a_sweep_is_one_sheet_of_the_maps_that_single_runs_give() {
+    let folder = scene();
+    let at = |name: &str| picture(&folder.path().join(name));
+    let axes = ["--block", "3,7", "--disp", "8,12,16", "--method", "bm", "--tile-width", "96"];
+    let output = succeeds(folder.path(), &study("sweep", &[&axes[..], &["-o", "sheet.png"]].concat()));
+    let sheet = at("sheet.png");
+    // Three columns of 144 px (room for the labels) below the left image.
+    assert_eq!(sheet.width(), 3 * (144 + 8) + 8);
+    assert!((3 * 60..600).contains(&sheet.height()), "{}", sheet.height());
+    let left = image::open(folder.path().join("left.png")).unwrap().into_rgb8();
+    assert!(shows(&sheet, &left, 96));
+    for block in ["3", "7"] {
+        // The colours span all ranges, so only the widest one is a single run's picture.
+        let single = ["--disp", "16", "--block", block, "--method", "bm", "--backend", "cpu", "--color", "one.png"];
+        succeeds(folder.path(), &[&["left.png", "right.png"], &single[..]].concat());
+        assert!(shows(&sheet, &at("one.png"), 96), "block {block}");
+        for disp in ["8", "12", "16"] {
+            let label = format!("block {block}, disp {disp}");
+            assert!(stdout(&output).contains(&format!("| {label}")), "{}", stdout(&output));
+            assert!(stderr(&output).contains(&format!("/6  {label}: ")), "{}", stderr(&output));
+        }
+    }
+    assert!(stdout(&output).starts_with("| settings "), "{}", stdout(&output));
+    assert_eq!((stdout(&output).lines().count(), stderr(&output).lines().count()), (2 + 6, 6));
+    // Below each tile something is written: the block's first row of tiles begins at the same height.
+    let dark = |x: u32, width: u32| {
+        let rows = sheet.height() - 30..sheet.height();
+        rows.flat_map(|y| (x..x + width).map(move |x| (x, y)))
+            .filter(|&(x, y)| sheet.get_pixel(x, y).0 == [0; 3])
+            .count()
+    };
+    (0..3).for_each(|column| assert!(dark(8 + column * 152, 144) > 30, "the last row has labels"));
+    assert_eq!(fs::read_dir(folder.path()).unwrap().count(), 4, "temporary files are gone");
+}
+
+#[test]
+fn a_comparison_of_variants_and_its_json() {
+    let folder = scene();
+    let variants = ["--variants", "sad,bm", "preset=classic+median=off+paths=8", "sad+disp=12", "--disp", "16"];
+    let output = succeeds(folder.path(), &study("compare", &[&variants[..], &["--json", "--repeat", "2"]].concat()));
+    let told: Value = serde_json::from_slice(&output.stdout).unwrap();
+    let fields: Vec<_> = told.as_object().unwrap().keys().map(String::as_str).collect();
+    assert_eq!(fields, ["adapter", "backend", "driver", "width", "height", "variants", "outputs"]);
+    assert_eq!((&told["backend"], &told["outputs"]), (&"cpu".into(), &serde_json::json!(["compare.png"])));
+    let variants = told["variants"].as_array().unwrap();
+    let labels: Vec<_> = variants.iter().map(|variant| variant["label"].as_str().unwrap()).collect();
+    assert_eq!(labels, ["cost sad", "method bm", "preset classic, median off, paths 8", "cost sad, disp 12"]);
+    let settings = serde_json::json!({"disp": "16", "preset": "classic", "median": "off", "paths": "8"});
+    assert_eq!(variants[2]["settings"], settings);
+    assert_eq!((&variants[2]["disparities"], &variants[3]["disparities"]), (&16.into(), &12.into()));
+    for variant in variants {
+        assert!(variant["frame_ms"]["min"].as_f64().unwrap() > 0.0);
+        let valid = variant["valid"].as_f64().unwrap();
+        assert!((0.5..=1.0).contains(&valid), "{valid}");
+    }
+    // The same as single runs say.
+    let single = succeeds(folder.path(), &on("left.png", "right.png", &["--json", "--method", "bm"]));
+    let single: Value = serde_json::from_slice(&single.stdout).unwrap();
+    assert_eq!(variants[1]["valid"], single["valid"]);
+    // Four maps and the left image, 240 px wide, since the images are small; a JPEG of the same size.
+    let sheet = picture(&folder.path().join("compare.png"));
+    assert_eq!(sheet.width(), 3 * (240 + 8) + 8);
+    let args = study("compare", &["--disp", "16", "--variants", "sad", "bm", "sad", "bm", "-q", "-o", "c.jpg"]);
+    let output = succeeds(folder.path(), &args);
+    assert_eq!((stdout(&output), stderr(&output)), (String::new(), String::new()));
+    assert_eq!(picture(&folder.path().join("c.jpg")).width(), sheet.width());
+}
+
+#[test]
+fn studies_that_cannot_be() {
+    let folder = scene();
+    let many = (1..=40).map(|n| n.to_string()).collect::<Vec<_>>().join(",");
+    let sweeps: [(&[&str], &[&str]); 13] = [
+        (&["--block", "3,5"], &["--disp <N>", "--help"]),
+        (&["--disp", "8,0"], &["--disp is 0,", "from 1"]),
+        (&["--disp", "8,,16"], &["--disp is empty,", "a whole number"]),
+        (&["--disp", "8,x"], &["--disp is x,", "a whole number"]),
+        (&["--disp", "8", "--block", "3,4,5"], &["--block is 4,", "odd"]),
+        (&["--disp", "8", "--method", "bm,magic"], &["--method is magic,", "sgm, bm"]),
+        (&["--disp", &many, "--p2", &many], &["1600 combinations", "1000", "fewer"]),
+        (&["--disp", "8", "--tile-width", "15"], &["--tile-width is 15,", "16 to 4096"]),
+        (&["--disp", "8,9,10,11", "--tile-width", "4096"], &["4 maps", "10000 a side", "--tile-width", "4096"]),
+        (&["--disp", "8", "--repeat", "0"], &["--repeat is 0,", "from 1"]),
+        (&["--disp", "8", "--adapter", "0"], &["--adapter", "--backend cpu"]),
+        (&["--disp", "8", "-o", "sheet.npy"], &["sheet.npy", ".png or .jpg"]),
+        (&["--disp", "8", "-o", "left.png"], &["left.png", "input"]),
+    ];
+    for (more, words) in sweeps {
+        refuses(folder.path(), &study("sweep", more), words);
+    }
+    let comparisons: [(&[&str], &[&str]); 9] = [
+        (&["--disp", "8"], &["--variants", "--help"]),
+        (&["--variants", "sad"], &["--disp <N>", "--help"]),
+        (&["--disp", "8", "--variants", "sad,magic"], &["\"magic\"", "preset", "cost", "OPTION=VALUE"]),
+        (&["--disp", "8", "--variants", "block"], &["\"block\"", "OPTION=VALUE"]),
+        (&["--disp", "8", "--variants", "sad+"], &["\"sad+\"", "OPTION=VALUE"]),
+        (&["--disp", "8", "--variants", "sad+block=4"], &["\"sad+block=4\"", "--block is 4,", "odd"]),
+        (&["--disp", "8", "--variants", "frobnicate=4"], &["\"frobnicate=4\"", "\"frobnicate\"", "median"]),
+        (&["--disp", "8", "--variants", "cost=best"], &["--cost is best,", "sad, ssd"]),
+        (&["--disp", "8,9", "--variants", "sad"], &["--disp is 8,9,", "a whole number"]),
+    ];
+    for (more, words) in comparisons {
+        refuses(folder.path(), &study("compare", more), words);
+    }
+    refuses(folder.path(), &["sweep", "left.png", "none.png", "--disp", "8"], &["none.png", "does not exist"]);
+    refuses(folder.path(), &["sweep", "left.png", "--disp", "8"], &["<RIGHT>"]);
+    refuses(folder.path(), &["--json", "sweep", "left.png", "right.png", "--disp", "8"], &["before them"]);
+    // A range that no option alone gets wrong.
+    refuses(folder.path(), &study("sweep", &["--disp", "8", "--p1", "9,20", "--p2", "10,30"]), &["--p1 is 20,", "10"]);
+}
+
+#[test]
+fn images_may_have_the_names_of_studies() {
+    let folder = scene();
+    fs::copy(folder.path().join("left.png"), folder.path().join("sweep")).unwrap();
+    fs::copy(folder.path().join("right.png"), folder.path().join("compare")).unwrap();
+    succeeds(folder.path(), &on("./sweep", "compare", &[]));
+    succeeds(folder.path(), &["sweep", "sweep", "compare", "--disp", "16", "--backend", "cpu"]);
+    assert!(folder.path().join("sweep.png").exists());
+}
+
+#[test]
+fn options_that_change_nothing_in_a_study_are_told_once() {
+    let folder = scene();
+    let notes = |args: &[&str]| stderr(&succeeds(folder.path(), &study("sweep", &[args, &["-q"]].concat())));
+    assert_eq!(
+        notes(&["--disp", "8,9", "--method", "bm", "--paths", "3,8"]),
+        "note: --paths changes nothing with --method bm\n"
+    );
+    assert_eq!(notes(&["--disp", "8", "--method", "bm,sgm", "--paths", "3"]), "");
+}
+
 // What it says.
 
 #[test]
@@ -887,6 +1041,8 @@ fn help_and_version() {
         "--repeat",
         "--json",
         "-q",
+        "sweep",
+        "compare",
         "Examples:",
         "Exit codes:",
     ] {

@@ -1,14 +1,18 @@
 //! Parse: the command line as it was typed, with no meaning given to it yet.
 
 use clap::builder::{PossibleValue, StringValueParser, TypedValueParser};
-use clap::{Arg, ArgMatches, Command, FromArgMatches, Parser, ValueEnum};
+use clap::error::{ContextKind, ErrorKind};
+use clap::{Arg, ArgMatches, Command, FromArgMatches, Parser, Subcommand, ValueEnum};
 use gpu_stereo::{Params, Preset};
 use std::ffi::OsStr;
 use std::path::PathBuf;
 use std::process::ExitCode;
 use std::str::FromStr;
 
-const USAGE: &str = "gpu-stereo <LEFT> <RIGHT> --disp <N> [OPTIONS]\n       gpu-stereo --list-adapters";
+const USAGE: &str = "\
+gpu-stereo <LEFT> <RIGHT> --disp <N> [OPTIONS]
+       gpu-stereo sweep|compare <LEFT> <RIGHT> --disp <N> [OPTIONS]
+       gpu-stereo --list-adapters";
 
 const PRESET: &str = "preset";
 const OUTPUT: &str = "Output";
@@ -24,6 +28,8 @@ Examples:
       compares every stage on the adapter with the CPU reference, bit for bit
   gpu-stereo left.png right.png --disp 64 --timings --repeat 20
       milliseconds a stage, median of 20 frames after one warm-up
+  gpu-stereo sweep left.png right.png --block 5,9,15,21 --disp 41,61,81 -o sweep.png
+      one sheet of colour maps, a row for each block and a column for each range, with times
   gpu-stereo --list-adapters
 
 Exit codes: 0 done, 1 a check found a mismatch, 2 could not run.
@@ -35,7 +41,12 @@ Vulkan, Metal and Direct3D 12 are searched for adapters; WGPU_BACKEND=gl in the 
 /// JPEG, PNM, TIFF, BMP, WebP and others. A disparity d at (x, y) says that LEFT(x, y) shows what RIGHT(x - d, y) shows.
 #[derive(Debug, Parser)]
 #[command(name = "gpu-stereo", version, override_usage = USAGE, after_help = EXAMPLES, max_term_width = 100)]
+#[command(args_conflicts_with_subcommands = true, subcommand_negates_reqs = true, disable_help_subcommand = true)]
 pub struct Args {
+    /// A study in place of a run
+    #[command(subcommand)]
+    pub study: Option<StudyCommand>,
+
     /// The left image
     #[arg(required_unless_present = "list_adapters")]
     pub left: Option<PathBuf>,
@@ -94,11 +105,99 @@ pub struct Args {
     pub quiet: bool,
 }
 
+/// A study: maps with several settings on one sheet.
+#[derive(Debug, Subcommand)]
+pub enum StudyCommand {
+    /// Maps for every combination of values on one sheet, with times
+    #[command(after_help = SWEEP, max_term_width = 100)]
+    Sweep(StudyArgs),
+    /// Maps of several variants on one sheet, with times
+    #[command(after_help = COMPARE, max_term_width = 100)]
+    Compare(Compare),
+}
+
+const SWEEP: &str = "\
+Any setting takes several values, with commas between them. Two such options make rows and columns.
+
+Example:
+  gpu-stereo sweep left.png right.png --block 5,9,15,21 --disp 41,61,81 --method bm -o sweep.png";
+
+const COMPARE: &str = "\
+A variant is a preset, a method, a cost, an option that can be on, or OPTION=VALUE.
+Several are joined by +, and override what all have in common.
+
+Examples:
+  gpu-stereo compare left.png right.png --disp 64 --variants sad,ssd,census
+  gpu-stereo compare left.png right.png --disp 64 --variants bm+block=21 census+paths=8 dense";
+
+/// The command line of a study.
+#[derive(Debug, clap::Args)]
+pub struct StudyArgs {
+    /// The left image
+    pub left: PathBuf,
+
+    /// The right image
+    pub right: PathBuf,
+
+    /// The settings by name
+    #[command(flatten)]
+    pub settings: Settings,
+
+    /// auto: the best GPU, else a CPU adapter, else the CPU reference; gpu: any adapter; cpu: the reference
+    #[arg(long, value_enum, default_value_t = Backend::Auto, help_heading = DEVICE)]
+    pub backend: Backend,
+
+    /// The adapter to use: its index or a part of its name, as --list-adapters tells them
+    #[arg(long, value_name = "NAME-OR-INDEX", help_heading = DEVICE)]
+    pub adapter: Option<String>,
+
+    /// Write the sheet, .png or .jpg [default: sweep.png, compare.png]
+    #[arg(short, long, value_name = "FILE", help_heading = OUTPUT)]
+    pub output: Option<PathBuf>,
+
+    /// Width of a map on the sheet, 16 to 4096 [default: as the sheet can be read]
+    #[arg(long, value_name = "PX", allow_negative_numbers = true, help_heading = OUTPUT)]
+    pub tile_width: Option<Whole>,
+
+    /// Run N frames for each map after one warm-up [default: 5 on an adapter; on the reference one, without warm-up]
+    #[arg(long, value_name = "N", allow_negative_numbers = true, help_heading = OUTPUT)]
+    pub repeat: Option<Whole>,
+
+    /// Print one JSON object instead of the table
+    #[arg(long, help_heading = OUTPUT)]
+    pub json: bool,
+
+    /// Print no table and no progress
+    #[arg(short, long, help_heading = OUTPUT)]
+    pub quiet: bool,
+}
+
+/// The command line of `compare`.
+#[derive(Debug, clap::Args)]
+pub struct Compare {
+    /// What to compare, with commas or spaces between them
+    #[arg(long, required = true, num_args = 1.., value_delimiter = ',', value_name = "VARIANT")]
+    pub variants: Vec<String>,
+
+    /// What all have in common
+    #[command(flatten)]
+    pub study: StudyArgs,
+}
+
 /// The command line, or the exit code with which to stop.
 pub fn parse() -> Result<Args, ExitCode> {
     Args::try_parse().map_err(|error| {
         if error.use_stderr() {
-            crate::tell(&one_line_error(&error.render().to_string()));
+            let text = match error.get(ContextKind::InvalidSubcommand) {
+                // Clap takes every word too many for a study.
+                Some(word) if error.kind() == ErrorKind::ArgumentConflict => {
+                    format!(
+                        "error: unexpected argument '{word}' found; give two images, with sweep or compare before them"
+                    )
+                }
+                _ => error.render().to_string(),
+            };
+            crate::tell(&one_line_error(&text));
             ExitCode::from(2)
         } else {
             let _ = error.print(); // help or version, perhaps into a pipe that is closed
@@ -130,7 +229,9 @@ impl FromArgMatches for Settings {
     fn from_arg_matches(matches: &ArgMatches) -> Result<Self, clap::Error> {
         let names = Params::OPTIONS.iter().map(|option| option.name).chain([PRESET]);
         let given = names.filter_map(|name| Some((name, matches.get_one::<String>(name)?.clone())));
-        Ok(Self(given.collect()))
+        let mut given: Vec<_> = given.collect();
+        given.sort_by_key(|(name, _)| matches.index_of(name)); // as they were typed
+        Ok(Self(given))
     }
 
     fn update_from_arg_matches(&mut self, matches: &ArgMatches) -> Result<(), clap::Error> {
@@ -157,15 +258,14 @@ impl clap::Args for Settings {
                 }
                 (_, sgm, _) => format!(" [default: {}]", sgm.unwrap_or_default()),
             };
-            let argument = Arg::new(option.name)
+            Arg::new(option.name)
                 .long(option.name)
                 .help_heading(option.heading)
                 .help(format!("{}{default}", option.help))
                 .value_name(option.placeholder)
                 .hide_possible_values(option.placeholder.contains('|'))
                 .value_parser(Words(option.values))
-                .allow_negative_numbers(true);
-            if option.name == "disp" { argument.required_unless_present("list_adapters") } else { argument }
+                .allow_negative_numbers(true)
         });
         described.fold(command.arg(preset), Command::arg)
     }

@@ -1,8 +1,8 @@
 //! Resolve: what was typed becomes settings that are known to be good, before an image is decoded or a device opened.
 
-use crate::args::{self, Args, Settings};
+use crate::args::{self, Args, Whole};
 use crate::output::{Format, Output};
-use anyhow::{Result, anyhow, bail};
+use anyhow::{Result, anyhow, bail, ensure};
 use gpu_stereo::{Error, Params};
 use std::path::PathBuf;
 
@@ -40,20 +40,15 @@ const DISPARITIES: u32 = 64;
 
 /// Checks everything that can be checked without the images and without a device.
 pub fn resolve(args: Args) -> Result<Job> {
-    let params = params(&args.settings)?;
-    if args.backend == args::Backend::Cpu {
-        if args.check {
-            bail!("--check compares an adapter with the CPU reference, but --backend is cpu; take auto or gpu");
-        }
-        if let Some(adapter) = &args.adapter {
-            bail!("--adapter is {adapter:?}, but --backend cpu uses none; drop one of the two");
-        }
+    let given: Vec<_> = args.settings.iter().map(|(name, _)| name).collect();
+    ensure_disparities(&given)?;
+    let params = params(args.settings.iter())?;
+    tell_unused(&[(given, &params)]);
+    if args.check && args.backend == args::Backend::Cpu {
+        bail!("--check compares an adapter with the CPU reference, but --backend is cpu; take auto or gpu");
     }
-    let repeat = args.repeat.as_ref().map(|given| match u32::try_from(given.value) {
-        Ok(frames @ 1..=MAX_REPEAT) => Ok(frames),
-        _ => Err(anyhow!("--repeat is {}, but must be from 1 to {MAX_REPEAT}; 20 is usual", given.text)),
-    });
-    let repeat = repeat.transpose()?.or(args.timings.then_some(1));
+    ensure_adapter(args.backend, args.adapter.as_deref())?;
+    let repeat = args.repeat.as_ref().map(repeat).transpose()?.or(args.timings.then_some(1));
     let (Some(left), Some(right)) = (args.left, args.right) else {
         bail!("two images are needed, LEFT and RIGHT; see gpu-stereo --help");
     };
@@ -74,22 +69,49 @@ pub fn resolve(args: Args) -> Result<Job> {
     })
 }
 
+/// There is no usual number of disparities.
+pub fn ensure_disparities(given: &[&str]) -> Result<()> {
+    ensure!(given.contains(&"disp"), "--disp <N> is needed, the number of disparities; see gpu-stereo --help");
+    Ok(())
+}
+
+/// An adapter that was asked for is used.
+pub fn ensure_adapter(backend: args::Backend, adapter: Option<&str>) -> Result<()> {
+    match adapter {
+        Some(adapter) if backend == args::Backend::Cpu => {
+            bail!("--adapter is {adapter:?}, but --backend cpu uses none; drop one of the two")
+        }
+        _ => Ok(()),
+    }
+}
+
+/// The frames after the warm-up.
+pub fn repeat(given: &Whole) -> Result<u32> {
+    match u32::try_from(given.value) {
+        Ok(frames @ 1..=MAX_REPEAT) => Ok(frames),
+        _ => bail!("--repeat is {}, but must be from 1 to {MAX_REPEAT}; 20 is usual", given.text),
+    }
+}
+
 /// The settings that the options make.
-fn params(settings: &Settings) -> Result<Params> {
-    let params = Params::from_options(DISPARITIES, settings.iter()).map_err(|error| match error {
+pub fn params<'a>(settings: impl Iterator<Item = (&'a str, &'a str)>) -> Result<Params> {
+    Params::from_options(DISPARITIES, settings).map_err(|error| match error {
+        Error::Parameter { name: "option", given, allowed, remedy } => {
+            anyhow!("{given} is no option; {allowed} is; {remedy}")
+        }
         Error::Parameter { name, given, allowed, remedy } => {
             anyhow!("--{name} is {given}, but must be {allowed}; {remedy}")
         }
         other => other.into(),
-    })?;
-    tell_unused(&params, settings);
-    Ok(params)
+    })
 }
 
-/// Options that change nothing are told: nothing is ignored in silence.
-fn tell_unused(params: &Params, settings: &Settings) {
-    for option in Params::OPTIONS.iter().filter(|option| settings.iter().any(|(name, _)| name == option.name)) {
-        if let Some(other) = option.idle(params) {
+/// Options that change nothing wherever they are given are told: nothing is ignored in silence.
+pub fn tell_unused(given: &[(Vec<&str>, &Params)]) {
+    for option in Params::OPTIONS {
+        let with = given.iter().filter(|(names, _)| names.contains(&option.name));
+        let others: Option<Vec<_>> = with.map(|(_, params)| Some((option.idle(params)?, params))).collect();
+        if let Some((other, params)) = others.and_then(|others| others.into_iter().next()) {
             let value = other.get(params);
             crate::tell(&format!("note: --{} changes nothing with --{} {value}", option.name, other.name));
         }
