@@ -294,7 +294,7 @@ impl Study {
 
 /// An image in 8 bits a channel.
 fn drawn(image: &Image) -> RgbImage {
-    let gray = reference::gray(image).data;
+    let gray = reference::gray(image, reference::Channel::Luma).data;
     let rgb = |i: usize| match image.pixels() {
         Pixels::Rgba8(samples) => [0, 1, 2].map(|channel| samples[4 * i + channel]),
         Pixels::Rgba16(samples) => [0, 1, 2].map(|channel| (samples[4 * i + channel] >> 8) as u8),
