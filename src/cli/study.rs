@@ -270,7 +270,8 @@ impl Study {
         let name = self.left.file_name().unwrap_or_default().to_string_lossy();
         let captions: Vec<_> = [name.into()].into_iter().chain(self.variants.iter().map(|v| v.label.clone())).collect();
         let times = match repeat {
-            Some(frames) => format!("times: median of {frames} frames after a warm-up, {adapter}"),
+            Some(frames @ 2..) => format!("times: median of {frames} frames after a warm-up, {adapter}"),
+            Some(_) => format!("times: one frame after a warm-up, {adapter}"),
             None => format!("times: one frame, {adapter}"),
         };
         let legend = ["black: no disparity".to_owned(), self.common.clone(), times];
