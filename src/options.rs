@@ -109,8 +109,6 @@ names! {
     }
 }
 
-const ON_OFF: &[(&str, &str)] = &[("on", ""), ("off", "")];
-
 /// A setting of [`Params`] by its name on the command line: `--name value`.
 #[derive(Clone, Copy, Debug)]
 #[non_exhaustive]
@@ -165,9 +163,31 @@ fn whole(text: &str) -> Option<i64> {
     good.then(|| text.parse().unwrap_or(if text.starts_with('-') { i64::MIN } else { i64::MAX }))
 }
 
+/// The same as an `i32`, the nearest.
+fn signed(text: &str) -> Option<i32> {
+    whole(text).map(|value| value.clamp(i32::MIN.into(), i32::MAX.into()) as i32)
+}
+
 /// The same as a `u32`: one outside becomes the largest, which no range holds, so that the range is told.
 fn natural(text: &str) -> Option<u32> {
     whole(text).map(|value| u32::try_from(value).unwrap_or(u32::MAX))
+}
+
+/// A number, or nothing for `off`.
+fn unless_off<T>(text: &str, number: fn(&str) -> Option<T>) -> Option<Option<T>> {
+    if text == "off" { Some(None) } else { number(text).map(Some) }
+}
+
+fn or_off(value: Option<impl ToString>) -> String {
+    value.map_or("off".into(), |value| value.to_string())
+}
+
+fn on(text: &str) -> Option<bool> {
+    matches!(text, "on" | "off").then(|| text == "on")
+}
+
+fn switch(value: bool) -> String {
+    if value { "on" } else { "off" }.into()
 }
 
 fn set<T>(to: &mut T, value: Option<T>, allowed: impl Into<String>) -> Result<(), String> {
@@ -175,63 +195,13 @@ fn set<T>(to: &mut T, value: Option<T>, allowed: impl Into<String>) -> Result<()
     Ok(())
 }
 
-const NUMBER: &str = "a whole number, such as 64";
-const NUMBER_OR_OFF: &str = "a whole number or off";
-
-fn set_natural(to: &mut u32, text: &str) -> Result<(), String> {
-    set(to, natural(text), NUMBER)
-}
-
-/// A number that is 0 where it is off.
-fn set_or_zero(to: &mut u32, text: &str) -> Result<(), String> {
-    set(to, if text == "off" { Some(0) } else { natural(text) }, NUMBER_OR_OFF)
-}
-
-fn or_zero(value: u32) -> String {
-    if value == 0 { "off".into() } else { value.to_string() }
-}
-
-fn set_or_off(to: &mut Option<u32>, text: &str) -> Result<(), String> {
-    set(to, if text == "off" { Some(None) } else { natural(text).map(Some) }, NUMBER_OR_OFF)
-}
-
-fn or_off(value: Option<impl ToString>) -> String {
-    value.map_or("off".into(), |value| value.to_string())
-}
-
 fn set_named<T: Named>(to: &mut T, text: &str) -> Result<(), String> {
     set(to, T::of(text), format!("one of {}", joined(T::NAMES, ", ")))
 }
 
-fn set_switch(to: &mut bool, text: &str) -> Result<(), String> {
-    let value = match text {
-        "on" => Some(true),
-        "off" => Some(false),
-        _ => None,
-    };
-    set(to, value, "one of on, off")
-}
-
-fn switch(value: bool) -> String {
-    if value { "on" } else { "off" }.into()
-}
-
-/// A number of [`Params::wls`]: it switches the filter on, `off` switches it off.
-fn set_wls(params: &mut Params, text: &str, number: fn(&mut Wls) -> &mut f32) -> Result<(), String> {
-    if text == "off" {
-        params.wls = None;
-        return Ok(());
-    }
-    let value = text.parse().map_err(|_| "a number or off")?;
-    *number(params.wls.get_or_insert_default()) = value;
-    Ok(())
-}
-
-const INPUT: &str = "Input";
-const COST: &str = "Matching cost";
-const AGGREGATION: &str = "Aggregation";
-const AFTER: &str = "After the winner";
-const DEVICE: &str = "Device";
+const ON_OFF: &[(&str, &str)] = &[("on", ""), ("off", "")];
+const NUMBER: &str = "a whole number, such as 64";
+const NUMBER_OR_OFF: &str = "a whole number or off";
 
 /// An option with nothing that makes it idle.
 const PLAIN: ParamOption = ParamOption {
@@ -245,348 +215,199 @@ const PLAIN: ParamOption = ParamOption {
     idle: |_| None,
 };
 
-fn with(idle: bool, option: &'static str) -> Option<&'static str> {
-    idle.then_some(option)
+/// The part of a [`ParamOption`] that follows from how its field of [`Params`] is written; `$kind` is an enumeration.
+macro_rules! field {
+    (signed $field:ident) => {
+        ParamOption {
+            set: |params, text| set(&mut params.$field, signed(text), NUMBER),
+            get: |params| params.$field.to_string(),
+            ..PLAIN
+        }
+    };
+    (natural $field:ident) => {
+        ParamOption {
+            set: |params, text| set(&mut params.$field, natural(text), NUMBER),
+            get: |params| params.$field.to_string(),
+            ..PLAIN
+        }
+    };
+    (or_zero $field:ident) => {
+        ParamOption {
+            set: |params, text| {
+                let value = unless_off(text, natural).map(Option::unwrap_or_default);
+                set(&mut params.$field, value, NUMBER_OR_OFF)
+            },
+            get: |params| or_off((params.$field > 0).then_some(params.$field)),
+            ..PLAIN
+        }
+    };
+    (or_off $field:ident) => {
+        ParamOption {
+            set: |params, text| set(&mut params.$field, unless_off(text, natural), NUMBER_OR_OFF),
+            get: |params| or_off(params.$field),
+            ..PLAIN
+        }
+    };
+    (switch $field:ident) => {
+        ParamOption {
+            values: ON_OFF,
+            set: |params, text| set(&mut params.$field, on(text), "one of on, off"),
+            get: |params| switch(params.$field),
+            ..PLAIN
+        }
+    };
+    (wls switch) => {
+        ParamOption {
+            values: ON_OFF,
+            set: |params, text| {
+                let wls = on(text).map(|on| on.then(|| params.wls.unwrap_or_default()));
+                set(&mut params.wls, wls, "one of on, off")
+            },
+            get: |params| switch(params.wls.is_some()),
+            ..PLAIN
+        }
+    };
+    // A number switches the filter on.
+    (wls $number:ident) => {
+        ParamOption {
+            set: |params, text| {
+                let number = unless_off(text, |text| text.parse().ok());
+                let wls = number.map(|number| number.map(|$number| Wls { $number, ..params.wls.unwrap_or_default() }));
+                set(&mut params.wls, wls, "a number or off")
+            },
+            get: |params| or_off(params.wls.map(|wls| wls.$number)),
+            ..PLAIN
+        }
+    };
+    (refinement $field:ident) => {
+        ParamOption {
+            set: |params, text| set_named(&mut params.$field, if text == "on" { "parabola" } else { text }),
+            ..field!(Subpixel $field)
+        }
+    };
+    ($kind:ident $field:ident) => {
+        ParamOption {
+            values: $kind::NAMES,
+            set: |params, text| set_named(&mut params.$field, text),
+            get: |params| params.$field.to_string(),
+            ..PLAIN
+        }
+    };
 }
 
-fn only_sgm(params: &Params) -> Option<&'static str> {
-    with(params.method != Method::Sgm, "method")
-}
-
-fn only_ad_census(params: &Params) -> Option<&'static str> {
-    with(params.cost != Cost::AdCensus, "cost")
+/// Rows of: name, placeholder, kind and name of the field, help, and when which other option makes it change nothing.
+macro_rules! options {
+    ($($heading:literal {
+        $($name:literal $placeholder:literal $kind:ident $field:ident
+            $help:literal
+            $(idle by $other:literal if $idle:expr)?;)+
+    })+) => {
+        &[$($(ParamOption {
+            name: $name,
+            heading: $heading,
+            placeholder: $placeholder,
+            help: $help,
+            $(idle: |params| {
+                let idle: fn(&Params) -> bool = $idle;
+                idle(params).then_some($other)
+            },)?
+            ..field!($kind $field)
+        }),+),+]
+    };
 }
 
 impl Params {
     /// Every setting that a map depends on, and how it is laid out on the device, in the order of `--help`.
-    pub const OPTIONS: &'static [ParamOption] = &[
-        ParamOption {
-            name: "disp",
-            heading: INPUT,
-            placeholder: "N",
-            help: "Number of disparities to search, in pixels",
-            set: |params, text| set_natural(&mut params.disparities, text),
-            get: |params| params.disparities.to_string(),
-            ..PLAIN
-        },
-        ParamOption {
-            name: "min-disp",
-            heading: INPUT,
-            placeholder: "M",
-            help: "Smallest disparity to search, may be negative",
-            set: |params, text| {
-                let value = whole(text).map(|value| value.clamp(i32::MIN.into(), i32::MAX.into()) as i32);
-                set(&mut params.min_disparity, value, NUMBER)
-            },
-            get: |params| params.min_disparity.to_string(),
-            ..PLAIN
-        },
-        ParamOption {
-            name: "cost",
-            heading: COST,
-            placeholder: "COST",
-            values: Cost::NAMES,
-            help: "How alike two pixels are; brings its usual prefilter and block along",
-            set: |params, text| set_named(&mut params.cost, text),
-            get: |params| params.cost.to_string(),
-            ..PLAIN
-        },
-        ParamOption {
-            name: "census",
-            heading: COST,
-            placeholder: "CENSUS",
-            values: Census::NAMES,
-            help: "Neighbours that a census string compares",
-            set: |params, text| set_named(&mut params.census, text),
-            get: |params| params.census.to_string(),
-            idle: |params| with(!matches!(params.cost, Cost::Census | Cost::CensusSobel | Cost::AdCensus), "cost"),
-            ..PLAIN
-        },
-        ParamOption {
-            name: "ad-weight",
-            heading: COST,
-            placeholder: "W",
-            help: "ad-census: weight of an absolute difference in sixteenths, 0 to 64",
-            set: |params, text| set_natural(&mut params.ad_weight, text),
-            get: |params| params.ad_weight.to_string(),
-            idle: only_ad_census,
-            ..PLAIN
-        },
-        ParamOption {
-            name: "census-weight",
-            heading: COST,
-            placeholder: "W",
-            help: "ad-census: weight of a differing bit in sixteenths, 0 to 64",
-            set: |params, text| set_natural(&mut params.census_weight, text),
-            get: |params| params.census_weight.to_string(),
-            idle: only_ad_census,
-            ..PLAIN
-        },
-        ParamOption {
-            name: "color-cost",
-            heading: COST,
-            placeholder: "on|off",
-            values: ON_OFF,
-            help: "sad, bt: compare red, green and blue rather than luma",
-            set: |params, text| set_switch(&mut params.color_cost, text),
-            get: |params| switch(params.color_cost),
-            ..PLAIN
-        },
-        ParamOption {
-            name: "block",
-            heading: COST,
-            placeholder: "B",
-            help: "Side of the square block, odd, 1 to 51",
-            set: |params, text| set_natural(&mut params.block, text),
-            get: |params| params.block.to_string(),
-            ..PLAIN
-        },
-        ParamOption {
-            name: "prefilter",
-            heading: COST,
-            placeholder: "PREFILTER",
-            values: Prefilter::NAMES,
-            help: "The image on which costs are computed",
-            set: |params, text| set_named(&mut params.prefilter, text),
-            get: |params| params.prefilter.to_string(),
-            ..PLAIN
-        },
-        ParamOption {
-            name: "prefilter-cap",
-            heading: COST,
-            placeholder: "C",
-            help: "Clip of the prefilter and of derivatives, 1 to 127",
-            set: |params, text| set_natural(&mut params.prefilter_cap, text),
-            get: |params| params.prefilter_cap.to_string(),
-            idle: |params| {
-                let derivatives = matches!(params.cost, Cost::SadXy | Cost::CensusSobel) || params.texture > 0;
-                with(params.prefilter == Prefilter::None && !derivatives, "prefilter")
-            },
-            ..PLAIN
-        },
-        ParamOption {
-            name: "prefilter-window",
-            heading: COST,
-            placeholder: "W",
-            help: "normalized: side of the window, odd, 3 to 51",
-            set: |params, text| set_natural(&mut params.prefilter_window, text),
-            get: |params| params.prefilter_window.to_string(),
-            idle: |params| with(params.prefilter != Prefilter::Normalized, "prefilter"),
-            ..PLAIN
-        },
-        ParamOption {
-            name: "method",
-            heading: AGGREGATION,
-            placeholder: "METHOD",
-            values: Method::NAMES,
-            help: "How costs become disparities; bm brings its own cost and block along",
-            set: |params, text| set_named(&mut params.method, text),
-            get: |params| params.method.to_string(),
-            ..PLAIN
-        },
-        ParamOption {
-            name: "paths",
-            heading: AGGREGATION,
-            placeholder: "PATHS",
-            values: Paths::NAMES,
-            help: "sgm: directions along which costs are aggregated",
-            set: |params, text| set_named(&mut params.paths, text),
-            get: |params| params.paths.to_string(),
-            idle: only_sgm,
-            ..PLAIN
-        },
-        ParamOption {
-            name: "p1",
-            heading: AGGREGATION,
-            placeholder: "P1",
-            help: "sgm: penalty of a disparity step of 1, 0 to P2",
-            set: |params, text| set_natural(&mut params.p1, text),
-            get: |params| params.p1.to_string(),
-            idle: only_sgm,
-            ..PLAIN
-        },
-        ParamOption {
-            name: "p2",
-            heading: AGGREGATION,
-            placeholder: "P2",
-            help: "sgm: penalty of a larger step, P1 to 127",
-            set: |params, text| set_natural(&mut params.p2, text),
-            get: |params| params.p2.to_string(),
-            idle: only_sgm,
-            ..PLAIN
-        },
-        ParamOption {
-            name: "adaptive-p2",
-            heading: AGGREGATION,
-            placeholder: "on|off",
-            values: ON_OFF,
-            help: "sgm: lower P2 where the intensity changes along the path",
-            set: |params, text| set_switch(&mut params.adaptive_p2, text),
-            get: |params| switch(params.adaptive_p2),
-            idle: only_sgm,
-            ..PLAIN
-        },
-        ParamOption {
-            name: "texture",
-            heading: AFTER,
-            placeholder: "T|off",
-            help: "Horizontal derivative that a block needs in sum",
-            set: |params, text| set_or_zero(&mut params.texture, text),
-            get: |params| or_zero(params.texture),
-            ..PLAIN
-        },
-        ParamOption {
-            name: "uniqueness",
-            heading: AFTER,
-            placeholder: "PCT|off",
-            help: "The winner must cost this many per cent less than all others but its neighbours, 0 (off) to 99",
-            set: |params, text| set_or_zero(&mut params.uniqueness, text),
-            get: |params| or_zero(params.uniqueness),
-            ..PLAIN
-        },
-        ParamOption {
-            name: "subpixel",
-            heading: AFTER,
-            placeholder: "SUBPIXEL",
-            values: Subpixel::NAMES,
-            help: "How the winner is refined to 1/16 pixel",
-            set: |params, text| set_named(&mut params.subpixel, if text == "on" { "parabola" } else { text }),
-            get: |params| params.subpixel.to_string(),
-            ..PLAIN
-        },
-        ParamOption {
-            name: "lr-check",
-            heading: AFTER,
-            placeholder: "PX|off",
-            help: "Largest difference in pixels between the left and the right view",
-            set: |params, text| set_or_off(&mut params.lr_check, text),
-            get: |params| or_off(params.lr_check),
-            ..PLAIN
-        },
-        ParamOption {
-            name: "right-view",
-            heading: AFTER,
-            placeholder: "RIGHT-VIEW",
-            values: RightView::NAMES,
-            help: "Where the right view comes from",
-            set: |params, text| set_named(&mut params.right_view, text),
-            get: |params| params.right_view.to_string(),
-            ..PLAIN
-        },
-        ParamOption {
-            name: "speckle-window",
-            heading: AFTER,
-            placeholder: "PX|off",
-            help: "Regions of at most so many pixels are removed",
-            set: |params, text| set_or_zero(&mut params.speckle_window, text),
-            get: |params| or_zero(params.speckle_window),
-            ..PLAIN
-        },
-        ParamOption {
-            name: "speckle-range",
-            heading: AFTER,
-            placeholder: "PX",
-            help: "Largest disparity step between neighbours of a region, in pixels",
-            set: |params, text| set_natural(&mut params.speckle_range, text),
-            get: |params| params.speckle_range.to_string(),
-            idle: |params| with(params.speckle_window == 0, "speckle-window"),
-            ..PLAIN
-        },
-        ParamOption {
-            name: "median",
-            heading: AFTER,
-            placeholder: "MEDIAN",
-            values: Median::NAMES,
-            help: "Median filter",
-            set: |params, text| set_named(&mut params.median, text),
-            get: |params| params.median.to_string(),
-            ..PLAIN
-        },
-        ParamOption {
-            name: "fill",
-            heading: AFTER,
-            placeholder: "FILL",
-            values: Fill::NAMES,
-            help: "How holes are filled",
-            set: |params, text| set_named(&mut params.fill, text),
-            get: |params| params.fill.to_string(),
-            ..PLAIN
-        },
-        ParamOption {
-            name: "weighted-median",
-            heading: AFTER,
-            placeholder: "RADIUS|off",
-            help: "Median weighted by the left image, its radius in pixels, 1 to 15",
-            set: |params, text| set_or_off(&mut params.weighted_median, text),
-            get: |params| or_off(params.weighted_median),
-            ..PLAIN
-        },
-        ParamOption {
-            name: "weighted-median-sigma",
-            heading: AFTER,
-            placeholder: "S",
-            help: "Intensity step at which a weight halves, 1 to 255",
-            set: |params, text| set_natural(&mut params.weighted_median_sigma, text),
-            get: |params| params.weighted_median_sigma.to_string(),
-            idle: |params| with(params.weighted_median.is_none(), "weighted-median"),
-            ..PLAIN
-        },
-        ParamOption {
-            name: "wls",
-            heading: AFTER,
-            placeholder: "on|off",
-            values: ON_OFF,
-            help: "Edge-preserving smoothing by weighted least squares",
-            set: |params, text| {
-                let mut on = false;
-                set_switch(&mut on, text)?;
-                params.wls = on.then(|| params.wls.unwrap_or_default());
-                Ok(())
-            },
-            get: |params| switch(params.wls.is_some()),
-            ..PLAIN
-        },
-        ParamOption {
-            name: "wls-lambda",
-            heading: AFTER,
-            placeholder: "L|off",
-            help: "Strength of that smoothing, 8000 unless given; switches it on",
-            set: |params, text| set_wls(params, text, |wls| &mut wls.lambda),
-            get: |params| or_off(params.wls.map(|wls| wls.lambda)),
-            idle: |params| with(params.wls.is_none(), "wls"),
-            ..PLAIN
-        },
-        ParamOption {
-            name: "wls-sigma",
-            heading: AFTER,
-            placeholder: "S|off",
-            help: "Intensity step that stops it, 1.5 unless given; switches it on",
-            set: |params, text| set_wls(params, text, |wls| &mut wls.sigma),
-            get: |params| or_off(params.wls.map(|wls| wls.sigma)),
-            idle: |params| with(params.wls.is_none(), "wls"),
-            ..PLAIN
-        },
-        ParamOption {
-            name: "shader-checks",
-            heading: DEVICE,
-            placeholder: "on|off",
-            values: ON_OFF,
-            help: "Compile the kernels with checks of every index and loop: slower, the same result",
-            set: |params, text| set_switch(&mut params.shader_checks, text),
-            get: |params| switch(params.shader_checks),
-            ..PLAIN
-        },
-        ParamOption {
-            name: "schedule",
-            heading: DEVICE,
-            placeholder: "SCHEDULE",
-            values: Schedule::NAMES,
-            help: "How the kernels are laid out; the same result",
-            set: |params, text| set_named(&mut params.schedule, text),
-            get: |params| params.schedule.to_string(),
-            ..PLAIN
-        },
-    ];
+    pub const OPTIONS: &'static [ParamOption] = options! {
+        "Input" {
+            "disp" "N" natural disparities
+                "Number of disparities to search, in pixels";
+            "min-disp" "M" signed min_disparity
+                "Smallest disparity to search, may be negative";
+        }
+        "Matching cost" {
+            "cost" "COST" Cost cost
+                "How alike two pixels are; brings its usual prefilter and block along";
+            "census" "CENSUS" Census census
+                "Neighbours that a census string compares"
+                idle by "cost" if |params| !matches!(params.cost, Cost::Census | Cost::CensusSobel | Cost::AdCensus);
+            "ad-weight" "W" natural ad_weight
+                "ad-census: weight of an absolute difference in sixteenths, 0 to 64"
+                idle by "cost" if |params| params.cost != Cost::AdCensus;
+            "census-weight" "W" natural census_weight
+                "ad-census: weight of a differing bit in sixteenths, 0 to 64"
+                idle by "cost" if |params| params.cost != Cost::AdCensus;
+            "color-cost" "on|off" switch color_cost
+                "sad, bt: compare red, green and blue rather than luma";
+            "block" "B" natural block
+                "Side of the square block, odd, 1 to 51";
+            "prefilter" "PREFILTER" Prefilter prefilter
+                "The image on which costs are computed";
+            "prefilter-cap" "C" natural prefilter_cap
+                "Clip of the prefilter and of derivatives, 1 to 127"
+                idle by "prefilter" if |params| params.prefilter == Prefilter::None && params.texture == 0
+                    && !matches!(params.cost, Cost::SadXy | Cost::CensusSobel);
+            "prefilter-window" "W" natural prefilter_window
+                "normalized: side of the window, odd, 3 to 51"
+                idle by "prefilter" if |params| params.prefilter != Prefilter::Normalized;
+        }
+        "Aggregation" {
+            "method" "METHOD" Method method
+                "How costs become disparities; bm brings its own cost and block along";
+            "paths" "PATHS" Paths paths
+                "sgm: directions along which costs are aggregated"
+                idle by "method" if |params| params.method != Method::Sgm;
+            "p1" "P1" natural p1
+                "sgm: penalty of a disparity step of 1, 0 to P2"
+                idle by "method" if |params| params.method != Method::Sgm;
+            "p2" "P2" natural p2
+                "sgm: penalty of a larger step, P1 to 127"
+                idle by "method" if |params| params.method != Method::Sgm;
+            "adaptive-p2" "on|off" switch adaptive_p2
+                "sgm: lower P2 where the intensity changes along the path"
+                idle by "method" if |params| params.method != Method::Sgm;
+        }
+        "After the winner" {
+            "texture" "T|off" or_zero texture
+                "Horizontal derivative that a block needs in sum";
+            "uniqueness" "PCT|off" or_zero uniqueness
+                "The winner must cost this many per cent less than all others but its neighbours, 0 (off) to 99";
+            "subpixel" "SUBPIXEL" refinement subpixel
+                "How the winner is refined to 1/16 pixel";
+            "lr-check" "PX|off" or_off lr_check
+                "Largest difference in pixels between the left and the right view";
+            "right-view" "RIGHT-VIEW" RightView right_view
+                "Where the right view comes from";
+            "speckle-window" "PX|off" or_zero speckle_window
+                "Regions of at most so many pixels are removed";
+            "speckle-range" "PX" natural speckle_range
+                "Largest disparity step between neighbours of a region, in pixels"
+                idle by "speckle-window" if |params| params.speckle_window == 0;
+            "median" "MEDIAN" Median median
+                "Median filter";
+            "fill" "FILL" Fill fill
+                "How holes are filled";
+            "weighted-median" "RADIUS|off" or_off weighted_median
+                "Median weighted by the left image, its radius in pixels, 1 to 15";
+            "weighted-median-sigma" "S" natural weighted_median_sigma
+                "Intensity step at which a weight halves, 1 to 255"
+                idle by "weighted-median" if |params| params.weighted_median.is_none();
+            "wls" "on|off" wls switch
+                "Edge-preserving smoothing by weighted least squares";
+            "wls-lambda" "L|off" wls lambda
+                "Strength of that smoothing, 8000 unless given; switches it on"
+                idle by "wls" if |params| params.wls.is_none();
+            "wls-sigma" "S|off" wls sigma
+                "Intensity step that stops it, 1.5 unless given; switches it on"
+                idle by "wls" if |params| params.wls.is_none();
+        }
+        "Device" {
+            "shader-checks" "on|off" switch shader_checks
+                "Compile the kernels with checks of every index and loop: slower, the same result";
+            "schedule" "SCHEDULE" Schedule schedule
+                "How the kernels are laid out; the same result";
+        }
+    };
 
     /// Sets one setting by its name. Ranges are left to [`Params::validate`], which judges all settings together.
     ///
@@ -694,9 +515,9 @@ mod tests {
         let numbers: &[&str] = match option.name {
             "min-disp" => &["-2047", "0", "12"],
             "wls-lambda" | "wls-sigma" => &["0.1", "8000", "off"],
+            _ if !option.values.is_empty() => &[],
             _ if option.placeholder.ends_with("|off") => &["1", "15", "off"],
-            _ if option.values.is_empty() => &["3", "51"],
-            _ => &[],
+            _ => &["3", "51"],
         };
         words.chain(numbers.iter().copied()).collect()
     }
@@ -815,7 +636,7 @@ mod tests {
             }
         }
         assert_eq!(of(&[("cost", "sad"), ("preset", "balanced")]).prefilter, Prefilter::XSobel);
-        assert_eq!(of(&[("cost", "census")]).prefilter, Prefilter::None);
+        assert_eq!(of(&[("cost", "census"), ("preset", "classic")]).prefilter, Prefilter::None);
         // The preset's own cost stays as the preset has it.
         let balanced = Params::preset(Preset::Balanced, 64);
         assert_eq!(of(&[("cost", "census-sobel"), ("preset", "balanced")]), balanced);

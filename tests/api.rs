@@ -332,10 +332,11 @@ fn a_destroyed_device_is_an_error() {
 
 /// What the reference says of an element of a stage's first buffer.
 fn expected_values(left: &Image, right: &Image, params: &Params) -> impl Fn(&str, u32, u32, Option<u32>) -> i64 {
-    let (left_gray, right_gray) = (reference::gray(left), reference::gray(right));
-    let plane = reference::prefilter(&left_gray, params);
-    let columns = reference::sad_columns(&plane, &reference::prefilter(&right_gray, params), params);
-    let cost = reference::sad_cost(&columns, params);
+    let gray = reference::gray(left, reference::Channel::Luma);
+    let prefiltered = [left, right].map(|image| reference::images(image, params).prefiltered(params));
+    let features = [0, 1].map(|side: usize| prefiltered[side].features(params));
+    let columns = reference::cost_columns(&features[0], &features[1], params);
+    let cost = reference::matching_cost(&columns, params);
     let paths = [0, 1].map(|i| reference::aggregate_direction(&cost, Direction::all(params.paths)[i], params));
     let sum = reference::sgm_aggregate(&cost, params);
     let winner = reference::winner(&sum, params);
@@ -351,10 +352,10 @@ fn expected_values(left: &Image, right: &Image, params: &Params) -> impl Fn(&str
         }
         let map = |map: &DisparityMap| i64::from(map.data[(y * map.width + x) as usize]);
         match stage {
-            "gray" => left_gray.clamped(i64::from(x) - 16, y.into()).into(),
-            "prefilter" => plane.clamped(i64::from(x) - radius, y.into()).into(),
-            "sad_columns" => volume(&columns, x, y, d),
-            "sad_cost" => volume(&cost, x, y, d),
+            "gray" => gray.clamped(i64::from(x) - 16, y.into()).into(),
+            "prefilter" => features[0].clamped(i64::from(x) - radius, y.into())[0].into(),
+            "cost_columns" => volume(&columns, x, y, d),
+            "matching_cost" => volume(&cost, x, y, d),
             // The device keeps L - C, of two directions together.
             "sgm_aggregate" => paths.iter().map(|path| volume(path, x, y, d) - volume(&cost, x, y, d)).sum(),
             "winner" => map(&winner.left),

@@ -4,7 +4,7 @@
 #![cfg(feature = "cli")]
 #![allow(clippy::unwrap_used)]
 
-use gpu_stereo::Params;
+use gpu_stereo::{Params, Preset};
 use image::{DynamicImage, GrayImage, ImageBuffer, ImageFormat, Luma, Rgb, Rgba};
 use serde_json::Value;
 use std::collections::BTreeMap;
@@ -910,11 +910,11 @@ fn options_that_change_nothing_are_told() {
         ("--wls-lambda 900 --wls off", "wls off"),
         ("--wls-sigma 1.1 --wls off", "wls off"),
     ] {
-        let args: Vec<_> = more.split(' ').collect();
+        let args: Vec<_> = more.split(' ').chain(["--preset", "classic"]).collect();
         let output = succeeds(folder.path(), &on("left.png", "right.png", &args));
         assert_eq!(stderr(&output), format!("note: {} changes nothing with --{other}\n", args[0]));
     }
-    let busy = "--prefilter-cap 9 --speckle-range 1 --paths 3 --cost sad --block 3";
+    let busy = "--prefilter-cap 9 --speckle-range 1 --paths 3 --block 3 --preset classic";
     let busy = succeeds(folder.path(), &on("left.png", "right.png", &busy.split(' ').collect::<Vec<_>>()));
     assert_eq!(stderr(&busy), "");
 }
@@ -942,9 +942,9 @@ fn map(folder: &TempDir, options: &str) -> Vec<u8> {
 #[test]
 fn every_option_reaches_the_matcher() {
     let folder = noisy();
-    let map = |more: &str| map(&folder, more);
-    // The filter would remove all that the noise leaves.
-    let plain = map("--speckle-window off");
+    // The speckle filter would remove all that the noise leaves.
+    let map = |more: &str| map(&folder, &format!("--preset classic --speckle-window off {more}"));
+    let plain = map("");
     for changed in [
         "--min-disp 1",
         "--method bm",
@@ -962,26 +962,34 @@ fn every_option_reaches_the_matcher() {
         "--median off",
         "--subpixel off",
     ] {
-        assert!(map(&format!("--speckle-window off {changed}")) != plain, "{changed}");
+        assert!(map(changed) != plain, "{changed}");
     }
     for same in ["--uniqueness 10", "--subpixel on", "--schedule lines", "--schedule lanes", "--shader-checks on"] {
-        assert!(map(&format!("--speckle-window off {same}")) == plain, "{same}");
+        assert!(map(same) == plain, "{same}");
     }
-    assert!(map("--speckle-window off --uniqueness off") == map("--speckle-window off --uniqueness 0"));
+    assert!(map("--uniqueness off") == map("--uniqueness 0"));
 }
 
 #[test]
-fn the_help_tells_the_defaults() {
+fn the_help_and_the_readme_tell_the_defaults() {
     let folder = noisy();
     let help = stdout(&succeeds(folder.path(), &["-h"])).split_whitespace().collect::<Vec<_>>().join(" ");
+    let default = |name: &str| -> String {
+        let described = help.split_once(&format!(" --{name} <")).unwrap().1;
+        described.split_once("[default: ").unwrap().1.split_once(']').unwrap().0.into()
+    };
+    let options = || Params::OPTIONS.iter().map(|option| option.name).filter(|name| *name != "disp");
+    let readme = include_str!("../README.md").replace("\\|", "/");
+    for name in options().chain(["preset", "backend"]) {
+        let row = readme.lines().find(|line| line.starts_with(&format!("| `--{name} "))).expect(name);
+        assert_eq!(row.split('|').nth(3).unwrap().trim(), default(name), "README.md, --{name}");
+    }
     for (method, other) in [("sgm", "bm"), ("bm", "sgm")] {
         let mut spelled_out = String::new();
-        for option in Params::OPTIONS.iter().filter(|option| !matches!(option.name, "disp" | "method")) {
-            let described = help.split_once(&format!(" --{} <", option.name)).unwrap().1;
-            let default = described.split_once("[default: ").unwrap().1.split_once(']').unwrap().0;
-            let mut of_methods = default.split(", ").filter(|of| !of.starts_with(other));
-            let default = of_methods.next().unwrap().trim_start_matches(method).trim();
-            spelled_out += &format!(" --{} {default}", option.name);
+        for name in options().filter(|name| *name != "method") {
+            let of_methods = default(name);
+            let own = of_methods.split(", ").find(|of| !of.starts_with(other)).unwrap();
+            spelled_out += &format!(" --{name} {}", own.trim_start_matches(method).trim());
         }
         let method = format!("--method {method}");
         assert!(map(&folder, &format!("{method} {spelled_out}")) == map(&folder, &method), "{method} {spelled_out}");
@@ -993,12 +1001,12 @@ fn single_options_override_a_preset_in_any_order() {
     let folder = noisy();
     let map = |more: &str| map(&folder, more);
     let classic = map("--preset classic");
-    assert!(map("") == classic);
+    assert!(map("") == map(&format!("--preset {}", Preset::default())));
     assert!(map("--preset fast") != classic);
     assert!(map("--preset fast --paths 4") == classic);
     assert!(map("--paths 4 --preset fast") == classic);
     assert!(map("--preset fast --method bm") == map("--method bm --preset classic"), "bm has no paths");
-    for preset in ["classic", "fast", "balanced", "strict", "dense"] {
+    for (preset, _) in Preset::NAMES {
         let told = succeeds(folder.path(), &on("left.png", "right.png", &["--preset", preset, "-o", "m.npy"]));
         assert_eq!(stderr(&told), "", "a preset says nothing of its own options");
     }
