@@ -35,7 +35,6 @@ struct Pass {
     lead: i32,            // the column of a plane's first byte, to the left or from where columns run to the left
     stride: u32,          // words a row of the planes
     first_plane: u32,     // the plane that is written, or the first one
-    deep: u32,            // 1: the image has values of 16 bits
     window: u32,          // side of the window that is summed
 }
 

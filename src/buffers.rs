@@ -42,7 +42,6 @@ pub(crate) struct Pass {
     pub(crate) lead: i32,
     pub(crate) stride: u32,
     pub(crate) first_plane: u32,
-    pub(crate) deep: u32,
     pub(crate) window: u32,
 }
 

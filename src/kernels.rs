@@ -67,8 +67,8 @@ pub(crate) const KERNELS: &[Kernel] = &[
     Kernel { name: "deep_gray", stage: "gray", lanes: 64, sources: wgsl!("deep_gray", "samples", "bytes", "common"), choices: &[], storage: &[QUAD, Write] },
     Kernel { name: "window_columns", stage: "window_sums", lanes: 64, sources: wgsl!("window_columns", "gray_pixels", "bytes", "common"), choices: &[], storage: &[QUAD, Write] },
     Kernel { name: "window_sums", stage: "window_sums", lanes: 64, sources: wgsl!("window_sums", "common"), choices: &[], storage: &[Read, Write] },
-    Kernel { name: "prefilter", stage: "prefilter", lanes: 64, sources: wgsl!("prefilter", "gray_pixels", "bytes", "common"), choices: &[], storage: &[QUAD, Read, Write] },
-    Kernel { name: "features", stage: "features", lanes: 64, sources: wgsl!("features", "gray_pixels", "bytes", "common"), choices: &[], storage: &[QUAD, Read, Write] },
+    Kernel { name: "prefilter", stage: "prefilter", lanes: 64, sources: wgsl!("prefilter", "gray_pixels", "placed", "bytes", "common"), choices: &[], storage: &[QUAD, Read, Write] },
+    Kernel { name: "features", stage: "features", lanes: 64, sources: wgsl!("features", "gray_pixels", "placed", "bytes", "common"), choices: &[], storage: &[QUAD, Read, Write] },
     Kernel { name: "cost_columns", stage: "cost_columns", lanes: 128, sources: wgsl!("cost_columns", "differences", "common"), choices: &[Choice::PixelPairs, Choice::Sums], storage: &[Read, Read, Write] },
     Kernel { name: "matching_cost", stage: "matching_cost", lanes: 32, sources: wgsl!("matching_cost", "column_sums", "quantise", "common"), choices: &[Choice::Sums], storage: &[Read, Write] },
     Kernel { name: "matching_cost_lanes", stage: "matching_cost", lanes: 128, sources: wgsl!("matching_cost_lanes", "differences", "quantise", "common"), choices: &[Choice::PixelCosts], storage: &[Read, Read, Write] },
@@ -179,10 +179,11 @@ pub(crate) fn constants(kernel: &Kernel, params: &Params, format: PixelFormat, p
         Cost::Census | Cost::CensusSobel | Cost::AdCensus => params.census_planes(),
         _ => 0,
     };
-    let (census_columns, census_rows) = match params.census {
-        Census::Five => (5, 5),
-        Census::Seven => (7, 7),
-        Census::NineBySeven | Census::CentreSymmetric => (9, 7),
+    let (census_columns, census_rows, census_above) = match params.census {
+        Census::Five => (5, 5, 2),
+        Census::Seven => (7, 7, 3),
+        Census::NineBySeven => (9, 7, 3),
+        Census::CentreSymmetric => (9, 3, 3),
     };
     let number = |value: u32| ("u32", format!("{value}u"));
     let table = [
@@ -217,6 +218,7 @@ pub(crate) fn constants(kernel: &Kernel, params: &Params, format: PixelFormat, p
         ("CENSUS_PLANES", number(census_planes)),
         ("CENSUS_COLUMNS", number(census_columns)),
         ("CENSUS_ROWS", number(census_rows)),
+        ("CENSUS_ABOVE", number(census_above)),
         ("AD_WEIGHT", number(params.ad_weight)),
         ("CENSUS_WEIGHT", number(params.census_weight)),
         ("PREFILTER_WINDOW", number(params.prefilter_window)),
@@ -228,6 +230,7 @@ pub(crate) fn constants(kernel: &Kernel, params: &Params, format: PixelFormat, p
         ("SHIFTED", number((params.min_disparity != 0).into())),
         ("UNIQUENESS", number(params.uniqueness)),
         ("FORMAT", number(format as u32)),
+        ("DEEP", number(matches!(format, PixelFormat::Gray16 | PixelFormat::Rgba16).into())),
         ("GRAY8", number(PixelFormat::Gray8 as u32)),
         ("GRAY16", number(PixelFormat::Gray16 as u32)),
         ("RGBA8", number(PixelFormat::Rgba8 as u32)),

@@ -564,9 +564,14 @@ impl Params {
         }
     }
 
-    /// Bytes of a census string.
+    /// Bytes of a census string: one a row, and one for the ninth column.
     pub(crate) fn census_planes(&self) -> u32 {
-        self.census_bits().div_ceil(8)
+        match self.census {
+            Census::Five => 5,
+            Census::Seven => 7,
+            Census::NineBySeven => 8,
+            Census::CentreSymmetric => 4,
+        }
     }
 
     /// Images that are prefiltered: luma, or three colours.

@@ -468,12 +468,12 @@ const MUTANTS: &[Mutant] = &[
         params.prefilter = Prefilter::Normalized
     }),
     mutant("window_sums", "frame.width) - 1)", "frame.width) - 2)", |params| params.prefilter = Prefilter::Normalized),
-    mutant("features", "row[k] < other[k]", "row[k] <= other[k]", |params| params.cost = Cost::Census),
-    mutant("features", "opposite(other)", "other", |params| {
+    mutant("features", "~(a ^ b) & low_bits", "low_bits", |params| params.cost = Cost::Census),
+    mutant("features", "moved(other, -towards)", "moved(other, towards)", |params| {
         params.cost = Cost::Census;
         params.census = Census::CentreSymmetric;
     }),
-    mutant("features", "min(last - x, 3)", "3", |params| params.cost = Cost::CensusSobel),
+    mutant("features", "low_bytes(last - x)", "low_bytes(last - x + 2)", |params| params.cost = Cost::CensusSobel),
     mutant("features", "vec4(half)", "vec4(0)", |params| params.cost = Cost::ZeroMeanSad),
     mutant("features", "min(before, after)", "before", |params| params.cost = Cost::BirchfieldTomasi),
     mutant("prefilter", "2 * cap", "2 * cap - 1", |params| params.prefilter = Prefilter::Sobel),
