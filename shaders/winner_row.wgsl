@@ -98,7 +98,7 @@ fn winner(costs: ptr<function, Costs>, least: u32, x: i32) -> i32 {
         for (var i = 0u; i < 4u; i++) {
             let c = (*costs)[q][i];
             let d = vec4(4u * (4u * q + i)) + vec4(0u, 1u, 2u, 3u);
-            if SUBPIXEL == 1u || UNIQUENESS > 0u {
+            if SUBPIXEL != SUBPIXEL_OFF || UNIQUENESS > 0u {
                 before = select(before, c, d + vec4(1u) == vec4(own_best));
                 after = select(after, c, d == vec4(own_best + 1u));
             }
@@ -116,10 +116,8 @@ fn winner(costs: ptr<function, Costs>, least: u32, x: i32) -> i32 {
     let has_before = best > 0u;
     let has_after = best + 1u < DISPARITIES;
     var value = 16 * (frame.min_disparity + i32(best));
-    if SUBPIXEL == 1u && has_before && has_after {
-        let curvature = a + c - 2u * cost;
-        // 16 (a - c) >= -16 curvature: shifted by 8 whole steps the quotient is of positive numbers, and at most 16.
-        value += quotient(16u * (a + curvature) - 16u * c + curvature - 1u, 2u * curvature) - 8;
+    if SUBPIXEL != SUBPIXEL_OFF && has_before && has_after {
+        value += refinement(a, cost, c);
     }
     var allowed = 1u;
     if has_before && a <= limit {

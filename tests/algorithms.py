@@ -137,9 +137,9 @@ class Chain:
                     if abs(d - best) > 1 and not s[d] * (100 - ratio) > s[best] * 100:
                         return INVALID
             v = 16 * (self.smallest + best)
-            if self.case["subpixel"] and 0 < best < last:
+            if self.case["subpixel"] != "off" and 0 < best < last:
                 a, b, c = s[best - 1 : best + 2]
-                k = a + c - 2 * b
+                k = max(a, c) - b if self.case["subpixel"] == "equiangular" else a + c - 2 * b
                 v += (16 * (a - c) + k - 1) // (2 * k)
             return v if self.points_inside(x, v) else INVALID
 
@@ -235,7 +235,7 @@ def run_case(folder):
 
 EXAMPLE = dict(
     width=6, height=1, format="gray8", method="sgm", paths=4, min_disparity=0, disparities=3, block=3, prefilter="none",
-    prefilter_cap=31, p1=2, p2=6, uniqueness=0, lr_check=0, median=3, subpixel=True,
+    prefilter_cap=31, p1=2, p2=6, uniqueness=0, lr_check=0, median=3, subpixel="parabola",
 )
 EXAMPLE_PAIR = [10, 40, 70, 60, 200, 90], [40, 66, 190, 210, 90, 90]
 

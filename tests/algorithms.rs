@@ -4,9 +4,7 @@
 
 mod support;
 
-use gpu_stereo::{
-    DisparityMap, Image, Median, Method, Params, Paths, PixelFormat, Pixels, Prefilter, Subpixel, reference,
-};
+use gpu_stereo::{DisparityMap, Image, Median, Method, Params, Paths, PixelFormat, Pixels, Prefilter, reference};
 use rand::{Rng, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 use std::io::Write;
@@ -51,7 +49,7 @@ fn settings(params: &Params) -> Vec<(&'static str, String)> {
         ("uniqueness", number(params.uniqueness)),
         ("lr_check", params.lr_check.map_or("off".into(), number)),
         ("median", if params.median == Median::Off { "off" } else { "3" }.into()),
-        ("subpixel", if params.subpixel == Subpixel::Off { "off" } else { "on" }.into()),
+        ("subpixel", format!("{:?}", params.subpixel).to_lowercase()),
     ]
 }
 
@@ -69,11 +67,7 @@ fn json(image: &Image, params: &Params) -> String {
         format!("\"format\": \"{format}\""),
     ];
     for (name, value) in settings(params) {
-        let value = match (name, value.as_str()) {
-            ("subpixel", value) => (value == "on").to_string(),
-            (_, value) if value.parse::<i64>().is_ok() => value.to_string(),
-            (_, value) => format!("\"{value}\""),
-        };
+        let value = if value.parse::<i64>().is_ok() { value } else { format!("\"{value}\"") };
         fields.push(format!("\"{name}\": {value}"));
     }
     format!("{{{}}}\n", fields.join(", "))

@@ -43,7 +43,10 @@ fn specialisations() -> Vec<(Params, PixelFormat, Plan)> {
         for paths in [Paths::Three, Paths::Four, Paths::Eight] {
             for prefilter in [Prefilter::XSobel, Prefilter::Sobel, Prefilter::None] {
                 for base in [Params::sgm(disparities), Params::bm(disparities)] {
-                    for subpixel in [Subpixel::Off, Subpixel::Parabola] {
+                    for subpixel in [Subpixel::Off, Subpixel::Parabola, Subpixel::Equiangular] {
+                        if subpixel == Subpixel::Equiangular && paths != Paths::Four {
+                            continue; // one function differs, whatever the paths
+                        }
                         let params = Params { paths, prefilter, subpixel, ..base.clone() };
                         let params = Params { block: if subpixel == Subpixel::Off { 21 } else { 5 }, ..params };
                         for (i, plan) in plans(&params).into_iter().enumerate() {
@@ -392,6 +395,10 @@ fn eight(params: &mut Params) {
     params.paths = Paths::Eight;
 }
 
+fn equiangular(params: &mut Params) {
+    params.subpixel = Subpixel::Equiangular;
+}
+
 /// Invocations that share a pixel's disparities.
 fn lanes(params: &mut Params) {
     (params.schedule, params.disparities) = (Schedule::Lanes, 50);
@@ -453,7 +460,8 @@ const MUTANTS: &[Mutant] = &[
     mutant("winner", "sum_of_members(vec3(", "(vec3(", lanes),
     mutant("winner", "frame.p1", "frame.p2", |_| ()),
     mutant("winner", "PATHS *", "(PATHS - 1u) *", |_| ()),
-    mutant("winner", "curvature - 1u", "curvature", |_| ()),
+    mutant("winner", "k - 1u", "k", |_| ()),
+    mutant("winner", "max(before, after)", "before", equiangular),
     mutant("winner", "<= vec4(limit)", "< vec4(limit)", |params| params.uniqueness = 1),
     mutant("winner", "(100u - UNIQUENESS)", "(99u - UNIQUENESS)", |params| params.uniqueness = 10),
     mutant("winner", "disparity + 8", "disparity + 7", any),
@@ -463,7 +471,7 @@ const MUTANTS: &[Mutant] = &[
         params.shader_checks = true;
     }),
     mutant("block_match", "2u * frame.block_radius", "2u * frame.block_radius - 1u", bm_columns),
-    mutant("block_match", "curvature - 1u", "curvature", bm_columns),
+    mutant("block_match", "k - 1u", "k", bm_columns),
     mutant("block_match_small", "frame.height) - 1)", "frame.height) - 2)", bm),
     mutant("block_match_small", "best * 100u", "best * 110u", bm),
     mutant("block_match_small", "7u << u32(clamp", "6u << u32(clamp", bm),
@@ -471,7 +479,11 @@ const MUTANTS: &[Mutant] = &[
     mutant("block_match_small", "BLOCK) - start", "BLOCK) - start - 1", bm),
     mutant("block_match_small", "1u) + SLICE", "1u)", bm_far),
     mutant("block_match_small", "x4 - frame.min_disparity", "x4", bm),
-    mutant("block_match_small", "curvature - 1u", "curvature", bm),
+    mutant("block_match_small", "k - 1u", "k", bm),
+    mutant("block_match_small", "max(before, after)", "after", |params| {
+        bm(params);
+        equiangular(params);
+    }),
     mutant("block_match_small", "0x7f7f7f7fu", "0x7f7f7f7eu", bm),
     mutant("lr_check", "frame.lr_max_difference", "(frame.lr_max_difference + 1u)", |_| ()),
     mutant("lr_check", "(value + 8)", "value", |_| ()),

@@ -50,11 +50,15 @@ pub(super) fn winner_of_row(costs: &[u32], params: &Params) -> (Vec<i16>, Vec<i1
             .all(|d| ratio == 0 || cost(x, d) * (100 - ratio) > cost(x, best) * 100);
         let mut value = 16 * disparity(best);
         if params.subpixel != Subpixel::Off && best > 0 && best + 1 < n {
-            // The vertex of the parabola through three costs, to the nearest 1/16 px, halves downwards:
-            // ceil(8 (before - after) / curvature - 1/2), where curvature > 0 since ties go to the smallest disparity.
+            // The vertex of the parabola through three costs, or the point where two lines of equal and opposite slope
+            // through them meet, to the nearest 1/16 px, halves downwards: ceil(8 (before - after) / k - 1/2), where
+            // k > 0 since ties go to the smallest disparity.
             let (before, here, after) = (cost(x, best - 1), cost(x, best), cost(x, best + 1));
-            let curvature = (before + after - 2 * here) as i32;
-            value += (16 * (before as i32 - after as i32) + curvature - 1).div_euclid(2 * curvature);
+            let k = match params.subpixel {
+                Subpixel::Equiangular => before.max(after) - here,
+                Subpixel::Off | Subpixel::Parabola => before + after - 2 * here,
+            } as i32;
+            value += (16 * (before as i32 - after as i32) + k - 1).div_euclid(2 * k);
         }
         if unique && points_inside(x as i64, value as i16, width) { value as i16 } else { DisparityMap::INVALID }
     });
