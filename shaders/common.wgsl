@@ -16,6 +16,7 @@ struct Frame {
     right_stride: u32,    // words a row of the right prefiltered plane
     map_stride: u32,      // words a row of a disparity map, a multiple of 4
     volume_stride: u32,   // pixels a row of a volume
+    map_words: u32,       // words from the right map to the margins behind it
 }
 
 // What differs between dispatches.

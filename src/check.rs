@@ -56,6 +56,7 @@ struct Expected<'a> {
     cost: Volume<u8>,
     paths: Vec<(Direction, Volume<u8>)>,
     views: Option<Views>,
+    /// The map of the last stage that left one.
     checked: Option<DisparityMap>,
 }
 
@@ -265,10 +266,17 @@ impl StereoMatcher {
             }
             Output::Views { .. } => {
                 let left = self.map(&bytes);
-                let right = self.map(&self.fetch(step, &self.right_map, spoil)?);
+                let behind = self.fetch(step, &self.right_map, spoil)?;
+                let right = self.map(&behind);
                 let views = expected.views();
                 compare_maps(stage, &views.left, &left);
                 compare_maps(stage, &views.right, &right);
+                if self.params.confidence {
+                    let margins = self.map(&behind[self.sizes.map as usize..]);
+                    for (i, (&expected, &got)) in views.margins.data.iter().zip(&margins.data).enumerate() {
+                        stage.compare(i % width, i / width, None, expected.into(), got.into());
+                    }
+                }
                 expected.checked = Some(views.left.clone());
             }
             Output::Checked => {
@@ -280,7 +288,18 @@ impl StereoMatcher {
             }
             Output::Median => {
                 if let Some(checked) = &expected.checked {
-                    compare_maps(stage, &reference::median(checked), &self.map(&bytes));
+                    let filtered = reference::median(checked);
+                    compare_maps(stage, &filtered, &self.map(&bytes));
+                    expected.checked = Some(filtered);
+                }
+            }
+            Output::Confidence => {
+                if let Some(map) = expected.checked.clone() {
+                    let confidence = reference::confidence(&map, &expected.views().margins);
+                    let got = self.confidence_map(&bytes);
+                    for (i, (&expected, &got)) in confidence.data.iter().zip(&got.data).enumerate() {
+                        stage.compare(i % width, i / width, None, expected.into(), got.into());
+                    }
                 }
             }
         }

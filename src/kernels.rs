@@ -67,6 +67,7 @@ pub(crate) const KERNELS: &[Kernel] = &[
     Kernel { name: "block_match", stage: "block_match", lanes: 32, sources: wgsl!("block_match", "column_sums", "costs", "winner_row", "refinement", "common"), choices: MEMBERS, storage: &[Read, Write, Write] },
     Kernel { name: "block_match_small", stage: "block_match", lanes: 8, sources: wgsl!("block_match_small", "refinement", "common"), choices: &[], storage: &[WORD, WORD, Write, Write] },
     Kernel { name: "lr_check", stage: "lr_check", lanes: 32, sources: wgsl!("lr_check", "common"), choices: &[], storage: &[Read, Read, Write] },
+    Kernel { name: "confidence", stage: "confidence", lanes: 64, sources: wgsl!("confidence", "common"), choices: &[], storage: &[Read, Read, Write] },
     Kernel { name: "median", stage: "median", lanes: 64, sources: wgsl!("median", "common"), choices: &[], storage: &[QUAD, Write] },
 ];
 
@@ -177,6 +178,7 @@ pub(crate) fn constants(kernel: &Kernel, params: &Params, format: PixelFormat, p
         ("SUBPIXEL_EQUIANGULAR", number(Subpixel::Equiangular as u32)),
         ("SHIFTED", number((params.min_disparity != 0).into())),
         ("UNIQUENESS", number(params.uniqueness)),
+        ("CONFIDENCE", number(params.confidence.into())),
         ("FORMAT", number(format as u32)),
         ("GRAY8", number(PixelFormat::Gray8 as u32)),
         ("GRAY16", number(PixelFormat::Gray16 as u32)),

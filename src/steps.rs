@@ -36,6 +36,7 @@ pub(crate) enum Output {
     },
     Checked,
     Median,
+    Confidence,
 }
 
 /// One dispatch, and what is copied after it.

@@ -151,7 +151,16 @@ class Chain:
                     least, value = cost[y][seen_from][d], 16 * (self.smallest + d)
             return value
 
-        return self.over_pixels(left), self.over_pixels(right)
+        def margin(x, y):
+            s = cost[y][x]
+            best = s.index(min(s))
+            rivals = [s[d] for d in range(self.count) if abs(d - best) > 1]
+            if not rivals:
+                return 255
+            rival = min(rivals)
+            return 255 * (rival - s[best]) // rival if rival > 0 else 0
+
+        return self.over_pixels(left), self.over_pixels(right), self.over_pixels(margin)
 
     def lr_check(self, left, right):
         if self.case["lr_check"] == "off":
@@ -176,6 +185,9 @@ class Chain:
 
         return self.over_pixels(fifth)
 
+    def confidence(self, disparities, margins):
+        return self.over_pixels(lambda x, y: 0 if disparities[y][x] == INVALID else max(margins[y][x], 1))
+
     def run(self, left, right):
         """All stages in the order of the chain: (name, C type, values)."""
         sides = []
@@ -195,12 +207,15 @@ class Chain:
             yield "sgm_aggregate", "H", cost
         else:
             cost = self.block_sums(columns)
-        view, other = self.winner(cost)
+        view, other, margins = self.winner(cost)
         yield "winner_left", "h", view
         yield "winner_right", "h", other
+        yield "margins", "B", margins
         view = self.lr_check(view, other)
         yield "lr_check", "h", view
-        yield "median", "h", self.median(view)
+        view = self.median(view)
+        yield "median", "h", view
+        yield "confidence", "B", self.confidence(view, margins)
 
 
 def flat(values):

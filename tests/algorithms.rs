@@ -118,7 +118,12 @@ fn stages(left: &Image, right: &Image, params: &Params) -> Vec<(&'static str, us
         None => views.left,
     };
     stages.push(("lr_check", 2, map_bytes(&checked)));
-    stages.push(("median", 2, map_bytes(&reference::compute(left, right, params).unwrap())));
+    let mut with_confidence = params.clone();
+    with_confidence.confidence = true;
+    let matched = reference::compute_all(left, right, &with_confidence).unwrap();
+    stages.push(("median", 2, map_bytes(&matched.map)));
+    stages.push(("margins", 1, views.margins.data));
+    stages.push(("confidence", 1, matched.confidence.unwrap().data));
     stages
 }
 

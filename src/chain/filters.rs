@@ -25,3 +25,12 @@ pub(super) fn filtered(b: &mut Builder<'_>, views: &Views) -> wgpu::Buffer {
     }
     map
 }
+
+/// Stage `confidence` of the final `map`.
+pub(super) fn confidence(b: &mut Builder<'_>, views: &Views, map: &wgpu::Buffer) -> wgpu::Buffer {
+    let Frame { height, map_stride, .. } = b.sizes.frame;
+    let confidence = b.buffer("confidence", b.sizes.confidence);
+    let storage = [Buffer(map), Buffer(&views.right), Buffer(&confidence)];
+    b.step("confidence", &storage, Pass::default(), map_stride / 4, height, Output::Confidence);
+    confidence
+}

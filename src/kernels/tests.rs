@@ -47,7 +47,8 @@ fn specialisations() -> Vec<(Params, PixelFormat, Plan)> {
                         if subpixel == Subpixel::Equiangular && paths != Paths::Four {
                             continue; // one function differs, whatever the paths
                         }
-                        let params = Params { paths, prefilter, subpixel, ..base.clone() };
+                        let confidence = subpixel == Subpixel::Equiangular;
+                        let params = Params { paths, prefilter, subpixel, confidence, ..base.clone() };
                         let params = Params { block: if subpixel == Subpixel::Off { 21 } else { 5 }, ..params };
                         for (i, plan) in plans(&params).into_iter().enumerate() {
                             let formats = formats.iter().take(if i == 0 { 4 } else { 1 });
@@ -205,6 +206,7 @@ fn frame_layout() -> (Vec<(String, u32, String)>, u32) {
         right_stride,
         map_stride,
         volume_stride,
+        map_words,
     })
 }
 
@@ -399,6 +401,10 @@ fn equiangular(params: &mut Params) {
     params.subpixel = Subpixel::Equiangular;
 }
 
+fn confidence(params: &mut Params) {
+    params.confidence = true;
+}
+
 /// Invocations that share a pixel's disparities.
 fn lanes(params: &mut Params) {
     (params.schedule, params.disparities) = (Schedule::Lanes, 50);
@@ -457,16 +463,18 @@ const MUTANTS: &[Mutant] = &[
     mutant("winner", "pass_.volume_row * frame.volume_stride", "0u", |_| ()),
     mutant("winner", "least_key(costs) + member * OWN", "least_key(costs)", lanes),
     mutant("winner", "min(entering, COST_NONE << 12u)", "COST_NONE << 12u", lanes),
-    mutant("winner", "sum_of_members(vec3(", "(vec3(", lanes),
+    mutant("winner", "neighbours_and_rival(vec3(", "(vec3(", lanes),
+    mutant("winner", "255u * (rival - here)", "256u * (rival - here)", confidence),
+    mutant("winner", "is_before | is_after", "is_before", confidence),
     mutant("winner", "frame.p1", "frame.p2", |_| ()),
     mutant("winner", "PATHS *", "(PATHS - 1u) *", |_| ()),
     mutant("winner", "k - 1u", "k", |_| ()),
     mutant("winner", "max(before, after)", "before", equiangular),
-    mutant("winner", "<= vec4(limit)", "< vec4(limit)", |params| params.uniqueness = 1),
+    mutant("winner", "known.z <= limit", "known.z < limit", |params| params.uniqueness = 1),
     mutant("winner", "(100u - UNIQUENESS)", "(99u - UNIQUENESS)", |params| params.uniqueness = 10),
     mutant("winner", "disparity + 8", "disparity + 7", any),
     mutant("winner", "seen < i32(frame.width)", "seen <= i32(frame.width)", |_| ()),
-    mutant("block_match", "<= vec4(limit)", "< vec4(limit)", |params| {
+    mutant("block_match", "known.z <= limit", "known.z < limit", |params| {
         bm_pixel(params);
         params.shader_checks = true;
     }),
@@ -487,6 +495,13 @@ const MUTANTS: &[Mutant] = &[
     mutant("block_match_small", "0x7f7f7f7fu", "0x7f7f7f7eu", bm),
     mutant("lr_check", "frame.lr_max_difference", "(frame.lr_max_difference + 1u)", |_| ()),
     mutant("lr_check", "(value + 8)", "value", |_| ()),
+    mutant("confidence", "max(margins, vec4(1u))", "margins", |params| {
+        bm_pixel(params);
+        confidence(params);
+        params.uniqueness = 0;
+    }),
+    mutant("confidence", "frame.map_words / 4u", "0u", confidence),
+    mutant("confidence", "vec4(0u), values ==", "vec4(1u), values ==", confidence),
     mutant("median", "7) == beyond", "7) == beyond + 9", |_| ()),
     mutant("median", "select(before, even.x, i == 0u)", "before", |params| params.min_disparity = -20),
     mutant("median", "min(id.y + 1u, frame.height - 1u)", "id.y", |_| ()),

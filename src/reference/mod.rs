@@ -5,6 +5,7 @@
 //! accepts, and each other's results: they check neither again.
 
 mod block_match;
+mod confidence;
 mod gray;
 mod lr_check;
 mod median;
@@ -15,6 +16,7 @@ mod sgm_aggregate;
 mod winner;
 
 pub use block_match::{block_match, block_sums};
+pub use confidence::{confidence, margin};
 pub use gray::gray;
 pub use lr_check::lr_check;
 pub use median::median;
@@ -26,7 +28,7 @@ pub use winner::{Views, points_inside, winner};
 
 use std::time::Instant;
 
-use crate::{DisparityMap, Error, Image, Median, Method, Params, StageTime};
+use crate::{DisparityMap, Error, Image, Matched, Median, Method, Params, StageTime};
 
 /// An 8-bit image, row by row from the top.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -78,7 +80,15 @@ impl<T: Copy + Default> Volume<T> {
 /// # Errors
 /// As [`Params::validate`], and [`Error::Image`] if the two sizes differ.
 pub fn compute(left: &Image, right: &Image, params: &Params) -> Result<DisparityMap, Error> {
-    Ok(compute_timed(left, right, params)?.0)
+    Ok(compute_all(left, right, params)?.map)
+}
+
+/// As [`compute`], with the confidence if [`Params::confidence`] asks for it.
+///
+/// # Errors
+/// As [`compute`].
+pub fn compute_all(left: &Image, right: &Image, params: &Params) -> Result<Matched, Error> {
+    Ok(compute_all_timed(left, right, params)?.0)
 }
 
 /// As [`compute`], with the time of each stage.
@@ -86,13 +96,22 @@ pub fn compute(left: &Image, right: &Image, params: &Params) -> Result<Disparity
 /// # Errors
 /// As [`compute`].
 pub fn compute_timed(left: &Image, right: &Image, params: &Params) -> Result<(DisparityMap, Vec<StageTime>), Error> {
+    let (matched, times) = compute_all_timed(left, right, params)?;
+    Ok((matched.map, times))
+}
+
+/// As [`compute_all`], with the time of each stage.
+///
+/// # Errors
+/// As [`compute`].
+pub fn compute_all_timed(left: &Image, right: &Image, params: &Params) -> Result<(Matched, Vec<StageTime>), Error> {
     params.validate()?;
     crate::matcher::check_pair(left, right)?;
     let mut clock = Clock { last: Instant::now(), times: Vec::new() };
     let (left, right) = clock.stage("gray", (gray(left), gray(right)));
     let (left, right) = clock.stage("prefilter", (prefilter(&left, params), prefilter(&right, params)));
     let columns = clock.stage("sad_columns", sad_columns(&left, &right, params));
-    let Views { left, right } = match params.method {
+    let Views { left, right, margins } = match params.method {
         Method::Bm => clock.stage("block_match", block_match(&columns, params)),
         Method::Sgm => {
             let cost = clock.stage("sad_cost", sad_cost(&columns, params));
@@ -108,7 +127,8 @@ pub fn compute_timed(left: &Image, right: &Image, params: &Params) -> Result<(Di
     if params.median == Median::Three {
         map = clock.stage("median", median(&map));
     }
-    Ok((map, clock.times))
+    let confidence = params.confidence.then(|| clock.stage("confidence", confidence(&map, &margins)));
+    Ok((Matched { map, confidence }, clock.times))
 }
 
 /// Takes the time from stage to stage.

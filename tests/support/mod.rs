@@ -117,5 +117,6 @@ pub fn random_params(random: &mut ChaCha8Rng) -> Params {
     params.subpixel = [Subpixel::Off, Subpixel::Parabola, Subpixel::Equiangular][random.random_range(0..3)];
     params.shader_checks = random.random_bool(0.3);
     params.schedule = [Schedule::Auto, Schedule::Lines, Schedule::Lanes][random.random_range(0..3)];
+    params.confidence = random.random();
     params
 }
