@@ -22,6 +22,7 @@ pub(crate) struct Frame {
     pub(crate) map_stride: u32,
     pub(crate) volume_stride: u32,
     pub(crate) map_words: u32,
+    pub(crate) texture: u32,
 }
 
 /// The WGSL block `Pass`: what differs between dispatches.
@@ -239,6 +240,7 @@ impl Sizes {
                 map_stride,
                 volume_stride,
                 map_words: (map / 4) as u32,
+                texture: params.texture,
             },
             source,
             gray: texels(4 * gray_stride),

@@ -195,7 +195,10 @@ impl StereoMatcher {
         let (width, disparities) = (width as usize, self.params.disparities as usize);
         let padded = 16 * self.params.quads() as usize;
         // Maps and paths are compared when all their parts are there.
-        if matches!(step.output, Output::Views { last: false } | Output::Paths { last: false, .. }) {
+        if matches!(
+            step.output,
+            Output::Views { last: false } | Output::Paths { last: false, .. } | Output::Textured { last: false }
+        ) {
             return Ok(());
         }
         let bytes = self.fetch(step, &step.buffer, spoil)?;
@@ -279,12 +282,20 @@ impl StereoMatcher {
                 }
                 expected.checked = Some(views.left.clone());
             }
+            Output::Textured { .. } => {
+                if let Some(map) = &expected.checked {
+                    let textured = reference::texture(map, &expected.gray[0], &self.params);
+                    compare_maps(stage, &textured, &self.map(&bytes));
+                    expected.checked = Some(textured);
+                }
+            }
             Output::Checked => {
-                let max_difference = self.params.lr_check.unwrap_or(0);
-                let views = expected.views();
-                let checked = reference::lr_check(&views.left, &views.right, max_difference);
-                compare_maps(stage, &checked, &self.map(&bytes));
-                expected.checked = Some(checked);
+                if let Some(map) = expected.checked.take() {
+                    let max_difference = self.params.lr_check.unwrap_or(0);
+                    let checked = reference::lr_check(&map, &expected.views().right, max_difference);
+                    compare_maps(stage, &checked, &self.map(&bytes));
+                    expected.checked = Some(checked);
+                }
             }
             Output::Median => {
                 if let Some(checked) = &expected.checked {

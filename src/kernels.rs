@@ -66,6 +66,8 @@ pub(crate) const KERNELS: &[Kernel] = &[
     Kernel { name: "winner", stage: "winner", lanes: STRIP_LANES, sources: wgsl!("winner", "path_step", "winner_row", "refinement", "costs", "common"), choices: VOLUMES, storage: &[Cost, Read, Read, Read, Read, Write, Write] },
     Kernel { name: "block_match", stage: "block_match", lanes: 32, sources: wgsl!("block_match", "column_sums", "costs", "winner_row", "refinement", "common"), choices: MEMBERS, storage: &[Read, Write, Write] },
     Kernel { name: "block_match_small", stage: "block_match", lanes: 8, sources: wgsl!("block_match_small", "refinement", "common"), choices: &[], storage: &[WORD, WORD, Write, Write] },
+    Kernel { name: "texture_columns", stage: "texture", lanes: 32, sources: wgsl!("texture_columns", "common"), choices: &[], storage: &[QUAD, Write] },
+    Kernel { name: "texture", stage: "texture", lanes: 64, sources: wgsl!("texture", "common"), choices: &[], storage: &[Read, Read, Write] },
     Kernel { name: "lr_check", stage: "lr_check", lanes: 32, sources: wgsl!("lr_check", "common"), choices: &[], storage: &[Read, Read, Write] },
     Kernel { name: "confidence", stage: "confidence", lanes: 64, sources: wgsl!("confidence", "common"), choices: &[], storage: &[Read, Read, Write] },
     Kernel { name: "median", stage: "median", lanes: 64, sources: wgsl!("median", "common"), choices: &[], storage: &[QUAD, Write] },

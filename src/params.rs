@@ -244,6 +244,9 @@ impl Params {
     /// The largest P2: a forward and a backward path without their costs, at most P2 each, sum in a byte.
     pub const MAX_P2: u32 = 127;
 
+    /// The largest texture that can be asked for: of the largest block, nowhere flat.
+    pub const MAX_TEXTURE: u32 = Self::MAX_BLOCK * Self::MAX_BLOCK * Self::MAX_CAP;
+
     /// The classic chain with semi-global matching over `disparities` disparities from 0.
     pub fn sgm(disparities: u32) -> Self {
         Self {
@@ -344,6 +347,13 @@ impl Params {
             self.uniqueness.to_string(),
             "from 0 (off) to 99 per cent".into(),
             "10 is usual",
+        )?;
+        check(
+            self.texture <= Self::MAX_TEXTURE,
+            "texture",
+            self.texture.to_string(),
+            format!("from 0 (off) to {}", Self::MAX_TEXTURE),
+            "2 to 4 for each pixel of the block is usual",
         )?;
         check(
             self.lr_check.is_none_or(|px| px <= 2 * limit as u32 + 1),

@@ -34,6 +34,9 @@ pub(crate) enum Output {
     Views {
         last: bool,
     },
+    Textured {
+        last: bool,
+    },
     Checked,
     Median,
     Confidence,

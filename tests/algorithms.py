@@ -60,25 +60,25 @@ class Chain:
 
         return self.over_pixels(luma)
 
+    def derivative(self, g, x, y, across):
+        total = 0
+        for weight, j in ((1, -1), (2, 0), (1, 1)):
+            if across:
+                total += weight * (self.at(g, x + 1, y + j) - self.at(g, x - 1, y + j))
+            else:
+                total += weight * (self.at(g, x + j, y + 1) - self.at(g, x + j, y - 1))
+        return total
+
     def prefilter(self, g):
         kind, cap = self.case["prefilter"], self.case["prefilter_cap"]
-
-        def derivative(x, y, across):
-            total = 0
-            for weight, j in ((1, -1), (2, 0), (1, 1)):
-                if across:
-                    total += weight * (self.at(g, x + 1, y + j) - self.at(g, x - 1, y + j))
-                else:
-                    total += weight * (self.at(g, x + j, y + 1) - self.at(g, x + j, y - 1))
-            return total
 
         def value(x, y):
             if kind == "none":
                 return g[y][x]
-            gx = derivative(x, y, True)
+            gx = self.derivative(g, x, y, True)
             if kind == "xsobel":
                 return clamp(gx, -cap, cap) + cap
-            return min(math.isqrt(gx**2 + derivative(x, y, False) ** 2), 2 * cap)
+            return min(math.isqrt(gx**2 + self.derivative(g, x, y, False) ** 2), 2 * cap)
 
         return self.over_pixels(value)
 
@@ -162,6 +162,19 @@ class Chain:
 
         return self.over_pixels(left), self.over_pixels(right), self.over_pixels(margin)
 
+    def texture(self, disparities, g):
+        least = self.case["texture"]
+        if least == 0:
+            return disparities
+        e = self.over_pixels(lambda x, y: min(abs(self.derivative(g, x, y, True)), self.case["prefilter_cap"]))
+        block = range(-self.radius, self.radius + 1)
+
+        def kept(x, y):
+            t = sum(self.at(e, x + i, y + j) for j in block for i in block)
+            return disparities[y][x] if t >= least else INVALID
+
+        return self.over_pixels(kept)
+
     def lr_check(self, left, right):
         if self.case["lr_check"] == "off":
             return left
@@ -190,13 +203,14 @@ class Chain:
 
     def run(self, left, right):
         """All stages in the order of the chain: (name, C type, values)."""
-        sides = []
+        sides, grays = [], []
         for side, samples in (("left", left), ("right", right)):
             gray = self.gray(self.case["format"], samples)
             plane = self.prefilter(gray)
             yield "gray_" + side, "B", gray
             yield "prefilter_" + side, "B", plane
             sides.append(plane)
+            grays.append(gray)
         columns = self.sad_columns(*sides)
         yield "sad_columns", "H", columns
         if self.case["method"] == "sgm":
@@ -211,6 +225,8 @@ class Chain:
         yield "winner_left", "h", view
         yield "winner_right", "h", other
         yield "margins", "B", margins
+        view = self.texture(view, grays[0])
+        yield "texture", "h", view
         view = self.lr_check(view, other)
         yield "lr_check", "h", view
         view = self.median(view)
@@ -250,7 +266,7 @@ def run_case(folder):
 
 EXAMPLE = dict(
     width=6, height=1, format="gray8", method="sgm", paths=4, min_disparity=0, disparities=3, block=3, prefilter="none",
-    prefilter_cap=31, p1=2, p2=6, uniqueness=0, lr_check=0, median=3, subpixel="parabola",
+    prefilter_cap=31, p1=2, p2=6, texture=0, uniqueness=0, lr_check=0, median=3, subpixel="parabola",
 )
 EXAMPLE_PAIR = [10, 40, 70, 60, 200, 90], [40, 66, 190, 210, 90, 90]
 

@@ -46,6 +46,7 @@ fn settings(params: &Params) -> Vec<(&'static str, String)> {
         ("prefilter_cap", number(params.prefilter_cap)),
         ("p1", number(params.p1)),
         ("p2", number(params.p2)),
+        ("texture", number(params.texture)),
         ("uniqueness", number(params.uniqueness)),
         ("lr_check", params.lr_check.map_or("off".into(), number)),
         ("median", if params.median == Median::Off { "off" } else { "3" }.into()),
@@ -113,9 +114,14 @@ fn stages(left: &Image, right: &Image, params: &Params) -> Vec<(&'static str, us
     };
     stages.push(("winner_left", 2, map_bytes(&views.left)));
     stages.push(("winner_right", 2, map_bytes(&views.right)));
+    let textured = match params.texture {
+        0 => views.left,
+        _ => reference::texture(&views.left, &gray[0], params),
+    };
+    stages.push(("texture", 2, map_bytes(&textured)));
     let checked = match params.lr_check {
-        Some(px) => reference::lr_check(&views.left, &views.right, px),
-        None => views.left,
+        Some(px) => reference::lr_check(&textured, &views.right, px),
+        None => textured,
     };
     stages.push(("lr_check", 2, map_bytes(&checked)));
     let mut with_confidence = params.clone();

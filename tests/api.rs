@@ -12,7 +12,7 @@ use gpu_stereo::{DisparityMap, Error, Image, Params, Paths, PixelFormat, Pixels,
 type Change = fn(&mut Params);
 
 /// Each row of [`Params::validate`]: what is set, the parameter's name, the value given, and what is allowed.
-const REFUSED: [(Change, &str, &str, &str); 16] = [
+const REFUSED: [(Change, &str, &str, &str); 17] = [
     (|p| p.min_disparity = -2048, "min-disp", "-2048", "-2047 to 2047"),
     (|p| p.min_disparity = 2048, "min-disp", "2048", "-2047 to 2047"),
     (|p| p.min_disparity = i32::MIN, "min-disp", "-2147483648", "-2047 to 2047"),
@@ -28,6 +28,7 @@ const REFUSED: [(Change, &str, &str, &str); 16] = [
     (|p| p.p2 = 128, "p2", "128", "p1 to 127"),
     (|p| (p.p1, p.p2) = (8, 7), "p1", "8", "0 to p2, which is 7"),
     (|p| p.uniqueness = 100, "uniqueness", "100", "0 (off) to 99"),
+    (|p| p.texture = 330_328, "texture", "330328", "0 (off) to 330327"),
     (|p| p.lr_check = Some(4096), "lr-check", "4096", "0 to 4095"),
 ];
 
@@ -57,7 +58,7 @@ fn a_refused_parameter_is_named_with_what_is_allowed() {
 /// The last value that each rule allows, on both sides.
 #[test]
 fn the_ends_of_the_ranges_are_allowed() {
-    let ends: [Change; 12] = [
+    let ends: [Change; 13] = [
         |p| (p.min_disparity, p.disparities) = (-2047, 4095),
         |p| (p.min_disparity, p.disparities) = (2047, 1),
         |p| p.disparities = 1,
@@ -69,6 +70,7 @@ fn the_ends_of_the_ranges_are_allowed() {
         |p| (p.p1, p.p2) = (0, 0),
         |p| (p.p1, p.p2) = (127, 127),
         |p| p.uniqueness = 99,
+        |p| p.texture = Params::MAX_TEXTURE,
         |p| p.lr_check = Some(4095),
     ];
     let setup = support::device();
@@ -403,5 +405,32 @@ fn the_check_finds_each_spoilt_byte() {
             let disparities: BTreeSet<_> = reached.iter().map(|(_, _, d)| d).collect();
             assert_eq!(reached.len(), places.len() * disparities.len(), "{spoilt}: {reached:?}");
         }
+    }
+}
+
+/// The confidence beside the map: only where it is asked for, the reference's, and 0 just where there is no disparity.
+#[test]
+fn the_confidence_comes_with_the_map() {
+    let (left, right) = support::pair(61, 23, 6);
+    for mut params in [Params::sgm(16), Params::bm(16)] {
+        params.texture = 100;
+        assert_eq!(reference::compute_all(&left, &right, &params).unwrap().confidence, None);
+        params.confidence = true;
+        let expected = reference::compute_all(&left, &right, &params).unwrap();
+        assert_eq!(expected.map, reference::compute(&left, &right, &params).unwrap());
+        let confidence = expected.confidence.as_ref().unwrap();
+        let zeros = confidence.data.iter().map(|&c| c == 0);
+        assert!(zeros.eq(expected.map.data.iter().map(|&v| v == DisparityMap::INVALID)), "{params:?}, seed 6");
+        let kinds: BTreeSet<u8> = confidence.data.iter().copied().collect();
+        assert!(kinds.len() > 20, "only {kinds:?} for {params:?}, seed 6");
+
+        let Some((_, device, queue)) = support::device() else { continue };
+        let matcher = StereoMatcher::new(&device, &queue, 61, 23, left.format(), &params).unwrap();
+        assert_eq!(matcher.compute_all(&left, &right).unwrap(), expected, "{params:?}, seed 6");
+        assert!(matcher.confidence().is_some_and(|buffer| buffer.size() >= 64 * 23));
+        params.confidence = false;
+        let matcher = StereoMatcher::new(&device, &queue, 61, 23, left.format(), &params).unwrap();
+        assert!(matcher.confidence().is_none());
+        assert_eq!(matcher.compute_all(&left, &right).unwrap().confidence, None);
     }
 }

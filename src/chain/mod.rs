@@ -37,7 +37,7 @@ pub(crate) fn chain(b: &mut Builder<'_>) -> Made {
         Method::Bm => cost::block_match(b, &planes, &views),
         Method::Sgm => aggregation::winner(b, &planes, &views),
     }
-    let output = filters::filtered(b, &views);
+    let output = filters::filtered(b, &views, &planes.grays[0]);
     let confidence = b.params.confidence.then(|| filters::confidence(b, &views, &output));
     Made { sources, right_map: views.right, output, confidence }
 }

@@ -207,6 +207,7 @@ fn frame_layout() -> (Vec<(String, u32, String)>, u32) {
         map_stride,
         volume_stride,
         map_words,
+        texture,
     })
 }
 
@@ -401,6 +402,11 @@ fn equiangular(params: &mut Params) {
     params.subpixel = Subpixel::Equiangular;
 }
 
+/// A threshold about which many sums lie, and are equal to.
+fn texture(params: &mut Params) {
+    (params.texture, params.prefilter_cap, params.uniqueness) = (60, 3, 0);
+}
+
 fn confidence(params: &mut Params) {
     params.confidence = true;
 }
@@ -493,6 +499,13 @@ const MUTANTS: &[Mutant] = &[
         equiangular(params);
     }),
     mutant("block_match_small", "0x7f7f7f7fu", "0x7f7f7f7eu", bm),
+    mutant("texture_columns", "weight * (here &", "(here &", texture),
+    mutant("texture_columns", "let row = clamp(y, 0,", "let row = clamp(y, 1,", texture),
+    mutant("texture_columns", "vec4(s.even.yzw, s.after)", "vec4(s.even.yzw, 0u)", texture),
+    mutant("texture_columns", "y - r)", "y - r + 1)", texture),
+    mutant("texture", ">= vec4(frame.texture)", "> vec4(frame.texture)", texture),
+    mutant("texture", "select(values, vec4(left)", "select(values, vec4(0u)", texture),
+    mutant("texture", "(last & 4u) != 0u", "(last & 4u) == 0u", texture),
     mutant("lr_check", "frame.lr_max_difference", "(frame.lr_max_difference + 1u)", |_| ()),
     mutant("lr_check", "(value + 8)", "value", |_| ()),
     mutant("confidence", "max(margins, vec4(1u))", "margins", |params| {

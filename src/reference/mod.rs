@@ -13,6 +13,7 @@ mod prefilter;
 mod sad_columns;
 mod sad_cost;
 mod sgm_aggregate;
+mod texture;
 mod winner;
 
 pub use block_match::{block_match, block_sums};
@@ -24,6 +25,7 @@ pub use prefilter::prefilter;
 pub use sad_columns::sad_columns;
 pub use sad_cost::{sad_cost, sad_cost_scale};
 pub use sgm_aggregate::{Direction, aggregate_direction, sgm_aggregate};
+pub use texture::texture;
 pub use winner::{Views, points_inside, winner};
 
 use std::time::Instant;
@@ -108,9 +110,9 @@ pub fn compute_all_timed(left: &Image, right: &Image, params: &Params) -> Result
     params.validate()?;
     crate::matcher::check_pair(left, right)?;
     let mut clock = Clock { last: Instant::now(), times: Vec::new() };
-    let (left, right) = clock.stage("gray", (gray(left), gray(right)));
-    let (left, right) = clock.stage("prefilter", (prefilter(&left, params), prefilter(&right, params)));
-    let columns = clock.stage("sad_columns", sad_columns(&left, &right, params));
+    let (gray, right) = clock.stage("gray", (self::gray(left), self::gray(right)));
+    let planes = clock.stage("prefilter", (prefilter(&gray, params), prefilter(&right, params)));
+    let columns = clock.stage("sad_columns", sad_columns(&planes.0, &planes.1, params));
     let Views { left, right, margins } = match params.method {
         Method::Bm => clock.stage("block_match", block_match(&columns, params)),
         Method::Sgm => {
@@ -121,6 +123,9 @@ pub fn compute_all_timed(left: &Image, right: &Image, params: &Params) -> Result
         }
     };
     let mut map = left;
+    if params.texture > 0 {
+        map = clock.stage("texture", texture(&map, &gray, params));
+    }
     if let Some(max_difference) = params.lr_check {
         map = clock.stage("lr_check", lr_check(&map, &right, max_difference));
     }

@@ -118,5 +118,8 @@ pub fn random_params(random: &mut ChaCha8Rng) -> Params {
     params.shader_checks = random.random_bool(0.3);
     params.schedule = [Schedule::Auto, Schedule::Lines, Schedule::Lanes][random.random_range(0..3)];
     params.confidence = random.random();
+    if random.random_bool(0.3) {
+        params.texture = random.random_range(0..=params.block * params.block * params.prefilter_cap / 2);
+    }
     params
 }
