@@ -504,7 +504,10 @@ const MUTANTS: &[Mutant] = &[
     mutant("texture_columns", "vec4(s.even.yzw, s.after)", "vec4(s.even.yzw, 0u)", texture),
     mutant("texture_columns", "y - r)", "y - r + 1)", texture),
     mutant("texture", ">= vec4(frame.texture)", "> vec4(frame.texture)", texture),
-    mutant("texture", "select(values, vec4(left)", "select(values, vec4(0u)", texture),
+    mutant("texture", "select(values, vec4(left)", "select(values, vec4(0u)", |params| {
+        texture(params);
+        params.min_disparity = -20;
+    }),
     mutant("texture", "(last & 4u) != 0u", "(last & 4u) == 0u", texture),
     mutant("lr_check", "frame.lr_max_difference", "(frame.lr_max_difference + 1u)", |_| ()),
     mutant("lr_check", "(value + 8)", "value", |_| ()),
