@@ -15,11 +15,10 @@ pub(super) fn filtered(b: &mut Builder<'_>, views: &Views, gray: &wgpu::TextureV
         let columns = b.buffer("texture_columns", b.sizes.map);
         let segments = height.div_ceil(kernels::segment(&b.plan));
         let storage = [Texture(gray), Buffer(&columns)];
-        let output = Output::Textured { last: false };
-        b.step("texture_columns", &storage, Pass::default(), (map_stride / 4).div_ceil(2), segments, output);
+        b.step("texture_columns", &storage, Pass::default(), map_stride.div_ceil(8), segments, Output::Part);
         let textured = b.buffer("texture", b.sizes.map);
         let storage = [Buffer(&columns), Buffer(&map), Buffer(&textured)];
-        b.step("texture", &storage, Pass::default(), map_stride / 4, height, Output::Textured { last: true });
+        b.step("texture", &storage, Pass::default(), map_stride / 4, height, Output::Textured);
         map = textured;
     }
     if b.params.lr_check.is_some() {

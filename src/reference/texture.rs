@@ -7,7 +7,7 @@ use rayon::prelude::*;
 /// t(x, y) is the sum over the block around (x, y) of min(|gx|, cap), where gx is the undivided horizontal Sobel derivative
 /// of the left gray image; both the gray image and the values are continued by their borders. The pixel becomes invalid
 /// where t < texture. It is the `textureThreshold` of OpenCV's StereoBM with `PREFILTER_XSOBEL`.
-pub fn texture(left: &DisparityMap, gray: &Plane, params: &Params) -> DisparityMap {
+pub fn texture(left: &DisparityMap, gray: &Plane<u8>, params: &Params) -> DisparityMap {
     let (width, height, r) = (gray.width as i64, gray.height as i64, i64::from(params.radius()));
     let mut clipped = Plane { width: gray.width, height: gray.height, data: Vec::with_capacity(gray.data.len()) };
     for y in 0..height {
