@@ -16,6 +16,8 @@ struct Frame {
     right_stride: u32,    // words a row of the right planes
     map_stride: u32,      // words a row of a disparity map, a multiple of 4
     volume_stride: u32,   // pixels a row of a volume
+    map_words: u32,       // words from the right map to the margins behind it
+    texture: u32,         // that a block needs
 }
 
 // What differs between dispatches.

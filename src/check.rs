@@ -58,6 +58,7 @@ struct Expected<'a> {
     cost: Volume<u8>,
     paths: Vec<(Direction, Volume<u8>)>,
     views: Option<Views>,
+    /// The map of the last stage that left one.
     checked: Option<DisparityMap>,
 }
 
@@ -298,22 +299,48 @@ impl StereoMatcher {
             }
             Output::Views { .. } => {
                 let left = self.map(&bytes);
-                let right = self.map(&self.fetch(step, &self.right_map, spoil)?);
+                let behind = self.fetch(step, &self.right_map, spoil)?;
+                let right = self.map(&behind);
                 let views = expected.views();
                 compare_maps(stage, &views.left, &left);
                 compare_maps(stage, &views.right, &right);
+                if self.params.confidence {
+                    let margins = self.map(&behind[self.sizes.map as usize..]);
+                    for (i, (&expected, &got)) in views.margins.data.iter().zip(&margins.data).enumerate() {
+                        stage.compare(i % width, i / width, None, expected.into(), got.into());
+                    }
+                }
                 expected.checked = Some(views.left.clone());
             }
+            Output::Textured => {
+                if let Some(map) = &expected.checked {
+                    let textured = reference::texture(map, &expected.luma[0], &self.params);
+                    compare_maps(stage, &textured, &self.map(&bytes));
+                    expected.checked = Some(textured);
+                }
+            }
             Output::Checked => {
-                let max_difference = self.params.lr_check.unwrap_or(0);
-                let views = expected.views();
-                let checked = reference::lr_check(&views.left, &views.right, max_difference);
-                compare_maps(stage, &checked, &self.map(&bytes));
-                expected.checked = Some(checked);
+                if let Some(map) = expected.checked.take() {
+                    let max_difference = self.params.lr_check.unwrap_or(0);
+                    let checked = reference::lr_check(&map, &expected.views().right, max_difference);
+                    compare_maps(stage, &checked, &self.map(&bytes));
+                    expected.checked = Some(checked);
+                }
             }
             Output::Median => {
                 if let Some(checked) = &expected.checked {
-                    compare_maps(stage, &reference::median(checked), &self.map(&bytes));
+                    let filtered = reference::median(checked);
+                    compare_maps(stage, &filtered, &self.map(&bytes));
+                    expected.checked = Some(filtered);
+                }
+            }
+            Output::Confidence => {
+                if let Some(map) = expected.checked.clone() {
+                    let confidence = reference::confidence(&map, &expected.views().margins);
+                    let got = self.confidence_map(&bytes);
+                    for (i, (&expected, &got)) in confidence.data.iter().zip(&got.data).enumerate() {
+                        stage.compare(i % width, i / width, None, expected.into(), got.into());
+                    }
                 }
             }
         }

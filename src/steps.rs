@@ -54,8 +54,10 @@ pub(crate) enum Output {
     Views {
         last: bool,
     },
+    Textured,
     Checked,
     Median,
+    Confidence,
 }
 
 /// One dispatch, and what is copied after it.

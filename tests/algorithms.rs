@@ -4,9 +4,7 @@
 
 mod support;
 
-use gpu_stereo::{
-    DisparityMap, Image, Median, Method, Params, Paths, PixelFormat, Pixels, Prefilter, Subpixel, reference,
-};
+use gpu_stereo::{DisparityMap, Image, Median, Method, Params, Paths, PixelFormat, Pixels, Prefilter, reference};
 use rand::{Rng, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 use std::io::Write;
@@ -48,10 +46,11 @@ fn settings(params: &Params) -> Vec<(&'static str, String)> {
         ("prefilter_cap", number(params.prefilter_cap)),
         ("p1", number(params.p1)),
         ("p2", number(params.p2)),
+        ("texture", number(params.texture)),
         ("uniqueness", number(params.uniqueness)),
         ("lr_check", params.lr_check.map_or("off".into(), number)),
         ("median", if params.median == Median::Off { "off" } else { "3" }.into()),
-        ("subpixel", if params.subpixel == Subpixel::Off { "off" } else { "on" }.into()),
+        ("subpixel", format!("{:?}", params.subpixel).to_lowercase()),
     ]
 }
 
@@ -69,11 +68,7 @@ fn json(image: &Image, params: &Params) -> String {
         format!("\"format\": \"{format}\""),
     ];
     for (name, value) in settings(params) {
-        let value = match (name, value.as_str()) {
-            ("subpixel", value) => (value == "on").to_string(),
-            (_, value) if value.parse::<i64>().is_ok() => value.to_string(),
-            (_, value) => format!("\"{value}\""),
-        };
+        let value = if value.parse::<i64>().is_ok() { value } else { format!("\"{value}\"") };
         fields.push(format!("\"{name}\": {value}"));
     }
     format!("{{{}}}\n", fields.join(", "))
@@ -123,12 +118,22 @@ fn stages(left: &Image, right: &Image, params: &Params) -> Vec<(&'static str, us
     };
     stages.push(("winner_left", 2, map_bytes(&views.left)));
     stages.push(("winner_right", 2, map_bytes(&views.right)));
+    let textured = match params.texture {
+        0 => views.left,
+        _ => reference::texture(&views.left, &gray[0], params),
+    };
+    stages.push(("texture", 2, map_bytes(&textured)));
     let checked = match params.lr_check {
-        Some(px) => reference::lr_check(&views.left, &views.right, px),
-        None => views.left,
+        Some(px) => reference::lr_check(&textured, &views.right, px),
+        None => textured,
     };
     stages.push(("lr_check", 2, map_bytes(&checked)));
-    stages.push(("median", 2, map_bytes(&reference::compute(left, right, params).unwrap())));
+    let mut with_confidence = params.clone();
+    with_confidence.confidence = true;
+    let matched = reference::compute_all(left, right, &with_confidence).unwrap();
+    stages.push(("median", 2, map_bytes(&matched.map)));
+    stages.push(("margins", 1, views.margins.data));
+    stages.push(("confidence", 1, matched.confidence.unwrap().data));
     stages
 }
 

@@ -10,6 +10,8 @@ use crate::{Cost, PixelFormat, Prefilter};
 pub(super) struct Planes {
     pub(super) buffers: [wgpu::Buffer; 2],
     pub(super) textures: Vec<wgpu::TextureView>,
+    /// The gray images.
+    pub(super) grays: Vec<wgpu::TextureView>,
 }
 
 /// An image with a value a pixel: in a texture, of 8 or 16 bits.
@@ -50,7 +52,7 @@ pub(super) fn planes(b: &mut Builder<'_>, sources: &[wgpu::Texture; 2]) -> Plane
     let Frame { width, height, min_disparity, block_radius, left_stride, right_stride, .. } = b.sizes.frame;
     let buffers = [b.buffer("features.left", b.sizes.left), b.buffer("features.right", b.sizes.right)];
     let scratch = Sums::new(b);
-    let mut textures = Vec::new();
+    let (mut textures, mut grays) = (Vec::new(), Vec::new());
     for (side, source) in sources.iter().enumerate() {
         let source = source.create_view(&wgpu::TextureViewDescriptor::default());
         let radius = block_radius as i32;
@@ -99,8 +101,9 @@ pub(super) fn planes(b: &mut Builder<'_>, sources: &[wgpu::Texture; 2]) -> Plane
             let rows = b.params.planes() * height;
             textures.push(b.copy_to_texture(place.stride, rows, wgpu::TextureFormat::R32Uint));
         }
+        grays.push(luma);
     }
-    Planes { buffers, textures }
+    Planes { buffers, textures, grays }
 }
 
 /// Stage `gray`: luma in 8 bits.

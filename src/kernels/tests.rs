@@ -55,8 +55,12 @@ fn specialisations() -> Vec<(Params, PixelFormat, Plan)> {
         for paths in [Paths::Three, Paths::Four, Paths::Eight] {
             for prefilter in [Prefilter::XSobel, Prefilter::Sobel, Prefilter::None] {
                 for base in [Params::sgm(disparities), Params::bm(disparities)] {
-                    for subpixel in [Subpixel::Off, Subpixel::Parabola] {
-                        let params = Params { paths, prefilter, subpixel, ..base.clone() };
+                    for subpixel in [Subpixel::Off, Subpixel::Parabola, Subpixel::Equiangular] {
+                        if subpixel == Subpixel::Equiangular && paths != Paths::Four {
+                            continue; // one function differs, whatever the paths
+                        }
+                        let confidence = subpixel == Subpixel::Equiangular;
+                        let params = Params { paths, prefilter, subpixel, confidence, ..base.clone() };
                         let params = Params { block: if subpixel == Subpixel::Off { 21 } else { 5 }, ..params };
                         for (i, plan) in plans(&params).into_iter().enumerate() {
                             let formats = formats.iter().take(if i == 0 { 4 } else { 1 });
@@ -236,6 +240,8 @@ fn frame_layout() -> (Vec<(String, u32, String)>, u32) {
         right_stride,
         map_stride,
         volume_stride,
+        map_words,
+        texture,
     })
 }
 
@@ -444,6 +450,19 @@ fn eight(params: &mut Params) {
     params.paths = Paths::Eight;
 }
 
+fn equiangular(params: &mut Params) {
+    params.subpixel = Subpixel::Equiangular;
+}
+
+/// A threshold about which many sums lie, and are equal to.
+fn texture(params: &mut Params) {
+    (params.texture, params.prefilter_cap, params.uniqueness) = (60, 3, 0);
+}
+
+fn confidence(params: &mut Params) {
+    params.confidence = true;
+}
+
 /// Invocations that share a pixel's disparities.
 fn lanes(params: &mut Params) {
     (params.schedule, params.disparities) = (Schedule::Lanes, 50);
@@ -526,20 +545,23 @@ const MUTANTS: &[Mutant] = &[
     mutant("winner", "pass_.volume_row * frame.volume_stride", "0u", |_| ()),
     mutant("winner", "least_key(costs) + member * OWN", "least_key(costs)", lanes),
     mutant("winner", "min(entering, COST_NONE << 12u)", "COST_NONE << 12u", lanes),
-    mutant("winner", "sum_of_members(vec3(", "(vec3(", lanes),
+    mutant("winner", "neighbours_and_rival(vec3(", "(vec3(", lanes),
+    mutant("winner", "255u * (rival - here)", "256u * (rival - here)", confidence),
+    mutant("winner", "is_before | is_after", "is_before", confidence),
     mutant("winner", "frame.p1", "frame.p2", |_| ()),
     mutant("winner", "PATHS *", "(PATHS - 1u) *", |_| ()),
-    mutant("winner", "curvature - 1u", "curvature", |_| ()),
-    mutant("winner", "<= vec4(limit)", "< vec4(limit)", |params| params.uniqueness = 1),
+    mutant("winner", "k - 1u", "k", |_| ()),
+    mutant("winner", "max(before, after)", "before", equiangular),
+    mutant("winner", "known.z <= limit", "known.z < limit", |params| params.uniqueness = 1),
     mutant("winner", "(100u - UNIQUENESS)", "(99u - UNIQUENESS)", |params| params.uniqueness = 10),
     mutant("winner", "disparity + 8", "disparity + 7", any),
     mutant("winner", "seen < i32(frame.width)", "seen <= i32(frame.width)", |_| ()),
-    mutant("block_match", "<= vec4(limit)", "< vec4(limit)", |params| {
+    mutant("block_match", "known.z <= limit", "known.z < limit", |params| {
         bm_pixel(params);
         params.shader_checks = true;
     }),
     mutant("block_match", "2u * frame.block_radius", "2u * frame.block_radius - 1u", bm_columns),
-    mutant("block_match", "curvature - 1u", "curvature", bm_columns),
+    mutant("block_match", "k - 1u", "k", bm_columns),
     mutant("block_match_small", "frame.height) - 1)", "frame.height) - 2)", bm),
     mutant("block_match_small", "best * 100u", "best * 110u", bm),
     mutant("block_match_small", "7u << u32(clamp", "6u << u32(clamp", bm),
@@ -547,10 +569,31 @@ const MUTANTS: &[Mutant] = &[
     mutant("block_match_small", "BLOCK) - start", "BLOCK) - start - 1", bm),
     mutant("block_match_small", "1u) + SLICE", "1u)", bm_far),
     mutant("block_match_small", "x4 - frame.min_disparity", "x4", bm),
-    mutant("block_match_small", "curvature - 1u", "curvature", bm),
+    mutant("block_match_small", "k - 1u", "k", bm),
+    mutant("block_match_small", "max(before, after)", "after", |params| {
+        bm(params);
+        equiangular(params);
+    }),
     mutant("block_match_small", "0x7f7f7f7fu", "0x7f7f7f7eu", bm),
+    mutant("texture_columns", "weight * (here &", "(here &", texture),
+    mutant("texture_columns", "let row = clamp(y, 0,", "let row = clamp(y, 1,", texture),
+    mutant("texture_columns", "vec4(s.even.yzw, s.after)", "vec4(s.even.yzw, 0u)", texture),
+    mutant("texture_columns", "y - r)", "y - r + 1)", texture),
+    mutant("texture", ">= vec4(frame.texture)", "> vec4(frame.texture)", texture),
+    mutant("texture", "select(values, vec4(left)", "select(values, vec4(0u)", |params| {
+        texture(params);
+        params.min_disparity = -20;
+    }),
+    mutant("texture", "(last & 4u) != 0u", "(last & 4u) == 0u", texture),
     mutant("lr_check", "frame.lr_max_difference", "(frame.lr_max_difference + 1u)", |_| ()),
     mutant("lr_check", "(value + 8)", "value", |_| ()),
+    mutant("confidence", "max(margins, vec4(1u))", "margins", |params| {
+        bm_pixel(params);
+        confidence(params);
+        params.uniqueness = 0;
+    }),
+    mutant("confidence", "frame.map_words / 4u", "0u", confidence),
+    mutant("confidence", "vec4(0u), values ==", "vec4(1u), values ==", confidence),
     mutant("median", "7) == beyond", "7) == beyond + 9", |_| ()),
     mutant("median", "select(before, even.x, i == 0u)", "before", |params| params.min_disparity = -20),
     mutant("median", "min(id.y + 1u, frame.height - 1u)", "id.y", |_| ()),
