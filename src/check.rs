@@ -142,6 +142,7 @@ impl StereoMatcher {
                 Output::Paths { first, .. } => *first,
                 Output::Views { .. } => std::mem::take(&mut first_views),
                 Output::Cost { volume_row, .. } => *volume_row == 0,
+                Output::Part => false,
                 _ => true,
             };
             readback::guarded(&self.device, || {
@@ -194,7 +195,7 @@ impl StereoMatcher {
         let (width, disparities) = (width as usize, self.params.disparities as usize);
         let padded = 16 * self.params.quads() as usize;
         // Maps and paths are compared when all their parts are there.
-        if matches!(step.output, Output::Views { last: false } | Output::Paths { last: false, .. }) {
+        if matches!(step.output, Output::Part | Output::Views { last: false } | Output::Paths { last: false, .. }) {
             return Ok(());
         }
         let bytes = self.fetch(step, &step.buffer, spoil)?;
@@ -279,8 +280,25 @@ impl StereoMatcher {
                 expected.checked = Some(checked);
             }
             Output::Median => {
-                if let Some(checked) = &expected.checked {
-                    compare_maps(stage, &reference::median(checked), &self.map(&bytes));
+                if let (Some(map), Some(side)) = (expected.checked.take(), self.params.median.side()) {
+                    let filtered = reference::median(&map, side);
+                    compare_maps(stage, &filtered, &self.map(&bytes));
+                    expected.checked = Some(filtered);
+                }
+            }
+            Output::Part => (),
+            Output::Wls => {
+                if let (Some(map), Some(settings)) = (expected.checked.take(), &self.params.wls) {
+                    let smooth = reference::wls(&map, &expected.gray[0], settings, &self.params);
+                    compare_maps(stage, &smooth, &self.map(&bytes));
+                    expected.checked = Some(smooth);
+                }
+            }
+            Output::WeightedMedian => {
+                if let (Some(map), Some(radius)) = (expected.checked.take(), self.params.weighted_median) {
+                    let filtered = reference::weighted_median(&map, &expected.gray[0], radius, &self.params);
+                    compare_maps(stage, &filtered, &self.map(&bytes));
+                    expected.checked = Some(filtered);
                 }
             }
         }

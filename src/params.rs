@@ -134,6 +134,17 @@ pub enum Median {
     Five,
 }
 
+impl Median {
+    /// The side of the window in pixels.
+    pub(crate) fn side(self) -> Option<usize> {
+        match self {
+            Self::Off => None,
+            Self::Three => Some(3),
+            Self::Five => Some(5),
+        }
+    }
+}
+
 /// How pixels without a disparity are given one.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 #[non_exhaustive]
@@ -379,6 +390,21 @@ impl Params {
             self.weighted_median_sigma.to_string(),
             "from 1 to 255".into(),
             "20 is usual",
+        )?;
+        let wls = self.wls.unwrap_or(Wls { lambda: 0.0, sigma: 1.0 });
+        check(
+            (0.0..=1e6).contains(&wls.lambda),
+            "wls-lambda",
+            wls.lambda.to_string(),
+            "from 0 to 1000000".into(),
+            "8000 is usual",
+        )?;
+        check(
+            (0.1..=1000.0).contains(&wls.sigma),
+            "wls-sigma",
+            wls.sigma.to_string(),
+            "from 0.1 to 1000".into(),
+            "1 to 2 is usual",
         )
     }
 

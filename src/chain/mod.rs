@@ -33,6 +33,6 @@ pub(crate) fn chain(b: &mut Builder<'_>) -> Made {
         Method::Bm => cost::block_match(b, &planes, &views),
         Method::Sgm => aggregation::winner(b, &planes, &views),
     }
-    let output = filters::filtered(b, &views);
+    let output = filters::filtered(b, &views, &planes.grays[0]);
     Made { sources, right_map: views.right, output }
 }

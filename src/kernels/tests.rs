@@ -8,7 +8,7 @@ use std::path::{Path, PathBuf};
 
 use super::*;
 use crate::buffers::{Frame, Pass};
-use crate::{Schedule, StereoMatcher};
+use crate::{Median, Schedule, StereoMatcher};
 use wgpu::naga;
 
 #[path = "../../tests/support/mod.rs"]
@@ -388,6 +388,10 @@ fn any(params: &mut Params) {
     (params.p1, params.p2, params.uniqueness) = (12, 72, 0);
 }
 
+fn five(params: &mut Params) {
+    params.median = Median::Five;
+}
+
 fn eight(params: &mut Params) {
     params.paths = Paths::Eight;
 }
@@ -478,7 +482,15 @@ const MUTANTS: &[Mutant] = &[
     mutant("median", "7) == beyond", "7) == beyond + 9", |_| ()),
     mutant("median", "select(before, even.x, i == 0u)", "before", |params| params.min_disparity = -20),
     mutant("median", "min(id.y + 1u, frame.height - 1u)", "id.y", |_| ()),
-    mutant("median", "points_inside(x, value)", "true", any),
+    mutant("median", "seen >= vec4(0)", "seen >= vec4(-1)", any),
+    mutant("median_five", "beyond + 1", "beyond", five),
+    mutant("median_five", "y + 2", "y + 1", five),
+    mutant("median_five", "middle.d, min(low[0], high[0])", "middle.c, min(low[0], high[0])", five),
+    mutant("median_five", "select(vec2(map_value(before, 0u), map_value(before, 1u)), vec2(even.x), i == 0u)",
+        "vec2(map_value(before, 0u), map_value(before, 1u))", |params| {
+            five(params);
+            params.min_disparity = -20;
+        }),
 ];
 
 /// The check finds each mutant, and in the stage that it is in: the stages before stay exact.

@@ -12,7 +12,9 @@ mod prefilter;
 mod sad_columns;
 mod sad_cost;
 mod sgm_aggregate;
+mod weighted_median;
 mod winner;
+mod wls;
 
 pub use block_match::{block_match, block_sums};
 pub use gray::gray;
@@ -22,11 +24,15 @@ pub use prefilter::prefilter;
 pub use sad_columns::sad_columns;
 pub use sad_cost::{sad_cost, sad_cost_scale};
 pub use sgm_aggregate::{Direction, aggregate_direction, sgm_aggregate};
+pub use weighted_median::{median_weight, weighted_median};
+pub(crate) use weighted_median::{median_decay, median_spacing};
 pub use winner::{Views, points_inside, winner};
+pub(crate) use wls::wls_bits;
+pub use wls::{wls, wls_couplings};
 
 use std::time::Instant;
 
-use crate::{DisparityMap, Error, Image, Median, Method, Params, StageTime};
+use crate::{DisparityMap, Error, Image, Method, Params, StageTime};
 
 /// An 8-bit image, row by row from the top.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -89,8 +95,8 @@ pub fn compute_timed(left: &Image, right: &Image, params: &Params) -> Result<(Di
     params.validate()?;
     crate::matcher::check_pair(left, right)?;
     let mut clock = Clock { last: Instant::now(), times: Vec::new() };
-    let (left, right) = clock.stage("gray", (gray(left), gray(right)));
-    let (left, right) = clock.stage("prefilter", (prefilter(&left, params), prefilter(&right, params)));
+    let grays = clock.stage("gray", (gray(left), gray(right)));
+    let (left, right) = clock.stage("prefilter", (prefilter(&grays.0, params), prefilter(&grays.1, params)));
     let columns = clock.stage("sad_columns", sad_columns(&left, &right, params));
     let Views { left, right } = match params.method {
         Method::Bm => clock.stage("block_match", block_match(&columns, params)),
@@ -105,8 +111,14 @@ pub fn compute_timed(left: &Image, right: &Image, params: &Params) -> Result<(Di
     if let Some(max_difference) = params.lr_check {
         map = clock.stage("lr_check", lr_check(&map, &right, max_difference));
     }
-    if params.median == Median::Three {
-        map = clock.stage("median", median(&map));
+    if let Some(side) = params.median.side() {
+        map = clock.stage("median", median(&map, side));
+    }
+    if let Some(radius) = params.weighted_median {
+        map = clock.stage("weighted_median", weighted_median(&map, &grays.0, radius, params));
+    }
+    if let Some(settings) = &params.wls {
+        map = clock.stage("wls", wls(&map, &grays.0, settings, params));
     }
     Ok((map, clock.times))
 }

@@ -117,5 +117,8 @@ pub fn random_params(random: &mut ChaCha8Rng) -> Params {
     params.subpixel = if random.random_bool(0.7) { Subpixel::Parabola } else { Subpixel::Off };
     params.shader_checks = random.random_bool(0.3);
     params.schedule = [Schedule::Auto, Schedule::Lines, Schedule::Lanes][random.random_range(0..3)];
+    if random.random_bool(0.3) {
+        params.median = Median::Five;
+    }
     params
 }
