@@ -9,10 +9,10 @@ fn main(@builtin(global_invocation_id) id: vec3<u32>) {
     if id.x >= pass_.lines {
         return;
     }
-    var smooth = vec2(0u);
+    var mean = vec2(0u);
     for (var i = 0u; i < pass_.rows; i++) {
         let at = pixel(id.x, pass_.rows - 1u - i);
-        smooth = blend(values[at], smooth, shares[at]);
-        values[at] = smooth;
+        mean = blend(values[at], mean, shares[at]);
+        values[at] = mean;
     }
 }

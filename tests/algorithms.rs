@@ -38,6 +38,11 @@ fn python(argument: &str) -> Option<String> {
 /// The settings by the page's names.
 fn settings(params: &Params) -> Vec<(&'static str, String)> {
     let number = |n: u32| n.to_string();
+    let median = match params.median {
+        Median::Off => "off",
+        Median::Three => "3",
+        Median::Five => "5",
+    };
     vec![
         ("min_disparity", params.min_disparity.to_string()),
         ("disparities", number(params.disparities)),
@@ -50,8 +55,11 @@ fn settings(params: &Params) -> Vec<(&'static str, String)> {
         ("p2", number(params.p2)),
         ("uniqueness", number(params.uniqueness)),
         ("lr_check", params.lr_check.map_or("off".into(), number)),
-        ("median", if params.median == Median::Off { "off" } else { "3" }.into()),
+        ("median", median.into()),
         ("subpixel", if params.subpixel == Subpixel::Off { "off" } else { "on" }.into()),
+        ("weighted_median", params.weighted_median.map_or("off".into(), number)),
+        ("weighted_median_sigma", number(params.weighted_median_sigma)),
+        ("wls", params.wls.map_or("off".into(), |wls| format!("{},{}", f64::from(wls.lambda), f64::from(wls.sigma)))),
     ]
 }
 
@@ -119,12 +127,23 @@ fn stages(left: &Image, right: &Image, params: &Params) -> Vec<(&'static str, us
     };
     stages.push(("winner_left", 2, map_bytes(&views.left)));
     stages.push(("winner_right", 2, map_bytes(&views.right)));
-    let checked = match params.lr_check {
+    let mut map = match params.lr_check {
         Some(px) => reference::lr_check(&views.left, &views.right, px),
         None => views.left,
     };
-    stages.push(("lr_check", 2, map_bytes(&checked)));
-    stages.push(("median", 2, map_bytes(&reference::compute(left, right, params).unwrap())));
+    stages.push(("lr_check", 2, map_bytes(&map)));
+    map = match params.median {
+        Median::Off => map,
+        Median::Three => reference::median(&map, 3),
+        Median::Five => reference::median(&map, 5),
+    };
+    stages.push(("median", 2, map_bytes(&map)));
+    if let Some(radius) = params.weighted_median {
+        map = reference::weighted_median(&map, &gray[0], radius, params);
+    }
+    stages.push(("weighted_median", 2, map_bytes(&map)));
+    assert!(params.wls.is_some() || map == reference::compute(left, right, params).unwrap());
+    stages.push(("wls", 2, map_bytes(&reference::compute(left, right, params).unwrap())));
     stages
 }
 

@@ -1,10 +1,10 @@
 //! From the views to the map: the check of one against the other, and the filters.
 
 use super::Views;
-use crate::{Median, reference};
 use crate::buffers::{Frame, Pass};
 use crate::steps::Bound::{Buffer, Texture};
 use crate::steps::{Builder, Output};
+use crate::{Median, reference};
 
 /// Stages from `lr_check` on, those of them that are wanted. Returns the buffer of the map.
 pub(super) fn filtered(b: &mut Builder<'_>, views: &Views, gray: &wgpu::TextureView) -> wgpu::Buffer {
