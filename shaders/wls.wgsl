@@ -10,9 +10,9 @@
 // 2^-16 of the confidence 2^30.
 const LEAST: u32 = 1u << 14u;
 
-// To the nearest 1/16 px, bit by bit: the quotient is below 2.
+// To the nearest 1/16 px, bit by bit: the quotient is below 2, but for the rounding of the two.
 fn disparity(value: vec2<u32>) -> i32 {
-    var rest = value.x;
+    var rest = min(value.x, 2u * value.y - 1u);
     var bits = 0u;
     for (var i = 0u; i < 32u - SIXTEENTH_BITS; i++) {
         let fits = rest >= value.y;

@@ -2,7 +2,7 @@
 
 // Disparity above the smallest times confidence, and confidence.
 @group(0) @binding(2) var<storage, read_write> values: array<vec2<u32>>;
-// Of 65536, what the mean with the pixels before has in the solution; the rest is the pixel's after it.
+// Of 65536: what the mean with the pixels before has in the solution. The rest is that of the pixel after.
 @group(0) @binding(3) var<storage, read_write> shares: array<u32>;
 
 // share / 65536 of a and the rest of b, to the nearest number, a half upwards.

@@ -35,14 +35,18 @@ fn python(argument: &str) -> Option<String> {
     Some(String::from_utf8(output.stdout).unwrap())
 }
 
+fn median_side(params: &Params) -> Option<usize> {
+    match params.median {
+        Median::Off => None,
+        Median::Three => Some(3),
+        Median::Five => Some(5),
+        other => panic!("no side of {other:?}"),
+    }
+}
+
 /// The settings by the page's names.
 fn settings(params: &Params) -> Vec<(&'static str, String)> {
     let number = |n: u32| n.to_string();
-    let median = match params.median {
-        Median::Off => "off",
-        Median::Three => "3",
-        Median::Five => "5",
-    };
     vec![
         ("min_disparity", params.min_disparity.to_string()),
         ("disparities", number(params.disparities)),
@@ -55,7 +59,7 @@ fn settings(params: &Params) -> Vec<(&'static str, String)> {
         ("p2", number(params.p2)),
         ("uniqueness", number(params.uniqueness)),
         ("lr_check", params.lr_check.map_or("off".into(), number)),
-        ("median", median.into()),
+        ("median", median_side(params).map_or("off".into(), |side| side.to_string())),
         ("subpixel", if params.subpixel == Subpixel::Off { "off" } else { "on" }.into()),
         ("weighted_median", params.weighted_median.map_or("off".into(), number)),
         ("weighted_median_sigma", number(params.weighted_median_sigma)),
@@ -132,11 +136,9 @@ fn stages(left: &Image, right: &Image, params: &Params) -> Vec<(&'static str, us
         None => views.left,
     };
     stages.push(("lr_check", 2, map_bytes(&map)));
-    map = match params.median {
-        Median::Off => map,
-        Median::Three => reference::median(&map, 3),
-        Median::Five => reference::median(&map, 5),
-    };
+    if let Some(side) = median_side(params) {
+        map = reference::median(&map, side);
+    }
     stages.push(("median", 2, map_bytes(&map)));
     if let Some(radius) = params.weighted_median {
         map = reference::weighted_median(&map, &gray[0], radius, params);
