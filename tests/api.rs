@@ -7,12 +7,12 @@ mod support;
 use std::collections::BTreeSet;
 
 use gpu_stereo::reference::{self, Direction, Volume};
-use gpu_stereo::{DisparityMap, Error, Image, Params, Paths, PixelFormat, Pixels, StereoMatcher, wgpu};
+use gpu_stereo::{DisparityMap, Error, Image, Params, Paths, PixelFormat, Pixels, StereoMatcher, Wls, wgpu};
 
 type Change = fn(&mut Params);
 
 /// Each row of [`Params::validate`]: what is set, the parameter's name, the value given, and what is allowed.
-const REFUSED: [(Change, &str, &str, &str); 16] = [
+const REFUSED: [(Change, &str, &str, &str); 20] = [
     (|p| p.min_disparity = -2048, "min-disp", "-2048", "-2047 to 2047"),
     (|p| p.min_disparity = 2048, "min-disp", "2048", "-2047 to 2047"),
     (|p| p.min_disparity = i32::MIN, "min-disp", "-2147483648", "-2047 to 2047"),
@@ -29,6 +29,10 @@ const REFUSED: [(Change, &str, &str, &str); 16] = [
     (|p| (p.p1, p.p2) = (8, 7), "p1", "8", "0 to p2, which is 7"),
     (|p| p.uniqueness = 100, "uniqueness", "100", "0 (off) to 99"),
     (|p| p.lr_check = Some(4096), "lr-check", "4096", "0 to 4095"),
+    (|p| p.weighted_median = Some(16), "weighted-median", "16", "1 to 15"),
+    (|p| p.weighted_median_sigma = 0, "weighted-median-sigma", "0", "1 to 255"),
+    (|p| p.wls = Some(Wls { lambda: f32::NAN, sigma: 1.0 }), "wls-lambda", "NaN", "0 to 1000000"),
+    (|p| p.wls = Some(Wls { lambda: 1.0, sigma: 0.0 }), "wls-sigma", "0", "0.1 to 1000"),
 ];
 
 #[test]
@@ -57,7 +61,7 @@ fn a_refused_parameter_is_named_with_what_is_allowed() {
 /// The last value that each rule allows, on both sides.
 #[test]
 fn the_ends_of_the_ranges_are_allowed() {
-    let ends: [Change; 12] = [
+    let ends: [Change; 16] = [
         |p| (p.min_disparity, p.disparities) = (-2047, 4095),
         |p| (p.min_disparity, p.disparities) = (2047, 1),
         |p| p.disparities = 1,
@@ -70,6 +74,10 @@ fn the_ends_of_the_ranges_are_allowed() {
         |p| (p.p1, p.p2) = (127, 127),
         |p| p.uniqueness = 99,
         |p| p.lr_check = Some(4095),
+        |p| (p.weighted_median, p.weighted_median_sigma) = (Some(1), 255),
+        |p| (p.weighted_median, p.weighted_median_sigma) = (Some(15), 1),
+        |p| p.wls = Some(Wls { lambda: 0.0, sigma: 1000.0 }),
+        |p| p.wls = Some(Wls { lambda: 1e6, sigma: 0.1 }),
     ];
     let setup = support::device();
     let (left, right) = support::pair(21, 5, 4);
