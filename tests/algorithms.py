@@ -239,7 +239,7 @@ class Chain:
         for divisor in (1.0, 4.0, 16.0):
             coupling, w = [], 1.0
             for _ in range(256):
-                coupling.append(math.floor(64.0 * strength / divisor * w + 0.5))
+                coupling.append(max(1, math.floor(64.0 * strength / divisor * w + 0.5)))
                 w *= decay
             for y in range(self.height):
                 solve([(x, y) for x in range(self.width)], coupling)

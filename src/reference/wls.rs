@@ -7,7 +7,8 @@ pub(crate) fn wls_bits(disparities: u32) -> u32 {
 }
 
 /// lambda exp(-difference / sigma), in 1/64, for the differences 0 to 255 and for each of three iterations, of which each has
-/// a quarter of the lambda before: table `[256 iteration + difference]`.
+/// a quarter of the lambda before: table `[256 iteration + difference]`. At least 1, so that a hole of one pixel is filled
+/// even where it differs from all around it.
 ///
 /// In doubles, of which only sums, products and quotients are taken: the same on every machine.
 pub fn wls_couplings(wls: &Wls) -> Vec<u32> {
@@ -22,7 +23,7 @@ pub fn wls_couplings(wls: &Wls) -> Vec<u32> {
     for divisor in [1.0, 4.0, 16.0] {
         let mut weight = 1.0;
         for _ in 0..256 {
-            table.push((64.0 * f64::from(wls.lambda) / divisor * weight + 0.5).floor() as u32);
+            table.push((64.0 * f64::from(wls.lambda) / divisor * weight + 0.5).floor().max(1.0) as u32);
             weight *= decay;
         }
     }
