@@ -23,7 +23,7 @@ pub(crate) fn median_spacing(radius: u32) -> u32 {
 ///
 /// A weight falls with the difference of the left image from the middle: Ma et al., "Constant Time Weighted Median
 /// Filtering for Stereo Matching and Beyond", ICCV 2013, with other weights and a sparse window.
-pub fn weighted_median(map: &DisparityMap, gray: &Plane, radius: u32, params: &Params) -> DisparityMap {
+pub fn weighted_median(map: &DisparityMap, gray: &Plane<u8>, radius: u32, params: &Params) -> DisparityMap {
     let (width, height) = (gray.width as i64, gray.height as i64);
     let spacing = i64::from(median_spacing(radius));
     let inside = |(x, y): &(i64, i64)| (0..width).contains(x) && (0..height).contains(y);

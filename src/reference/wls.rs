@@ -63,7 +63,7 @@ fn solve(line: &mut [[u32; 2]], couplings: &[u32]) {
 /// Min et al., "Fast Global Image Smoothing Based on Weighted Least Squares", IEEE TIP 23(12), 2014: three iterations, each
 /// solves all rows and then all columns, equations 6 to 9. As `DisparityWLSFilter` of OpenCV's ximgproc does, each
 /// iteration has a quarter of the lambda before.
-pub fn wls(map: &DisparityMap, gray: &Plane, wls: &Wls, params: &Params) -> DisparityMap {
+pub fn wls(map: &DisparityMap, gray: &Plane<u8>, wls: &Wls, params: &Params) -> DisparityMap {
     let (width, height) = (gray.width, gray.height);
     let bits = wls_bits(params.disparities);
     let start = |&v: &i16| match v {
