@@ -188,6 +188,9 @@ impl Sizes {
         let map = texels(map_stride);
         let right_map = if params.confidence { 2 * map } else { map };
         fits("a disparity map with its confidence", right_map, smaller)?;
+        if params.wls.is_some() {
+            fits("a map of two numbers a pixel", 8 * u64::from(volume_stride) * u64::from(height), smaller)?;
+        }
         let fewer = "use fewer disparities or narrower images";
         let volume_needs = volume_row.next_multiple_of(TEXTURE_ROW);
         if params.method == Method::Sgm && volume_needs > volume_allowed {

@@ -148,6 +148,7 @@ impl StereoMatcher {
                 Output::Paths { first, .. } => *first,
                 Output::Views { .. } => std::mem::take(&mut first_views),
                 Output::Cost { volume_row, .. } => *volume_row == 0,
+                Output::Part => false,
                 Output::Features { first, .. } => *first == 0,
                 _ => true,
             };
@@ -328,8 +329,22 @@ impl StereoMatcher {
                 }
             }
             Output::Median => {
-                if let Some(checked) = &expected.checked {
-                    let filtered = reference::median(checked);
+                if let (Some(map), Some(side)) = (expected.checked.take(), self.params.median.side()) {
+                    let filtered = reference::median(&map, side);
+                    compare_maps(stage, &filtered, &self.map(&bytes));
+                    expected.checked = Some(filtered);
+                }
+            }
+            Output::Wls => {
+                if let (Some(map), Some(settings)) = (expected.checked.take(), &self.params.wls) {
+                    let smooth = reference::wls(&map, &expected.luma[0], settings, &self.params);
+                    compare_maps(stage, &smooth, &self.map(&bytes));
+                    expected.checked = Some(smooth);
+                }
+            }
+            Output::WeightedMedian => {
+                if let (Some(map), Some(radius)) = (expected.checked.take(), self.params.weighted_median) {
+                    let filtered = reference::weighted_median(&map, &expected.luma[0], radius, &self.params);
                     compare_maps(stage, &filtered, &self.map(&bytes));
                     expected.checked = Some(filtered);
                 }

@@ -4,6 +4,7 @@ use std::collections::HashSet;
 
 use crate::buffers::TEXELS;
 use crate::params::{Census, Cost, Params, Paths, Prefilter, Subpixel};
+use crate::reference::{median_decay, median_spacing, wls_bits};
 use crate::schedule::{Exchange, GROUP_LANES, Plan, STRIP_LANES};
 use crate::{Error, PixelFormat};
 
@@ -81,7 +82,13 @@ pub(crate) const KERNELS: &[Kernel] = &[
     Kernel { name: "texture", stage: "texture", lanes: 64, sources: wgsl!("texture", "common"), choices: &[], storage: &[Read, Read, Write] },
     Kernel { name: "lr_check", stage: "lr_check", lanes: 32, sources: wgsl!("lr_check", "common"), choices: &[], storage: &[Read, Read, Write] },
     Kernel { name: "confidence", stage: "confidence", lanes: 64, sources: wgsl!("confidence", "common"), choices: &[], storage: &[Read, Read, Write] },
-    Kernel { name: "median", stage: "median", lanes: 64, sources: wgsl!("median", "common"), choices: &[], storage: &[QUAD, Write] },
+    Kernel { name: "median", stage: "median", lanes: 64, sources: wgsl!("median", "map_texels", "pointing", "common"), choices: &[], storage: &[QUAD, Write] },
+    Kernel { name: "median_five", stage: "median", lanes: 64, sources: wgsl!("median_five", "map_texels", "pointing", "common"), choices: &[], storage: &[QUAD, Write] },
+    Kernel { name: "weighted_median", stage: "weighted_median", lanes: 64, sources: wgsl!("weighted_median", "map_texels", "common"), choices: &[], storage: &[QUAD, Write, QUAD] },
+    Kernel { name: "wls_start", stage: "wls", lanes: 64, sources: wgsl!("wls_start", "common"), choices: &[], storage: &[QUAD, Write] },
+    Kernel { name: "wls_forward", stage: "wls", lanes: 8, sources: wgsl!("wls_forward", "wls_line", "common"), choices: &[], storage: &[Write, Write, QUAD, Read] },
+    Kernel { name: "wls_backward", stage: "wls", lanes: 8, sources: wgsl!("wls_backward", "wls_line", "common"), choices: &[], storage: &[Write, Write] },
+    Kernel { name: "wls", stage: "wls", lanes: 64, sources: wgsl!("wls", "common"), choices: &[], storage: &[Read, Write] },
 ];
 
 impl Kernel {
@@ -242,6 +249,9 @@ pub(crate) fn constants(kernel: &Kernel, params: &Params, format: PixelFormat, p
         ("RGBA8", number(PixelFormat::Rgba8 as u32)),
         ("PREFILTER", number(params.prefilter as u32)),
         ("PREFILTER_XSOBEL", number(Prefilter::XSobel as u32)),
+        ("SIXTEENTH_BITS", number(wls_bits(params.disparities))),
+        ("SPACING", number(median_spacing(params.weighted_median.unwrap_or(1)))),
+        ("DECAY", number(median_decay(params.weighted_median_sigma))),
         ("PREFILTER_NORMALIZED", number(Prefilter::Normalized as u32)),
         ("PREFILTER_NONE", number(Prefilter::None as u32)),
     ];

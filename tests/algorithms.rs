@@ -33,6 +33,15 @@ fn python(argument: &str) -> Option<String> {
     Some(String::from_utf8(output.stdout).unwrap())
 }
 
+fn median_side(params: &Params) -> Option<usize> {
+    match params.median {
+        Median::Off => None,
+        Median::Three => Some(3),
+        Median::Five => Some(5),
+        other => panic!("no side of {other:?}"),
+    }
+}
+
 /// The settings by the page's names.
 fn settings(params: &Params) -> Vec<(&'static str, String)> {
     let number = |n: u32| n.to_string();
@@ -49,8 +58,11 @@ fn settings(params: &Params) -> Vec<(&'static str, String)> {
         ("texture", number(params.texture)),
         ("uniqueness", number(params.uniqueness)),
         ("lr_check", params.lr_check.map_or("off".into(), number)),
-        ("median", if params.median == Median::Off { "off" } else { "3" }.into()),
+        ("median", median_side(params).map_or("off".into(), |side| side.to_string())),
         ("subpixel", format!("{:?}", params.subpixel).to_lowercase()),
+        ("weighted_median", params.weighted_median.map_or("off".into(), number)),
+        ("weighted_median_sigma", number(params.weighted_median_sigma)),
+        ("wls", params.wls.map_or("off".into(), |wls| format!("{},{}", f64::from(wls.lambda), f64::from(wls.sigma)))),
     ]
 }
 
@@ -118,20 +130,28 @@ fn stages(left: &Image, right: &Image, params: &Params) -> Vec<(&'static str, us
     };
     stages.push(("winner_left", 2, map_bytes(&views.left)));
     stages.push(("winner_right", 2, map_bytes(&views.right)));
-    let textured = match params.texture {
+    let mut map = match params.texture {
         0 => views.left,
         _ => reference::texture(&views.left, &gray[0], params),
     };
-    stages.push(("texture", 2, map_bytes(&textured)));
-    let checked = match params.lr_check {
-        Some(px) => reference::lr_check(&textured, &views.right, px),
-        None => textured,
-    };
-    stages.push(("lr_check", 2, map_bytes(&checked)));
+    stages.push(("texture", 2, map_bytes(&map)));
+    if let Some(px) = params.lr_check {
+        map = reference::lr_check(&map, &views.right, px);
+    }
+    stages.push(("lr_check", 2, map_bytes(&map)));
+    if let Some(side) = median_side(params) {
+        map = reference::median(&map, side);
+    }
+    stages.push(("median", 2, map_bytes(&map)));
+    if let Some(radius) = params.weighted_median {
+        map = reference::weighted_median(&map, &gray[0], radius, params);
+    }
+    stages.push(("weighted_median", 2, map_bytes(&map)));
     let mut with_confidence = params.clone();
     with_confidence.confidence = true;
     let matched = reference::compute_all(left, right, &with_confidence).unwrap();
-    stages.push(("median", 2, map_bytes(&matched.map)));
+    assert!(params.wls.is_some() || map == matched.map);
+    stages.push(("wls", 2, map_bytes(&matched.map)));
     stages.push(("margins", 1, views.margins.data));
     stages.push(("confidence", 1, matched.confidence.unwrap().data));
     stages

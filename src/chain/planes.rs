@@ -66,6 +66,7 @@ pub(super) fn planes(b: &mut Builder<'_>, sources: &[wgpu::Texture; 2]) -> Plane
         let channels = b.params.channels();
         let planes = b.params.planes() / channels;
         let luma = gray(b, &source, side);
+        grays.push(luma.clone());
         for channel in 0..channels {
             let picture = match (b.params.color_cost, b.format) {
                 (false, PixelFormat::Gray8 | PixelFormat::Rgba8) => {

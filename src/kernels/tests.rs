@@ -8,7 +8,7 @@ use std::path::{Path, PathBuf};
 
 use super::*;
 use crate::buffers::{Frame, Pass};
-use crate::{Schedule, StereoMatcher};
+use crate::{Median, Schedule, StereoMatcher, Wls};
 use wgpu::naga;
 
 #[path = "../../tests/support/mod.rs"]
@@ -62,6 +62,13 @@ fn specialisations() -> Vec<(Params, PixelFormat, Plan)> {
                         let confidence = subpixel == Subpixel::Equiangular;
                         let params = Params { paths, prefilter, subpixel, confidence, ..base.clone() };
                         let params = Params { block: if subpixel == Subpixel::Off { 21 } else { 5 }, ..params };
+                        // A filter of each kind, and every spacing of the weighted median.
+                        let params = Params {
+                            median: if subpixel == Subpixel::Off { Median::Five } else { Median::Three },
+                            weighted_median: Some(disparities % 15 + 1),
+                            wls: Some(Wls { lambda: 8000.0, sigma: 1.5 }),
+                            ..params
+                        };
                         for (i, plan) in plans(&params).into_iter().enumerate() {
                             let formats = formats.iter().take(if i == 0 { 4 } else { 1 });
                             all.extend(formats.map(|&format| (params.clone(), format, plan)));
@@ -262,7 +269,6 @@ fn pass_layout() -> (Vec<(String, u32, String)>, u32) {
         lead,
         stride,
         first_plane,
-        deep,
         window
     })
 }
@@ -446,6 +452,18 @@ fn any(params: &mut Params) {
     (params.p1, params.p2, params.uniqueness) = (12, 72, 0);
 }
 
+fn five(params: &mut Params) {
+    params.median = Median::Five;
+}
+
+fn weighted(params: &mut Params) {
+    (params.weighted_median, params.uniqueness) = (Some(5), 0);
+}
+
+fn wls(params: &mut Params) {
+    params.wls = Some(Wls { lambda: 50.0, sigma: 20.0 });
+}
+
 fn eight(params: &mut Params) {
     params.paths = Paths::Eight;
 }
@@ -597,7 +615,34 @@ const MUTANTS: &[Mutant] = &[
     mutant("median", "7) == beyond", "7) == beyond + 9", |_| ()),
     mutant("median", "select(before, even.x, i == 0u)", "before", |params| params.min_disparity = -20),
     mutant("median", "min(id.y + 1u, frame.height - 1u)", "id.y", |_| ()),
-    mutant("median", "points_inside(x, value)", "true", any),
+    mutant("median", "(seen >= vec4(0)) & (seen < vec4(i32(frame.width)))", "seen == seen", any),
+    mutant("median_five", "beyond + 1", "beyond", five),
+    mutant("median_five", "y + 2", "y + 1", five),
+    mutant("median_five", "middle.d, min(low[0], high[0])", "middle.c, min(low[0], high[0])", five),
+    mutant(
+        "median_five",
+        "select(vec2(map_value(before, 0u), map_value(before, 1u)), vec2(even.x), i == 0u)",
+        "vec2(map_value(before, 0u), map_value(before, 1u))",
+        |params| {
+            five(params);
+            params.min_disparity = -20;
+        },
+    ),
+    mutant("weighted_median", "2u * reached >= total", "3u * reached >= total", weighted),
+    mutant("weighted_median", "512u - (halvings & 255u)", "512u", weighted),
+    mutant("weighted_median", "select(i32(frame.width + 8u * AROUND), 0, y == i32(row))", "0", weighted),
+    mutant("weighted_median", "0xffffu), (even >= vec4(0))", "0xffffu), (even >= vec4(-8))", weighted),
+    mutant("weighted_median", "exchange(keys, 2u, 2u, 6u);", "", weighted),
+    mutant("weighted_median", "(i & 1u) == 1u", "(i & 1u) == 0u", weighted),
+    mutant("weighted_median", "middle(&keys), valid", "middle(&keys), true", weighted),
+    mutant("wls_start", "16 * frame.min_disparity", "16 * frame.min_disparity - 1", wls),
+    mutant("wls_start", "disparity == INVALID", "false", wls),
+    mutant("wls_forward", "0u, i + 1u == pass_.rows", "9u, i + 1u == pass_.rows", wls),
+    mutant("wls_forward", "pass_.shift +", "0u +", wls),
+    mutant("wls_forward", "+ 32768u", "", wls),
+    mutant("wls_forward", "+ 16u;", "+ 15u;", wls),
+    mutant("wls_backward", "pass_.rows - 1u - i", "i", wls),
+    mutant("wls", "(bits + 1u)", "bits", wls),
 ];
 
 /// The check finds each mutant, and in the stage that it is in: the stages before stay exact.

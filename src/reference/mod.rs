@@ -15,8 +15,10 @@ mod median;
 mod prefilter;
 mod sgm_aggregate;
 mod texture;
+mod weighted_median;
 mod window_sums;
 mod winner;
+mod wls;
 
 pub use block_match::{block_match, block_sums};
 pub use confidence::{confidence, margin};
@@ -29,13 +31,17 @@ pub use median::median;
 pub use prefilter::prefilter;
 pub use sgm_aggregate::{Direction, aggregate_direction, sgm_aggregate};
 pub use texture::texture;
+pub(crate) use weighted_median::{median_decay, median_spacing};
+pub use weighted_median::{median_weight, weighted_median};
 pub use window_sums::window_sum;
 pub use winner::{Views, points_inside, winner};
+pub(crate) use wls::wls_bits;
+pub use wls::{wls, wls_couplings};
 
 use rayon::prelude::*;
 use std::time::Instant;
 
-use crate::{DisparityMap, Error, Image, Matched, Median, Method, Params, Prefilter, StageTime};
+use crate::{DisparityMap, Error, Image, Matched, Method, Params, Prefilter, StageTime};
 
 /// An image, row by row from the top.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -143,8 +149,14 @@ pub fn compute_all_timed(left: &Image, right: &Image, params: &Params) -> Result
     if let Some(max_difference) = params.lr_check {
         map = clock.stage("lr_check", lr_check(&map, &right, max_difference));
     }
-    if params.median == Median::Three {
-        map = clock.stage("median", median(&map));
+    if let Some(side) = params.median.side() {
+        map = clock.stage("median", median(&map, side));
+    }
+    if let Some(radius) = params.weighted_median {
+        map = clock.stage("weighted_median", weighted_median(&map, &luma, radius, params));
+    }
+    if let Some(settings) = &params.wls {
+        map = clock.stage("wls", wls(&map, &luma, settings, params));
     }
     let confidence = params.confidence.then(|| clock.stage("confidence", confidence(&map, &margins)));
     Ok((Matched { map, confidence }, clock.times))

@@ -142,5 +142,17 @@ pub fn random_params(random: &mut ChaCha8Rng) -> Params {
     if random.random_bool(0.3) {
         params.texture = random.random_range(0..=params.block * params.block * params.prefilter_cap / 2);
     }
+    if random.random_bool(0.3) {
+        params.median = Median::Five;
+    }
+    if random.random_bool(0.4) {
+        params.weighted_median = Some(random.random_range(1..=15));
+        params.weighted_median_sigma = random.random_range(1..=255);
+    }
+    if random.random_bool(0.3) {
+        let lambda = *[0.0, 0.7, 50.0, 8000.0, 1e6].get(random.random_range(0..5)).unwrap();
+        params.wls =
+            Some(gpu_stereo::Wls { lambda, sigma: *[0.1, 1.5, 1000.0].get(random.random_range(0..3)).unwrap() });
+    }
     params
 }
