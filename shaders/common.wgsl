@@ -16,6 +16,8 @@ struct Frame {
     right_stride: u32,    // words a row of the right prefiltered plane
     map_stride: u32,      // words a row of a disparity map, a multiple of 4
     volume_stride: u32,   // pixels a row of a volume
+    speckle_window: u32,
+    speckle_range: i32,   // 1/16 px
 }
 
 // What differs between dispatches.
@@ -31,6 +33,7 @@ struct Pass {
     carried: u32,         // 1: the band before this one in the direction left its path costs in carry_in
     accumulate: u32,      // 1: add to what the opposite direction left
     side: u32,            // 0: left image, 1: right image
+    row_step: u32,        // rows from one border of two bands to the next
 }
 
 @group(0) @binding(0) var<uniform> frame: Frame;

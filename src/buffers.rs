@@ -21,6 +21,8 @@ pub(crate) struct Frame {
     pub(crate) right_stride: u32,
     pub(crate) map_stride: u32,
     pub(crate) volume_stride: u32,
+    pub(crate) speckle_window: u32,
+    pub(crate) speckle_range: i32,
 }
 
 /// The WGSL block `Pass`: what differs between dispatches.
@@ -38,6 +40,7 @@ pub(crate) struct Pass {
     pub(crate) carried: u32,
     pub(crate) accumulate: u32,
     pub(crate) side: u32,
+    pub(crate) row_step: u32,
 }
 
 /// Neighbouring rows that are worked on together.
@@ -54,6 +57,12 @@ const ROUNDS: u32 = 65_535;
 /// one more for two pixels of the right view that no left pixel sees.
 const MOST_SIDE: u32 = 60_000;
 const MOST_SIDE_IN_FOURS: u32 = 40_000;
+
+/// Groups of eight columns that are joined across a border of two bands at a time. Only roots get other parents, and only
+/// roots of the upper band become them. So a way to a root has at most 8 * 128 of those, and what it had before in each
+/// band: one pixel for each segment of each border so far, 59 * 16. `speckle_flatten` walks eight times a way from above,
+/// to look for the root, and one from above and one from below: 8 * (3 * 1024 + 4 * 944) rounds, fewer than [`ROUNDS`].
+pub(crate) const SEGMENT_GROUPS: u32 = 128;
 
 /// Bytes a buffer of column sums may take. They live only until the cost is computed from them, so more of them than
 /// keeps a device busy is a waste of memory.
@@ -84,6 +93,8 @@ pub(crate) struct Sizes {
     pub(crate) right: u64,
     /// Bytes of one disparity map.
     pub(crate) map: u64,
+    /// Bytes of one number a pixel of a map.
+    pub(crate) regions: u64,
     /// Bytes of a row of a volume with a byte a disparity.
     pub(crate) volume_row: u64,
     /// Bytes of a row of column sums.
@@ -170,6 +181,10 @@ impl Sizes {
                 return Err(Error::TooLarge { what: what.into(), needed, allowed, remedy: smaller });
             }
         }
+        let regions = 2 * texels(map_stride);
+        if params.speckle_window > 0 {
+            fits("the regions of the speckle filter", regions, "make the images smaller or switch the filter off")?;
+        }
         let fewer = "use fewer disparities or narrower images";
         let volume_needs = volume_row.next_multiple_of(TEXTURE_ROW);
         if params.method == Method::Sgm && volume_needs > volume_allowed {
@@ -229,12 +244,15 @@ impl Sizes {
                 right_stride,
                 map_stride,
                 volume_stride,
+                speckle_window: params.speckle_window,
+                speckle_range: 16 * params.speckle_range as i32,
             },
             source,
             gray: texels(4 * gray_stride),
             left: rows(left_stride),
             right: rows(right_stride),
             map: texels(map_stride),
+            regions,
             volume_row,
             columns_row,
             bands,

@@ -142,6 +142,7 @@ impl StereoMatcher {
                 Output::Paths { first, .. } => *first,
                 Output::Views { .. } => std::mem::take(&mut first_views),
                 Output::Cost { volume_row, .. } => *volume_row == 0,
+                Output::Temporary => false,
                 _ => true,
             };
             readback::guarded(&self.device, || {
@@ -194,7 +195,8 @@ impl StereoMatcher {
         let (width, disparities) = (width as usize, self.params.disparities as usize);
         let padded = 16 * self.params.quads() as usize;
         // Maps and paths are compared when all their parts are there.
-        if matches!(step.output, Output::Views { last: false } | Output::Paths { last: false, .. }) {
+        if matches!(step.output, Output::Views { last: false } | Output::Paths { last: false, .. } | Output::Temporary)
+        {
             return Ok(());
         }
         let bytes = self.fetch(step, &step.buffer, spoil)?;
@@ -277,6 +279,13 @@ impl StereoMatcher {
                 let checked = reference::lr_check(&views.left, &views.right, max_difference);
                 compare_maps(stage, &checked, &self.map(&bytes));
                 expected.checked = Some(checked);
+            }
+            Output::Temporary => (),
+            Output::Speckle => {
+                if let Some(checked) = &mut expected.checked {
+                    *checked = reference::speckle(checked, self.params.speckle_window, self.params.speckle_range);
+                    compare_maps(stage, checked, &self.map(&bytes));
+                }
             }
             Output::Median => {
                 if let Some(checked) = &expected.checked {

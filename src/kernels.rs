@@ -67,6 +67,11 @@ pub(crate) const KERNELS: &[Kernel] = &[
     Kernel { name: "block_match", stage: "block_match", lanes: 32, sources: wgsl!("block_match", "column_sums", "costs", "winner_row", "quotient", "common"), choices: MEMBERS, storage: &[Read, Write, Write] },
     Kernel { name: "block_match_small", stage: "block_match", lanes: 8, sources: wgsl!("block_match_small", "quotient", "common"), choices: &[], storage: &[WORD, WORD, Write, Write] },
     Kernel { name: "lr_check", stage: "lr_check", lanes: 32, sources: wgsl!("lr_check", "common"), choices: &[], storage: &[Read, Read, Write] },
+    Kernel { name: "speckle_rows", stage: "speckle", lanes: 8, sources: wgsl!("speckle_rows", "speckle_joins", "common"), choices: &[], storage: &[QUAD, Write, Write] },
+    Kernel { name: "speckle_link", stage: "speckle", lanes: 32, sources: wgsl!("speckle_link", "speckle_joins", "common"), choices: &[], storage: &[QUAD, Write] },
+    Kernel { name: "speckle_flatten", stage: "speckle", lanes: 32, sources: wgsl!("speckle_flatten", "speckle_root", "speckle_joins", "common"), choices: &[], storage: &[QUAD, Write] },
+    Kernel { name: "speckle_count", stage: "speckle", lanes: 32, sources: wgsl!("speckle_count", "speckle_root", "speckle_joins", "common"), choices: &[], storage: &[QUAD, Write, Write] },
+    Kernel { name: "speckle", stage: "speckle", lanes: 32, sources: wgsl!("speckle", "speckle_joins", "common"), choices: &[], storage: &[QUAD, Read, Read, Write] },
     Kernel { name: "median", stage: "median", lanes: 64, sources: wgsl!("median", "common"), choices: &[], storage: &[QUAD, Write] },
 ];
 
@@ -309,4 +314,4 @@ pub(crate) fn check_limits(limits: &wgpu::Limits) -> Result<(), Error> {
 }
 
 #[cfg(test)]
-mod tests;
+pub(crate) mod tests;

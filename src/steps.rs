@@ -35,6 +35,9 @@ pub(crate) enum Output {
         last: bool,
     },
     Checked,
+    /// What only later kernels of the same stage read: its result is compared.
+    Temporary,
+    Speckle,
     Median,
 }
 

@@ -166,6 +166,29 @@ class Chain:
 
         return self.over_pixels(checked)
 
+    def speckle(self, disparities):
+        window, step = self.case["speckle_window"], 16 * self.case["speckle_range"]
+        result = [row[:] for row in disparities]
+        done = set()
+        for y in range(self.height):
+            for x in range(self.width):
+                if disparities[y][x] == INVALID or (x, y) in done:
+                    continue
+                region, waiting = {(x, y)}, [(x, y)]
+                while waiting:
+                    i, j = waiting.pop()
+                    for k, l in ((i - 1, j), (i + 1, j), (i, j - 1), (i, j + 1)):
+                        if self.inside(k) and 0 <= l < self.height and (k, l) not in region:
+                            v, w = disparities[j][i], disparities[l][k]
+                            if w != INVALID and abs(v - w) <= step:
+                                region.add((k, l))
+                                waiting.append((k, l))
+                done |= region
+                if len(region) <= window:
+                    for i, j in region:
+                        result[j][i] = INVALID
+        return result
+
     def median(self, disparities):
         if self.case["median"] == "off":
             return disparities
@@ -200,6 +223,8 @@ class Chain:
         yield "winner_right", "h", other
         view = self.lr_check(view, other)
         yield "lr_check", "h", view
+        view = self.speckle(view)
+        yield "speckle", "h", view
         yield "median", "h", self.median(view)
 
 
@@ -235,7 +260,8 @@ def run_case(folder):
 
 EXAMPLE = dict(
     width=6, height=1, format="gray8", method="sgm", paths=4, min_disparity=0, disparities=3, block=3, prefilter="none",
-    prefilter_cap=31, p1=2, p2=6, uniqueness=0, lr_check=0, median=3, subpixel=True,
+    prefilter_cap=31, p1=2, p2=6, uniqueness=0, lr_check=0, speckle_window=0, speckle_range=2, median=3,
+    subpixel=True,
 )
 EXAMPLE_PAIR = [10, 40, 70, 60, 200, 90], [40, 66, 190, 210, 90, 90]
 

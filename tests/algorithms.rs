@@ -50,6 +50,8 @@ fn settings(params: &Params) -> Vec<(&'static str, String)> {
         ("p2", number(params.p2)),
         ("uniqueness", number(params.uniqueness)),
         ("lr_check", params.lr_check.map_or("off".into(), number)),
+        ("speckle_window", number(params.speckle_window)),
+        ("speckle_range", number(params.speckle_range)),
         ("median", if params.median == Median::Off { "off" } else { "3" }.into()),
         ("subpixel", if params.subpixel == Subpixel::Off { "off" } else { "on" }.into()),
     ]
@@ -124,6 +126,11 @@ fn stages(left: &Image, right: &Image, params: &Params) -> Vec<(&'static str, us
         None => views.left,
     };
     stages.push(("lr_check", 2, map_bytes(&checked)));
+    let filtered = match params.speckle_window {
+        0 => checked,
+        window => reference::speckle(&checked, window, params.speckle_range),
+    };
+    stages.push(("speckle", 2, map_bytes(&filtered)));
     stages.push(("median", 2, map_bytes(&reference::compute(left, right, params).unwrap())));
     stages
 }
@@ -278,7 +285,7 @@ fn a_second_implementation_from_the_page_gives_the_same_bits() {
         refined += map.data.iter().filter(|&&v| v % 16 != 0).count();
     }
     // The cases say something: maps are neither empty nor full, and not of whole pixels only.
-    assert!(valid > 2000 && invalid > 2000 && refined > 500, "{valid} valid, {invalid} invalid, {refined} refined");
+    assert!(valid > 2000 && invalid > 2000 && refined > 300, "{valid} valid, {invalid} invalid, {refined} refined");
 }
 
 fn compare(folder: &Path, stage: &str, size: usize, expected: &[u8], case: &str) {

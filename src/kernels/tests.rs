@@ -12,7 +12,7 @@ use crate::{Schedule, StereoMatcher};
 use wgpu::naga;
 
 #[path = "../../tests/support/mod.rs"]
-mod support;
+pub(crate) mod support;
 mod unrolling;
 
 thread_local! {
@@ -202,11 +202,13 @@ fn frame_layout() -> (Vec<(String, u32, String)>, u32) {
         right_stride,
         map_stride,
         volume_stride,
+        speckle_window,
+        speckle_range,
     })
 }
 
 fn pass_layout() -> (Vec<(String, u32, String)>, u32) {
-    layout!(Pass { first_row, rows, volume_row, first_line, lines, shift, dx, dy, carried, accumulate, side })
+    layout!(Pass { first_row, rows, volume_row, first_line, lines, shift, dx, dy, carried, accumulate, side, row_step })
 }
 
 #[test]
@@ -392,12 +394,18 @@ fn eight(params: &mut Params) {
     params.paths = Paths::Eight;
 }
 
+/// Small regions of many sizes.
+fn speckle(params: &mut Params) {
+    (params.p1, params.p2, params.lr_check) = (0, 3, None);
+    (params.speckle_window, params.speckle_range) = (6, 1);
+}
+
 /// Invocations that share a pixel's disparities.
 fn lanes(params: &mut Params) {
     (params.schedule, params.disparities) = (Schedule::Lanes, 50);
 }
 
-type Setup = (wgpu::Adapter, wgpu::Device, wgpu::Queue);
+pub(crate) type Setup = (wgpu::Adapter, wgpu::Device, wgpu::Queue);
 
 /// One rule a row: a weight, a rounding, a border, a tie, a penalty, a test of the winner.
 const MUTANTS: &[Mutant] = &[
@@ -475,6 +483,20 @@ const MUTANTS: &[Mutant] = &[
     mutant("block_match_small", "0x7f7f7f7fu", "0x7f7f7f7eu", bm),
     mutant("lr_check", "frame.lr_max_difference", "(frame.lr_max_difference + 1u)", |_| ()),
     mutant("lr_check", "(value + 8)", "value", |_| ()),
+    mutant("speckle_rows", "(bits & 4u)", "(bits & 2u)", speckle),
+    mutant("speckle_rows", "vec4(p.before, p.odd.xyz)", "vec4(INVALID, p.odd.xyz)", speckle),
+    mutant("speckle_link", "low = first + firstTrailingBit(rest)", "low = first", speckle),
+    mutant("speckle_link", "vec4(frame.speckle_range)", "vec4(frame.speckle_range + 40)", speckle),
+    mutant("speckle_flatten", "atomicStore(&parents[at], root)", "atomicStore(&parents[at], at)", speckle),
+    mutant("speckle_count", "1u + firstTrailingBit(~(along >> (start + 1u)))", "1u", speckle),
+    mutant("speckle", "<= frame.speckle_window", "< frame.speckle_window", speckle),
+    mutant(
+        "speckle_flatten",
+        "pixel + 2u * frame.map_stride, root",
+        "pixel + 2u * frame.map_stride + 1u, root",
+        speckle,
+    ),
+    mutant("speckle", "vec4(2u, 8u, 32u, 128u))", "vec4(2u, 8u, 32u, 64u))", speckle),
     mutant("median", "7) == beyond", "7) == beyond + 9", |_| ()),
     mutant("median", "select(before, even.x, i == 0u)", "before", |params| params.min_disparity = -20),
     mutant("median", "min(id.y + 1u, frame.height - 1u)", "id.y", |_| ()),

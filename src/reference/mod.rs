@@ -12,6 +12,7 @@ mod prefilter;
 mod sad_columns;
 mod sad_cost;
 mod sgm_aggregate;
+mod speckle;
 mod winner;
 
 pub use block_match::{block_match, block_sums};
@@ -22,6 +23,7 @@ pub use prefilter::prefilter;
 pub use sad_columns::sad_columns;
 pub use sad_cost::{sad_cost, sad_cost_scale};
 pub use sgm_aggregate::{Direction, aggregate_direction, sgm_aggregate};
+pub use speckle::speckle;
 pub use winner::{Views, points_inside, winner};
 
 use std::time::Instant;
@@ -104,6 +106,9 @@ pub fn compute_timed(left: &Image, right: &Image, params: &Params) -> Result<(Di
     let mut map = left;
     if let Some(max_difference) = params.lr_check {
         map = clock.stage("lr_check", lr_check(&map, &right, max_difference));
+    }
+    if params.speckle_window > 0 {
+        map = clock.stage("speckle", speckle(&map, params.speckle_window, params.speckle_range));
     }
     if params.median == Median::Three {
         map = clock.stage("median", median(&map));

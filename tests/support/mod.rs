@@ -117,5 +117,7 @@ pub fn random_params(random: &mut ChaCha8Rng) -> Params {
     params.subpixel = if random.random_bool(0.7) { Subpixel::Parabola } else { Subpixel::Off };
     params.shader_checks = random.random_bool(0.3);
     params.schedule = [Schedule::Auto, Schedule::Lines, Schedule::Lanes][random.random_range(0..3)];
+    params.speckle_window = if random.random_bool(0.7) { 0 } else { random.random_range(1..20) };
+    params.speckle_range = random.random_range(0..4);
     params
 }
