@@ -18,6 +18,7 @@ struct Frame {
     volume_stride: u32,   // pixels a row of a volume
     speckle_window: u32,
     speckle_range: i32,   // 1/16 px
+    fill_max_difference: i32, // px
 }
 
 // What differs between dispatches.
@@ -34,6 +35,7 @@ struct Pass {
     accumulate: u32,      // 1: add to what the opposite direction left
     side: u32,            // 0: left image, 1: right image
     row_step: u32,        // rows from one border of two bands to the next
+    occlusions: u32,      // 1: occlusions are filled in another way than mismatches
 }
 
 @group(0) @binding(0) var<uniform> frame: Frame;

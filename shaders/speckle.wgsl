@@ -32,5 +32,5 @@ fn main(@builtin(global_invocation_id) id: vec3<u32>) {
     }
     let even = select(p.even, vec4(INVALID), bits(removed, vec4(1u, 4u, 16u, 64u)));
     let odd = select(p.odd, vec4(INVALID), bits(removed, vec4(2u, 8u, 32u, 128u)));
-    filtered[at] = (bitcast<vec4<u32>>(even) & vec4(0xffffu)) | (bitcast<vec4<u32>>(odd) << vec4(16u));
+    filtered[at] = pack_eight(even, odd);
 }

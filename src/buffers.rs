@@ -1,7 +1,7 @@
 //! Sizes, strides and usages of every buffer, computed in one place before anything is created.
 
 use crate::schedule::Plan;
-use crate::{Error, Method, Params, PixelFormat, reference};
+use crate::{Error, Fill, Method, Params, PixelFormat, reference};
 
 /// The WGSL block `Frame`: what stays the same for all dispatches of a frame.
 #[repr(C)]
@@ -23,6 +23,7 @@ pub(crate) struct Frame {
     pub(crate) volume_stride: u32,
     pub(crate) speckle_window: u32,
     pub(crate) speckle_range: i32,
+    pub(crate) fill_max_difference: i32,
 }
 
 /// The WGSL block `Pass`: what differs between dispatches.
@@ -41,6 +42,7 @@ pub(crate) struct Pass {
     pub(crate) accumulate: u32,
     pub(crate) side: u32,
     pub(crate) row_step: u32,
+    pub(crate) occlusions: u32,
 }
 
 /// Neighbouring rows that are worked on together.
@@ -95,6 +97,8 @@ pub(crate) struct Sizes {
     pub(crate) map: u64,
     /// Bytes of one number a pixel of a map.
     pub(crate) regions: u64,
+    /// Bytes of the nearest values on both sides of each pixel.
+    pub(crate) nearest: u64,
     /// Bytes of a row of a volume with a byte a disparity.
     pub(crate) volume_row: u64,
     /// Bytes of a row of column sums.
@@ -185,6 +189,10 @@ impl Sizes {
         if params.speckle_window > 0 {
             fits("the regions of the speckle filter", regions, "make the images smaller or switch the filter off")?;
         }
+        let nearest = 32 * u64::from(map_stride / 4 + 1) * u64::from(height);
+        if params.fill != Fill::None {
+            fits("what the holes are filled with", nearest, "make the images smaller or leave the holes")?;
+        }
         let fewer = "use fewer disparities or narrower images";
         let volume_needs = volume_row.next_multiple_of(TEXTURE_ROW);
         if params.method == Method::Sgm && volume_needs > volume_allowed {
@@ -246,6 +254,7 @@ impl Sizes {
                 volume_stride,
                 speckle_window: params.speckle_window,
                 speckle_range: 16 * params.speckle_range as i32,
+                fill_max_difference: params.lr_check.unwrap_or(1) as i32,
             },
             source,
             gray: texels(4 * gray_stride),
@@ -253,6 +262,7 @@ impl Sizes {
             right: rows(right_stride),
             map: texels(map_stride),
             regions,
+            nearest,
             volume_row,
             columns_row,
             bands,

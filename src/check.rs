@@ -288,8 +288,16 @@ impl StereoMatcher {
                 }
             }
             Output::Median => {
-                if let Some(checked) = &expected.checked {
-                    compare_maps(stage, &reference::median(checked), &self.map(&bytes));
+                if let Some(checked) = &mut expected.checked {
+                    *checked = reference::median(checked);
+                    compare_maps(stage, checked, &self.map(&bytes));
+                }
+            }
+            Output::Fill => {
+                let right = expected.views().right.clone();
+                if let Some(checked) = &mut expected.checked {
+                    *checked = reference::fill(checked, &right, &self.params);
+                    compare_maps(stage, checked, &self.map(&bytes));
                 }
             }
         }

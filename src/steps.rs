@@ -39,6 +39,7 @@ pub(crate) enum Output {
     Temporary,
     Speckle,
     Median,
+    Fill,
 }
 
 /// One dispatch, and what is copied after it.

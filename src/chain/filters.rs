@@ -1,12 +1,12 @@
 //! From the views to the map: the check of one against the other, and the filters.
 
 use super::Views;
-use crate::Median;
 use crate::buffers::{Frame, Pass, Rows, SEGMENT_GROUPS, cut};
 use crate::steps::Bound::{Buffer, Texture};
 use crate::steps::{Builder, Output};
+use crate::{Fill, Median};
 
-/// Stages `lr_check`, `speckle` and `median`, those of them that are wanted. Returns the buffer of the map.
+/// Stages `lr_check`, `speckle`, `median` and `fill`, those of them that are wanted. Returns the buffer of the map.
 pub(super) fn filtered(b: &mut Builder<'_>, views: &Views) -> wgpu::Buffer {
     let Frame { height, map_stride, .. } = b.sizes.frame;
     let mut map = views.left.clone();
@@ -25,6 +25,9 @@ pub(super) fn filtered(b: &mut Builder<'_>, views: &Views) -> wgpu::Buffer {
         let storage = [Texture(&texels), Buffer(&filtered)];
         b.step("median", &storage, Pass::default(), map_stride / 4, height, Output::Median);
         map = filtered;
+    }
+    if b.params.fill != Fill::None {
+        map = fill(b, &views.right);
     }
     map
 }
@@ -55,4 +58,92 @@ fn speckle(b: &mut Builder<'_>) -> wgpu::Buffer {
     let storage = [Texture(&texels), Buffer(&parents), Buffer(&counts), Buffer(&filtered)];
     b.step("speckle", &storage, Pass::default(), map_stride / 4, height, Output::Speckle);
     filtered
+}
+
+/// What the kernels of the stage `fill` leave each other.
+struct Filling {
+    /// The pixels that a right pixel's disparity leads to.
+    seen: wgpu::Buffer,
+    /// The nearest values along rows, and on lines that go 0, 1 and -1 columns to the right from row to row.
+    along: wgpu::Buffer,
+    lines: [wgpu::Buffer; 3],
+}
+
+const SLOPES: [i32; 3] = [0, 1, -1];
+
+/// Stage `fill` on the map of the last step.
+fn fill(b: &mut Builder<'_>, right: &wgpu::Buffer) -> wgpu::Buffer {
+    let Frame { height, map_stride, .. } = b.sizes.frame;
+    let filling = Filling {
+        seen: b.buffer("fill.seen", u64::from(map_stride) * u64::from(height)),
+        along: b.buffer("fill.along", b.sizes.nearest),
+        lines: SLOPES.map(|_| b.buffer("fill.lines", b.sizes.nearest)),
+    };
+    let occlusions = Pass { occlusions: 1, ..Pass::default() };
+    let mut texels = b.copy_to_texels();
+    if b.params.fill != Fill::Background {
+        filling.rows(b, &texels);
+        b.step(
+            "fill_seen",
+            &[Buffer(right), Buffer(&filling.seen)],
+            Pass::default(),
+            map_stride / 4,
+            height,
+            Output::Temporary,
+        );
+        let mut pass = occlusions;
+        if b.params.fill == Fill::Rays {
+            filling.between(b, &texels, &filling.along, occlusions, Output::Temporary);
+            texels = b.copy_to_texels();
+            filling.rows(b, &texels);
+            pass = Pass::default();
+        }
+        for i in 0..SLOPES.len() {
+            filling.lines(b, &texels, i);
+        }
+        let filled = b.buffer("fill", b.sizes.map);
+        let [upright, falling, rising] = &filling.lines;
+        let nearest = [&filling.along, falling, upright, rising].map(|buffer| Buffer(buffer));
+        let storage: Vec<_> =
+            [&[Texture(&texels)][..], &nearest[..], &[Buffer(&filling.seen), Buffer(&filled)][..]].concat();
+        b.step("fill_rays", &storage, pass, map_stride / 4, height, Output::Temporary);
+        texels = b.copy_to_texels();
+    }
+    filling.rows(b, &texels);
+    filling.between(b, &texels, &filling.along, Pass::default(), Output::Temporary);
+    texels = b.copy_to_texels();
+    filling.lines(b, &texels, 0);
+    filling.between(b, &texels, &filling.lines[0], Pass::default(), Output::Fill)
+}
+
+impl Filling {
+    fn rows(&self, b: &mut Builder<'_>, map: &wgpu::TextureView) {
+        let storage = [Texture(map), Buffer(&self.along), Buffer(&self.seen)];
+        b.step("fill_rows", &storage, Pass::default(), b.sizes.frame.height, 2, Output::Temporary);
+    }
+
+    /// The lines of a slope, eight together: those that enter at the left come first, those at the right last.
+    fn lines(&self, b: &mut Builder<'_>, map: &wgpu::TextureView, slope: usize) {
+        let Frame { width, height, .. } = b.sizes.frame;
+        let (dx, sideways) = (SLOPES[slope], SLOPES[slope].unsigned_abs() * (height - 1));
+        let shift = if dx > 0 { sideways.div_ceil(8) } else { 0 };
+        let lines = if dx > 0 { shift + width.div_ceil(8) } else { (width + sideways).div_ceil(8) };
+        let pass = Pass { dx, shift, lines, ..Pass::default() };
+        b.step("fill_lines", &[Texture(map), Buffer(&self.lines[slope])], pass, lines, 2, Output::Temporary);
+    }
+
+    fn between(
+        &self,
+        b: &mut Builder<'_>,
+        map: &wgpu::TextureView,
+        nearest: &wgpu::Buffer,
+        pass: Pass,
+        output: Output,
+    ) -> wgpu::Buffer {
+        let Frame { height, map_stride, .. } = b.sizes.frame;
+        let filled = b.buffer("fill", b.sizes.map);
+        let storage = [Texture(map), Buffer(nearest), Buffer(&self.seen), Buffer(&filled)];
+        b.step("fill_between", &storage, pass, map_stride / 4, height, output);
+        filled
+    }
 }

@@ -2,7 +2,7 @@
 
 use crate::kernels::tests::{Setup, support};
 use crate::steps::Output;
-use crate::{DisparityMap, Median, Params, PixelFormat, Schedule, StereoMatcher, readback, reference};
+use crate::{DisparityMap, Fill, Median, Params, PixelFormat, Schedule, StereoMatcher, readback, reference};
 
 const INVALID: i16 = DisparityMap::INVALID;
 
@@ -37,6 +37,14 @@ fn run(setup: &Setup, params: &Params, stage: &str, left: &DisparityMap, right: 
     let bytes =
         readback::copy(device, queue, &matcher.steps[matcher.steps.len() - 1].buffer, matcher.sizes.map).unwrap();
     matcher.map(&bytes)
+}
+
+fn noise() -> impl FnMut() -> u32 {
+    let mut state = 1u32;
+    move || {
+        state = state.wrapping_mul(1_664_525).wrapping_add(1_013_904_223);
+        state >> 16
+    }
 }
 
 fn speckle(setup: &Setup, map: &DisparityMap, window: u32, range: u32) {
@@ -119,11 +127,7 @@ fn speckle_of_winding_regions() {
 #[test]
 fn speckle_of_steps_and_noise() {
     let Some(setup) = support::device() else { return };
-    let mut state = 1u32;
-    let mut noise = move || {
-        state = state.wrapping_mul(1_664_525).wrapping_add(1_013_904_223);
-        state >> 16
-    };
+    let mut noise = noise();
     for (width, height) in [(1, 1), (1, 70), (70, 1), (8, 8), (9, 5), (129, 63)] {
         for levels in [2, 3, 5] {
             let mut noisy = map(width, height, |_, _| 0);
@@ -158,4 +162,64 @@ fn speckle_of_long_maps() {
     speckle_around(&setup, &teeth, 1);
     let teeth = map(5000, 2, |x, y| if y == 0 { 16 } else { 32 * (x % 2) as i16 });
     speckle_around(&setup, &teeth, 1);
+}
+
+fn fill(setup: &Setup, left: &DisparityMap, right: &DisparityMap, lr_check: Option<u32>) {
+    for (fill, shader_checks) in
+        [Fill::Background, Fill::Rays, Fill::Hirschmuller].into_iter().zip([false, true, false])
+    {
+        let base = Params { block: 1, shader_checks, schedule: Schedule::Lanes, ..Params::bm(40) };
+        let params = Params { fill, min_disparity: -3, ..base };
+        let got = run(setup, &params, "fill", left, right);
+        // `run` switches the check off, which means 1 px here.
+        let expected = reference::fill(left, right, &Params { lr_check, ..params });
+        let wrong = got.data.iter().zip(&expected.data).filter(|(a, b)| a != b).count();
+        assert!(wrong == 0, "{wrong} pixels of {}x{}, {fill:?}", left.width, left.height);
+        let any = left.data.iter().any(|&value| value != INVALID);
+        assert!(got.data.iter().all(|&value| (value == INVALID) != any), "{fill:?} leaves holes");
+    }
+}
+
+/// Holes of every size: noise that is almost full or almost empty, a valid pixel alone, rows without any, none at all.
+#[test]
+fn fill_of_holes() {
+    let Some(setup) = support::device() else { return };
+    let mut noise = noise();
+    for (width, height) in [(1, 1), (1, 70), (70, 1), (8, 8), (9, 5), (129, 63), (61, 203)] {
+        let mut right = map(width, height, |_, _| INVALID);
+        right
+            .data
+            .iter_mut()
+            .for_each(|value| *value = if noise() % 3 == 0 { INVALID } else { 16 * ((noise() % 50) as i16 - 5) });
+        for holes in [1, 3, 30, 300] {
+            let mut left = map(width, height, |_, _| INVALID);
+            left.data.iter_mut().for_each(|value| {
+                *value = if noise() % (holes + 1) == 0 { (noise() % 640) as i16 - 50 } else { INVALID }
+            });
+            fill(&setup, &left, &right, None);
+            let rows =
+                map(
+                    width,
+                    height,
+                    |x, y| {
+                        if y % 5 < 2 || y > 50 { INVALID } else { left.data[(y * width + x) as usize] }
+                    },
+                );
+            fill(&setup, &rows, &right, None);
+        }
+        for (alone, x, y) in [(0, 0, 0), (5, width - 1, height - 1), (-9, width / 2, height / 3)] {
+            fill(&setup, &map(width, height, |i, j| if (i, j) == (x, y) { alone } else { INVALID }), &right, None);
+        }
+        fill(&setup, &map(width, height, |_, _| INVALID), &right, None);
+    }
+}
+
+/// Rows and columns of tens of thousands of pixels.
+#[test]
+fn fill_of_long_maps() {
+    let Some(setup) = support::device() else { return };
+    for (width, height) in [(60_000, 2), (2, 60_000)] {
+        let right = map(width, height, |x, y| 16 * ((x + y) % 41) as i16);
+        fill(&setup, &map(width, height, |x, y| if (x + y) % 200 == 0 { 7 } else { INVALID }), &right, None);
+    }
 }

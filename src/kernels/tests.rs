@@ -8,7 +8,7 @@ use std::path::{Path, PathBuf};
 
 use super::*;
 use crate::buffers::{Frame, Pass};
-use crate::{Schedule, StereoMatcher};
+use crate::{Fill, Schedule, StereoMatcher};
 use wgpu::naga;
 
 #[path = "../../tests/support/mod.rs"]
@@ -204,11 +204,26 @@ fn frame_layout() -> (Vec<(String, u32, String)>, u32) {
         volume_stride,
         speckle_window,
         speckle_range,
+        fill_max_difference,
     })
 }
 
 fn pass_layout() -> (Vec<(String, u32, String)>, u32) {
-    layout!(Pass { first_row, rows, volume_row, first_line, lines, shift, dx, dy, carried, accumulate, side, row_step })
+    layout!(Pass {
+        first_row,
+        rows,
+        volume_row,
+        first_line,
+        lines,
+        shift,
+        dx,
+        dy,
+        carried,
+        accumulate,
+        side,
+        row_step,
+        occlusions
+    })
 }
 
 #[test]
@@ -394,6 +409,11 @@ fn eight(params: &mut Params) {
     params.paths = Paths::Eight;
 }
 
+/// Holes of many sizes, most of them mismatches.
+fn rays(params: &mut Params) {
+    (params.p1, params.p2, params.fill) = (2, 9, Fill::Rays);
+}
+
 /// Small regions of many sizes.
 fn speckle(params: &mut Params) {
     (params.p1, params.p2, params.lr_check) = (0, 3, None);
@@ -497,6 +517,26 @@ const MUTANTS: &[Mutant] = &[
         speckle,
     ),
     mutant("speckle", "vec4(2u, 8u, 32u, 128u))", "vec4(2u, 8u, 32u, 64u))", speckle),
+    mutant("fill_rows", "last = odd.w", "last = even.w", |params| params.fill = Fill::Background),
+    mutant("fill_rows", "odd.y = after(even.z, odd.y)", "odd.y = after(odd.z, odd.y)", |params| {
+        params.fill = Fill::Background
+    }),
+    mutant("fill_lines", "first + n, last - n", "first + n, first + n", rays),
+    mutant("fill_lines", "-7 - 8 * group", "1 - 8 * group", rays),
+    mutant("fill_lines", "8 * group + 7", "8 * group", rays),
+    mutant("fill_lines", "(columns >= vec4(-1))", "(columns >= vec4(-2))", rays),
+    mutant("fill_seen", "(value >> 4u) + frame.fill_max_difference", "(value >> 4u)", rays),
+    mutant("fill_seen", "31u - to_bit", "32u - to_bit", rays),
+    mutant("fill_between", "select(min(a, b), max(a, b)", "select(max(a, b), max(a, b)", |params| {
+        params.fill = Fill::Background
+    }),
+    mutant("fill_between", "pass_.occlusions == 1u", "false", rays),
+    mutant("fill_rays", "(valid - 1u) / 2u", "valid / 2u", rays),
+    mutant("fill_rays", "min(valid - 1u, 1u)", "min(valid - 1u, 2u)", |params| {
+        rays(params);
+        params.fill = Fill::Hirschmuller;
+    }),
+    mutant("fill_rays", "place(x, y, -1)", "place(x, y, 0)", rays),
     mutant("median", "7) == beyond", "7) == beyond + 9", |_| ()),
     mutant("median", "select(before, even.x, i == 0u)", "before", |params| params.min_disparity = -20),
     mutant("median", "min(id.y + 1u, frame.height - 1u)", "id.y", |_| ()),

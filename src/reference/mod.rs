@@ -5,6 +5,7 @@
 //! accepts, and each other's results: they check neither again.
 
 mod block_match;
+mod fill;
 mod gray;
 mod lr_check;
 mod median;
@@ -16,6 +17,7 @@ mod speckle;
 mod winner;
 
 pub use block_match::{block_match, block_sums};
+pub use fill::fill;
 pub use gray::gray;
 pub use lr_check::lr_check;
 pub use median::median;
@@ -28,7 +30,7 @@ pub use winner::{Views, points_inside, winner};
 
 use std::time::Instant;
 
-use crate::{DisparityMap, Error, Image, Median, Method, Params, StageTime};
+use crate::{DisparityMap, Error, Fill, Image, Median, Method, Params, StageTime};
 
 /// An 8-bit image, row by row from the top.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -112,6 +114,9 @@ pub fn compute_timed(left: &Image, right: &Image, params: &Params) -> Result<(Di
     }
     if params.median == Median::Three {
         map = clock.stage("median", median(&map));
+    }
+    if params.fill != Fill::None {
+        map = clock.stage("fill", fill(&map, &right, params));
     }
     Ok((map, clock.times))
 }
