@@ -199,6 +199,47 @@ class Chain:
 
         return self.over_pixels(fifth)
 
+    def nearest(self, disparities, x, y, directions):
+        found = []
+        for dx, dy in directions:
+            i, j = x + dx, y + dy
+            while self.inside(i) and 0 <= j < self.height:
+                if disparities[j][i] != INVALID:
+                    found.append(disparities[j][i])
+                    break
+                i, j = i + dx, j + dy
+        return sorted(found)
+
+    def fill(self, disparities, right):
+        limit = 1 if self.case["lr_check"] == "off" else self.case["lr_check"]
+
+        def mismatch(x, y):
+            for d in range(self.smallest, self.smallest + self.count):
+                if self.inside(x - d) and right[y][x - d] != INVALID and abs(right[y][x - d] // 16 - d) <= limit:
+                    return True
+            return False
+
+        def step(m, directions, choose):
+            def value(x, y):
+                values = self.nearest(m, x, y, directions) if m[y][x] == INVALID else []
+                return choose(x, y, values) if values else m[y][x]
+
+            return self.over_pixels(value)
+
+        row, column = [(-1, 0), (1, 0)], [(0, -1), (0, 1)]
+        smallest = lambda x, y, values: values[0]
+        median = lambda x, y, values: values[(len(values) - 1) // 2]
+        second = lambda x, y, values: values[min(1, len(values) - 1)]
+        kind = self.case["fill"]
+        if kind == "none":
+            return disparities
+        if kind == "rays":
+            disparities = step(disparities, row, lambda x, y, v: INVALID if mismatch(x, y) else smallest(x, y, v))
+            disparities = step(disparities, EIGHT, median)
+        if kind == "hirschmuller":
+            disparities = step(disparities, EIGHT, lambda *a: median(*a) if mismatch(*a[:2]) else second(*a))
+        return step(step(disparities, row, smallest), column, smallest)
+
     def run(self, left, right):
         """All stages in the order of the chain: (name, C type, values)."""
         sides = []
@@ -225,7 +266,9 @@ class Chain:
         yield "lr_check", "h", view
         view = self.speckle(view)
         yield "speckle", "h", view
-        yield "median", "h", self.median(view)
+        view = self.median(view)
+        yield "median", "h", view
+        yield "fill", "h", self.fill(view, other)
 
 
 def flat(values):
@@ -261,7 +304,7 @@ def run_case(folder):
 EXAMPLE = dict(
     width=6, height=1, format="gray8", method="sgm", paths=4, min_disparity=0, disparities=3, block=3, prefilter="none",
     prefilter_cap=31, p1=2, p2=6, uniqueness=0, lr_check=0, speckle_window=0, speckle_range=2, median=3,
-    subpixel=True,
+    fill="none", subpixel=True,
 )
 EXAMPLE_PAIR = [10, 40, 70, 60, 200, 90], [40, 66, 190, 210, 90, 90]
 

@@ -53,6 +53,7 @@ fn settings(params: &Params) -> Vec<(&'static str, String)> {
         ("speckle_window", number(params.speckle_window)),
         ("speckle_range", number(params.speckle_range)),
         ("median", if params.median == Median::Off { "off" } else { "3" }.into()),
+        ("fill", format!("{:?}", params.fill).to_lowercase()),
         ("subpixel", if params.subpixel == Subpixel::Off { "off" } else { "on" }.into()),
     ]
 }
@@ -131,7 +132,9 @@ fn stages(left: &Image, right: &Image, params: &Params) -> Vec<(&'static str, us
         window => reference::speckle(&checked, window, params.speckle_range),
     };
     stages.push(("speckle", 2, map_bytes(&filtered)));
-    stages.push(("median", 2, map_bytes(&reference::compute(left, right, params).unwrap())));
+    let filtered = if params.median == Median::Off { filtered } else { reference::median(&filtered) };
+    stages.push(("median", 2, map_bytes(&filtered)));
+    stages.push(("fill", 2, map_bytes(&reference::compute(left, right, params).unwrap())));
     stages
 }
 

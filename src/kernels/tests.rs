@@ -518,13 +518,11 @@ const MUTANTS: &[Mutant] = &[
     ),
     mutant("speckle", "vec4(2u, 8u, 32u, 128u))", "vec4(2u, 8u, 32u, 64u))", speckle),
     mutant("fill_rows", "last = odd.w", "last = even.w", |params| params.fill = Fill::Background),
-    mutant("fill_rows", "odd.y = after(even.z, odd.y)", "odd.y = after(odd.z, odd.y)", |params| {
-        params.fill = Fill::Background
-    }),
+    mutant("fill_rows", "odd.y = after(even.z, odd.y)", "odd.y = after(odd.z, odd.y)", rays),
     mutant("fill_lines", "first + n, last - n", "first + n, first + n", rays),
     mutant("fill_lines", "-7 - 8 * group", "1 - 8 * group", rays),
     mutant("fill_lines", "8 * group + 7", "8 * group", rays),
-    mutant("fill_lines", "(columns >= vec4(-1))", "(columns >= vec4(-2))", rays),
+    mutant("fill_lines", "u32(x & 7)", "u32(x & 6)", rays),
     mutant("fill_seen", "(value >> 4u) + frame.fill_max_difference", "(value >> 4u)", rays),
     mutant("fill_seen", "31u - to_bit", "32u - to_bit", rays),
     mutant("fill_between", "select(min(a, b), max(a, b)", "select(max(a, b), max(a, b)", |params| {
