@@ -9,7 +9,7 @@ use crate::schedule::{PATHS_BYTES, ROWS_BYTES};
 use crate::steps::Bound::Buffer;
 use crate::steps::{Builder, Output};
 
-/// Stages `sad_cost`, `sgm_aggregate` and `winner`.
+/// Stages `matching_cost`, `sgm_aggregate` and `winner`.
 pub(super) fn winner(b: &mut Builder<'_>, planes: &Planes, views: &Views) {
     let directions = Direction::all(b.params.paths);
     let (across, along) = directions.split_at(directions.len() - 2);
@@ -19,8 +19,8 @@ pub(super) fn winner(b: &mut Builder<'_>, planes: &Planes, views: &Views) {
     let carries: Vec<[wgpu::Buffer; 2]> =
         pairs.iter().map(|_| [(); 2].map(|()| b.buffer("sgm_aggregate.carry", row))).collect();
     // On `lines` the cost is computed into what is then the first pair's volume, and copied into a texture.
-    let computed = if b.plan.lanes { b.volume("sad_cost") } else { paired[0].clone() };
-    let costs = cost::sad_cost(b, planes, &computed);
+    let computed = if b.plan.lanes { b.volume("matching_cost") } else { paired[0].clone() };
+    let costs = cost::matching_cost(b, planes, &computed);
     for ((pair, paths), carry) in pairs.iter().zip(&paired).zip(&carries) {
         paths_across(b, pair, &costs, paths, carry);
     }

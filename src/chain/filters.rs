@@ -40,7 +40,7 @@ fn speckle(b: &mut Builder<'_>) -> wgpu::Buffer {
     let [parents, counts] = ["speckle.parents", "speckle.counts"].map(|name| b.buffer(name, b.sizes.regions));
     let filtered = b.buffer("speckle", b.sizes.map);
     let storage = [Texture(&texels), Buffer(&parents), Buffer(&counts)];
-    b.step("speckle_rows", &storage, Pass::default(), height, 1, Output::Temporary);
+    b.step("speckle_rows", &storage, Pass::default(), height, 1, Output::Part);
     let mut band = 1;
     while band < height {
         let borders = (height - band).div_ceil(2 * band);
@@ -48,13 +48,13 @@ fn speckle(b: &mut Builder<'_>) -> wgpu::Buffer {
             let (first_line, lines) = (groups.first, groups.count);
             let pass = Pass { first_row: band - 1, row_step: 2 * band, first_line, lines, ..Pass::default() };
             for kernel in ["speckle_link", "speckle_flatten"] {
-                b.step(kernel, &[Texture(&texels), Buffer(&parents)], pass, lines, borders, Output::Temporary);
+                b.step(kernel, &[Texture(&texels), Buffer(&parents)], pass, lines, borders, Output::Part);
             }
         }
         band *= 2;
     }
     let storage = [Texture(&texels), Buffer(&counts), Buffer(&parents)];
-    b.step("speckle_count", &storage, Pass::default(), map_stride / 4, height, Output::Temporary);
+    b.step("speckle_count", &storage, Pass::default(), map_stride / 4, height, Output::Part);
     let storage = [Texture(&texels), Buffer(&parents), Buffer(&counts), Buffer(&filtered)];
     b.step("speckle", &storage, Pass::default(), map_stride / 4, height, Output::Speckle);
     filtered
@@ -89,11 +89,11 @@ fn fill(b: &mut Builder<'_>, right: &wgpu::Buffer) -> wgpu::Buffer {
             Pass::default(),
             map_stride / 4,
             height,
-            Output::Temporary,
+            Output::Part,
         );
         let mut pass = occlusions;
         if b.params.fill == Fill::Rays {
-            filling.between(b, &texels, &filling.along, occlusions, Output::Temporary);
+            filling.between(b, &texels, &filling.along, occlusions, Output::Part);
             texels = b.copy_to_texels();
             filling.rows(b, &texels);
             pass = Pass::default();
@@ -106,11 +106,11 @@ fn fill(b: &mut Builder<'_>, right: &wgpu::Buffer) -> wgpu::Buffer {
         let nearest = [&filling.along, falling, upright, rising].map(|buffer| Buffer(buffer));
         let storage: Vec<_> =
             [&[Texture(&texels)][..], &nearest[..], &[Buffer(&filling.seen), Buffer(&filled)][..]].concat();
-        b.step("fill_rays", &storage, pass, map_stride / 4, height, Output::Temporary);
+        b.step("fill_rays", &storage, pass, map_stride / 4, height, Output::Part);
         texels = b.copy_to_texels();
     }
     filling.rows(b, &texels);
-    filling.between(b, &texels, &filling.along, Pass::default(), Output::Temporary);
+    filling.between(b, &texels, &filling.along, Pass::default(), Output::Part);
     texels = b.copy_to_texels();
     filling.lines(b, &texels, 0);
     filling.between(b, &texels, &filling.lines[0], Pass::default(), Output::Fill)
@@ -119,7 +119,7 @@ fn fill(b: &mut Builder<'_>, right: &wgpu::Buffer) -> wgpu::Buffer {
 impl Filling {
     fn rows(&self, b: &mut Builder<'_>, map: &wgpu::TextureView) {
         let storage = [Texture(map), Buffer(&self.along), Buffer(&self.seen)];
-        b.step("fill_rows", &storage, Pass::default(), b.sizes.frame.height, 2, Output::Temporary);
+        b.step("fill_rows", &storage, Pass::default(), b.sizes.frame.height, 2, Output::Part);
     }
 
     /// The lines of a slope, eight together: those that enter at the left come first, those at the right last.
@@ -129,7 +129,7 @@ impl Filling {
         let shift = if dx > 0 { sideways.div_ceil(8) } else { 0 };
         let lines = if dx > 0 { shift + width.div_ceil(8) } else { (width + sideways).div_ceil(8) };
         let pass = Pass { dx, shift, lines, ..Pass::default() };
-        b.step("fill_lines", &[Texture(map), Buffer(&self.lines[slope])], pass, lines, 2, Output::Temporary);
+        b.step("fill_lines", &[Texture(map), Buffer(&self.lines[slope])], pass, lines, 2, Output::Part);
     }
 
     fn between(

@@ -29,7 +29,7 @@ pub(crate) struct Views {
 /// All stages, from the uploaded images to the map.
 pub(crate) fn chain(b: &mut Builder<'_>) -> Made {
     let sources = planes::sources(b);
-    let planes = planes::prefiltered(b, &sources);
+    let planes = planes::planes(b, &sources);
     let views = Views { left: b.buffer("winner.left", b.sizes.map), right: b.buffer("winner.right", b.sizes.map) };
     match b.params.method {
         Method::Bm => cost::block_match(b, &planes, &views),
