@@ -201,7 +201,7 @@ pub fn write_sheet(outputs: &[Output<SheetFormat>], sheet: &RgbImage) -> Result<
         let mut bytes = Cursor::new(Vec::new());
         match format {
             SheetFormat::Png => sheet.write_with_encoder(PngEncoder::new(&mut bytes))?,
-            SheetFormat::Jpeg => JpegEncoder::new_with_quality(&mut bytes, 90).encode_image(sheet)?,
+            SheetFormat::Jpeg => JpegEncoder::new_with_quality(&mut bytes, 80).encode_image(sheet)?,
         }
         Ok(bytes.into_inner())
     })

@@ -8,7 +8,8 @@ use crate::run::{Engine, Frames};
 use crate::sheet::{Layout, Order, Sheet};
 use crate::{input, tell};
 use anyhow::{Context as _, Result, bail, ensure};
-use gpu_stereo::{Image, Params, Pixels, Preset, reference};
+use gpu_stereo::reference::{self, Channel};
+use gpu_stereo::{Image, Params, Preset};
 use image::{Rgb, RgbImage};
 use indicatif::{ProgressBar, ProgressFinish, ProgressStyle};
 use serde::{Serialize, Serializer};
@@ -270,7 +271,8 @@ impl Study {
         let name = self.left.file_name().unwrap_or_default().to_string_lossy();
         let captions: Vec<_> = [name.into()].into_iter().chain(self.variants.iter().map(|v| v.label.clone())).collect();
         let times = match repeat {
-            Some(frames) => format!("times: median of {frames} frames after a warm-up, {adapter}"),
+            Some(frames @ 2..) => format!("times: median of {frames} frames after a warm-up, {adapter}"),
+            Some(_) => format!("times: one frame after a warm-up, {adapter}"),
             None => format!("times: one frame, {adapter}"),
         };
         let legend = ["black: no disparity".to_owned(), self.common.clone(), times];
@@ -294,14 +296,10 @@ impl Study {
 
 /// An image in 8 bits a channel.
 fn drawn(image: &Image) -> RgbImage {
-    let gray = reference::gray(image).data;
-    let rgb = |i: usize| match image.pixels() {
-        Pixels::Rgba8(samples) => [0, 1, 2].map(|channel| samples[4 * i + channel]),
-        Pixels::Rgba16(samples) => [0, 1, 2].map(|channel| (samples[4 * i + channel] >> 8) as u8),
-        _ => [gray[i]; 3],
-    };
-    let width = image.width();
-    RgbImage::from_fn(width, image.height(), |x, y| Rgb(rgb(y as usize * width as usize + x as usize)))
+    let channels = [0, 1, 2].map(|sample| reference::gray(image, Channel::Sample(sample)).data);
+    let mut pixels = 0..;
+    let color = |i: usize| channels.each_ref().map(|channel| channel[i]);
+    RgbImage::from_fn(image.width(), image.height(), |_, _| Rgb(pixels.next().map_or([0; 3], color)))
 }
 
 /// A bar on a terminal, a line for each map elsewhere, both on stderr.
