@@ -509,17 +509,10 @@ impl Params {
             "20 is usual",
         )?;
         check(
-            !self.color_cost || matches!(self.cost, Cost::Sad | Cost::BirchfieldTomasi),
-            "color-cost",
-            "on".into(),
-            "off, or with the costs sad and bt on".into(),
-            "switch it off or take one of these costs",
-        )?;
-        check(
-            self.ad_weight <= 64 && self.census_weight <= 64 && self.ad_weight + self.census_weight > 0,
+            self.ad_weight + self.census_weight > 0,
             "ad-weight",
-            format!("{} with a census-weight of {}", self.ad_weight, self.census_weight),
-            "both from 0 to 64, not both 0".into(),
+            "0".into(),
+            "more than 0 if census-weight is 0".into(),
             "8 and 32 are usual",
         )?;
         let most_cap = match self.cost {

@@ -557,6 +557,8 @@ fn bad_parameters() {
         (&["--disp", "16", "--color-cost", "yes"], &["--color-cost is yes,", "on, off"]),
         (&["--disp", "16", "--census", "3x3"], &["--census is 3x3,", "5x5, 7x7, 9x7, cs9x7"]),
         (&["--disp", "16", "--ad-weight", "65"], &["--ad-weight is 65,", "0 to 64"]),
+        (&["--disp", "16", "--ad-weight", "0", "--census-weight", "0"], &["--ad-weight is 0,", "census-weight is 0"]),
+        (&["--disp", "16", "--cost", "sad-xy", "--prefilter-cap", "64"], &["--prefilter-cap is 64,", "1 to 63"]),
         (&["--disp", "16", "--census-weight", "-1"], &["--census-weight is -1,", "0 to 64"]),
         (&["--disp", "16", "--adaptive-p2", "1"], &["--adaptive-p2 is 1,", "on, off"]),
         (&["--disp", "16", "--texture", "-4"], &["--texture is -4,", "0 (off)"]),
@@ -914,7 +916,8 @@ fn options_that_change_nothing_are_told() {
         let output = succeeds(folder.path(), &on("left.png", "right.png", &args));
         assert_eq!(stderr(&output), format!("note: {} changes nothing with --{other}\n", args[0]));
     }
-    let busy = "--prefilter-cap 9 --speckle-range 1 --paths 3 --block 3 --preset classic";
+    let busy = "--prefilter-cap 9 --speckle-range 1 --paths 3 --block 3 --preset classic \
+                --prefilter normalized --prefilter-window 7";
     let busy = succeeds(folder.path(), &on("left.png", "right.png", &busy.split(' ').collect::<Vec<_>>()));
     assert_eq!(stderr(&busy), "");
 }
@@ -953,7 +956,15 @@ fn every_option_reaches_the_matcher() {
         "--block 7",
         "--prefilter sobel",
         "--prefilter none",
+        "--prefilter normalized",
         "--prefilter-cap 3",
+        "--cost ssd",
+        "--cost zsad",
+        "--cost bt",
+        "--cost sad-xy",
+        "--cost census",
+        "--cost census-sobel",
+        "--cost ad-census",
         "--p1 0",
         "--p2 127",
         "--uniqueness 40",
@@ -968,6 +979,16 @@ fn every_option_reaches_the_matcher() {
         assert!(map(same) == plain, "{same}");
     }
     assert!(map("--uniqueness off") == map("--uniqueness 0"));
+    for [one, other] in [
+        ["--prefilter normalized", "--prefilter normalized --prefilter-window 5"],
+        ["--cost sad-xy", "--cost sad-xy --prefilter-cap 9"],
+        ["--cost census", "--cost census --census 5x5"],
+        ["--cost census --census 7x7", "--cost census --census cs9x7"],
+        ["--cost ad-census", "--cost ad-census --ad-weight 50"],
+        ["--cost ad-census", "--cost ad-census --census-weight 3"],
+    ] {
+        assert!(map(one) != map(other), "{other}");
+    }
 }
 
 #[test]
