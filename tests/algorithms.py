@@ -13,8 +13,13 @@ import os
 import sys
 
 INVALID = -32768
-# A census: columns, rows, bits.
-CENSUS = {"5x5": (5, 5, 24), "7x7": (7, 7, 48), "9x7": (9, 7, 62), "cs9x7": (9, 7, 31)}
+# A census: columns to either side, rows from the centre, bits, bytes.
+CENSUS = {
+    "5x5": (2, range(-2, 3), 24, 5),
+    "7x7": (3, range(-3, 4), 48, 7),
+    "9x7": (4, range(-3, 4), 62, 8),
+    "cs9x7": (4, range(-3, 0), 31, 4),
+}
 SAMPLES = {"gray8": ("B", 1), "gray16": ("H", 1), "rgba8": ("B", 4), "rgba16": ("H", 4)}
 THREE = [(0, 1), (1, 0), (-1, 0)]
 FOUR = THREE + [(0, -1)]
@@ -50,8 +55,8 @@ class Chain:
         self.case = case
         self.cap, self.block = case["prefilter_cap"], case["block"]
         self.radius = (self.block - 1) // 2
-        self.census_bits = CENSUS[case["census"]][2]
-        self.census_bytes = -(-self.census_bits // 8) if "census" in case["cost"] else 0
+        self.census_bits, census_bytes = CENSUS[case["census"]][2:]
+        self.census_bytes = census_bytes if "census" in case["cost"] else 0
         self.largest_total = self.block**2 * self.largest_pixel_cost()
         self.narrowing = max(0, self.largest_total.bit_length() - 20)
 
@@ -74,9 +79,9 @@ class Chain:
             return self.over_pixels(lambda x, y: samples[(y * self.width + x) * SAMPLES[kind][1] + i])
 
         if kind.startswith("gray"):
-            return [sample(0)] * (3 if self.case["color_cost"] else 1)
+            return [sample(0)] * (3 if self.case["color_cost"] == "on" else 1)
         colours = [sample(i) for i in (0, 1, 2)]
-        return colours if self.case["color_cost"] else [self.luma(kind, samples)]
+        return colours if self.case["color_cost"] == "on" else [self.luma(kind, samples)]
 
     def luma(self, kind, samples):
         def value(x, y):
@@ -126,18 +131,19 @@ class Chain:
         return self.over_pixels(value)
 
     def census(self, f, x, y):
-        """The census string as bytes."""
-        columns, rows, bits = CENSUS[self.case["census"]]
-        window = [
-            self.at(f, x + k % columns - columns // 2, y + k // columns - rows // 2) for k in range(columns * rows)
-        ]
-        c = (columns * rows - 1) // 2
-        if self.case["census"] == "cs9x7":
-            pairs = [(window[k], window[62 - k]) for k in range(31)]
-        else:
-            pairs = [(window[k], window[c]) for k in range(2 * c + 1) if k != c]
-        string = int("".join("1" if a < b else "0" for a, b in pairs), 2)
-        return list(string.to_bytes(self.census_bytes, "little"))
+        """The bytes of the census string."""
+        side, rows = CENSUS[self.case["census"]][:2]
+        symmetric = self.case["census"] == "cs9x7"
+
+        def bit(dx, dy):
+            other = self.at(f, x - dx, y - dy) if symmetric else f[y][x]
+            return 1 if self.at(f, x + dx, y + dy) < other else 0
+
+        found = [sum(bit(dx, dy) << (4 + dx) for dx in range(-side, min(side, 3) + 1)) for dy in rows]
+        if side == 4:
+            last = sum(bit(4, dy) << p for p, dy in enumerate(rows))
+            found.append(last + (sum(bit(dx, 0) << (7 + dx) for dx in range(-4, 0)) if symmetric else 0))
+        return found
 
     def features(self, channels, u):
         cost, n = self.case["cost"], self.block**2
@@ -188,11 +194,11 @@ class Chain:
 
                 return min(outside(l[i], p[i + 1], p[i + 2]), outside(p[i], l[i + 1], l[i + 2]))
 
-            return three(*map(between, (0, 3, 6))) if self.case["color_cost"] else between(0)
+            return three(*map(between, (0, 3, 6))) if self.case["color_cost"] == "on" else between(0)
         difference = [abs(a - b) for a, b in zip(l, p)]
         bits = sum(bin(a ^ b).count("1") for a, b in zip(l[:i], p[:i]))
         if cost == "sad":
-            return three(*difference) if self.case["color_cost"] else difference[0]
+            return three(*difference) if self.case["color_cost"] == "on" else difference[0]
         if cost == "ssd":
             return difference[0] ** 2
         if cost == "zsad":
@@ -269,9 +275,9 @@ class Chain:
                     if abs(d - best) > 1 and not s[d] * (100 - ratio) > s[best] * 100:
                         return INVALID
             v = 16 * (self.smallest + best)
-            if self.case["subpixel"] and 0 < best < last:
+            if self.case["subpixel"] != "off" and 0 < best < last:
                 a, b, c = s[best - 1 : best + 2]
-                k = a + c - 2 * b
+                k = max(a, c) - b if self.case["subpixel"] == "equiangular" else a + c - 2 * b
                 v += (16 * (a - c) + k - 1) // (2 * k)
             return v if self.points_inside(x, v) else INVALID
 
@@ -283,7 +289,29 @@ class Chain:
                     least, value = cost[y][seen_from][d], 16 * (self.smallest + d)
             return value
 
-        return self.over_pixels(left), self.over_pixels(right)
+        def margin(x, y):
+            s = cost[y][x]
+            best = s.index(min(s))
+            rivals = [s[d] for d in range(self.count) if abs(d - best) > 1]
+            if not rivals:
+                return 255
+            rival = min(rivals)
+            return 255 * (rival - s[best]) // rival if rival > 0 else 0
+
+        return self.over_pixels(left), self.over_pixels(right), self.over_pixels(margin)
+
+    def texture(self, disparities, g):
+        least = self.case["texture"]
+        if least == 0:
+            return disparities
+        e = self.over_pixels(lambda x, y: min(abs(self.derivatives(g, 1, x, y)[0]), self.case["prefilter_cap"]))
+        block = range(-self.radius, self.radius + 1)
+
+        def kept(x, y):
+            t = sum(self.at(e, x + i, y + j) for j in block for i in block)
+            return disparities[y][x] if t >= least else INVALID
+
+        return self.over_pixels(kept)
 
     def lr_check(self, left, right):
         if self.case["lr_check"] == "off":
@@ -298,22 +326,169 @@ class Chain:
 
         return self.over_pixels(checked)
 
+    def speckle(self, disparities):
+        window, step = self.case["speckle_window"], 16 * self.case["speckle_range"]
+        result = [row[:] for row in disparities]
+        done = set()
+        for y in range(self.height):
+            for x in range(self.width):
+                if disparities[y][x] == INVALID or (x, y) in done:
+                    continue
+                region, waiting = {(x, y)}, [(x, y)]
+                while waiting:
+                    i, j = waiting.pop()
+                    for k, l in ((i - 1, j), (i + 1, j), (i, j - 1), (i, j + 1)):
+                        if self.inside(k) and 0 <= l < self.height and (k, l) not in region:
+                            v, w = disparities[j][i], disparities[l][k]
+                            if w != INVALID and abs(v - w) <= step:
+                                region.add((k, l))
+                                waiting.append((k, l))
+                done |= region
+                if len(region) <= window:
+                    for i, j in region:
+                        result[j][i] = INVALID
+        return result
+
     def median(self, disparities):
         if self.case["median"] == "off":
             return disparities
+        side = self.case["median"]
+        steps = range(-(side // 2), side // 2 + 1)
 
-        def fifth(x, y):
-            v = sorted(self.at(disparities, x + i, y + j) for j in (-1, 0, 1) for i in (-1, 0, 1))[4]
+        def middle(x, y):
+            v = sorted(self.at(disparities, x + i, y + j) for j in steps for i in steps)[side * side // 2]
             return v if self.points_inside(x, v) else INVALID
 
-        return self.over_pixels(fifth)
+        return self.over_pixels(middle)
+
+    def weighted_median(self, disparities, gray):
+        if self.case["weighted_median"] == "off":
+            return disparities
+        spacing, sigma = (self.case["weighted_median"] + 1) // 2, self.case["weighted_median_sigma"]
+        decay = (65536 + sigma // 2) // sigma
+        steps = [spacing * i for i in (-2, -1, 0, 1, 2)]
+
+        def weight(difference):
+            t = (difference * decay) >> 8
+            return (64 * (512 - t % 256)) >> (t // 256)
+
+        def middle(x, y):
+            if disparities[y][x] == INVALID:
+                return INVALID
+            around = [(x + i, y + j) for j in steps for i in steps if self.inside(x + i) and 0 <= y + j < self.height]
+            valid = [(disparities[v][u], weight(abs(gray[v][u] - gray[y][x]))) for u, v in around]
+            valid = sorted(pair for pair in valid if pair[0] != INVALID)
+            total, reached = sum(w for _, w in valid), 0
+            for value, w in valid:
+                reached += w
+                if 2 * reached >= total:
+                    return value
+
+        return self.over_pixels(middle)
+
+    def wls(self, disparities, gray):
+        if self.case["wls"] == "off":
+            return disparities
+        strength, sigma = map(float, self.case["wls"].split(","))
+        term = total = 1.0
+        for k in range(1, 201):
+            term = term * (1.0 / sigma) / k
+            total += term
+        decay = 1.0 / total
+        bits = 31 - (16 * self.count - 1).bit_length()
+        values = self.over_pixels(lambda x, y: (0, 0))
+        for x, y in ((x, y) for y in range(self.height) for x in range(self.width)):
+            if disparities[y][x] != INVALID:
+                values[y][x] = ((disparities[y][x] - 16 * self.smallest) << bits, 2**30)
+
+        def solve(line, coupling):
+            def blend(a, b, share):
+                return tuple((u * share + v * (65536 - share) + 32768) >> 16 for u, v in zip(a, b))
+
+            mean, weight, means, shares = (0, 0), 64, [], []
+            for i, (x, y) in enumerate(line):
+                mean = blend(values[y][x], mean, 2**22 // weight)
+                means.append(mean)
+                c = 0
+                if i + 1 < len(line):
+                    u, v = line[i + 1]
+                    c = coupling[abs(gray[y][x] - gray[v][u])]
+                shares.append(65536 * weight // (weight + c))
+                weight = 64 + (((65536 - shares[-1]) * weight) >> 16)
+            solution = (0, 0)
+            for (x, y), mean, share in reversed(list(zip(line, means, shares))):
+                solution = values[y][x] = blend(mean, solution, share)
+
+        for divisor in (1.0, 4.0, 16.0):
+            coupling, w = [], 1.0
+            for _ in range(256):
+                coupling.append(max(1, math.floor(64.0 * strength / divisor * w + 0.5)))
+                w *= decay
+            for y in range(self.height):
+                solve([(x, y) for x in range(self.width)], coupling)
+            for x in range(self.width):
+                solve([(x, y) for y in range(self.height)], coupling)
+
+        def quotient(x, y):
+            product, confidence = values[y][x]
+            if confidence < 2**14:
+                return INVALID
+            above = ((product << (31 - bits)) // confidence + 1) >> 1
+            return 16 * self.smallest + min(above, 16 * (self.count - 1))
+
+        return self.over_pixels(quotient)
+
+    def confidence(self, disparities, margins):
+        return self.over_pixels(lambda x, y: 0 if disparities[y][x] == INVALID else max(margins[y][x], 1))
+
+    def nearest(self, disparities, x, y, directions):
+        found = []
+        for dx, dy in directions:
+            i, j = x + dx, y + dy
+            while self.inside(i) and 0 <= j < self.height:
+                if disparities[j][i] != INVALID:
+                    found.append(disparities[j][i])
+                    break
+                i, j = i + dx, j + dy
+        return sorted(found)
+
+    def fill(self, disparities, right):
+        limit = 1 if self.case["lr_check"] == "off" else self.case["lr_check"]
+
+        def mismatch(x, y):
+            for d in range(self.smallest, self.smallest + self.count):
+                if self.inside(x - d) and right[y][x - d] != INVALID and abs(right[y][x - d] // 16 - d) <= limit:
+                    return True
+            return False
+
+        def step(m, directions, choose):
+            def value(x, y):
+                values = self.nearest(m, x, y, directions) if m[y][x] == INVALID else []
+                return choose(x, y, values) if values else m[y][x]
+
+            return self.over_pixels(value)
+
+        row, column = [(-1, 0), (1, 0)], [(0, -1), (0, 1)]
+        smallest = lambda x, y, values: values[0]
+        median = lambda x, y, values: values[(len(values) - 1) // 2]
+        second = lambda x, y, values: values[min(1, len(values) - 1)]
+        kind = self.case["fill"]
+        if kind == "none":
+            return disparities
+        if kind == "rays":
+            disparities = step(disparities, row, lambda x, y, v: INVALID if mismatch(x, y) else smallest(x, y, v))
+            disparities = step(disparities, EIGHT, median)
+        if kind == "hirschmuller":
+            disparities = step(disparities, EIGHT, lambda *a: median(*a) if mismatch(*a[:2]) else second(*a))
+        return step(step(disparities, row, smallest), column, smallest)
 
     def run(self, left, right):
         """All stages in the order of the chain: (name, C type, values)."""
-        sides = []
+        sides, grays = [], []
         for side, samples in (("left", left), ("right", right)):
             kind = self.case["format"]
-            yield "gray_" + side, "B", self.gray(kind, samples)
+            gray = self.gray(kind, samples)
+            yield "gray_" + side, "B", gray
             channels, unit = self.deep_gray(kind, samples), unit_of(kind)
             yield "deep_gray_" + side, "H", channels
             channels = [self.prefilter(g, unit) for g in channels]
@@ -321,6 +496,7 @@ class Chain:
             features = self.features(channels, unit if self.case["prefilter"] == "none" else 1)
             yield "features_" + side, "B", features
             sides.append(features)
+            grays.append(gray)
         columns = self.cost_columns(*sides)
         yield "cost_columns", "I", columns
         cost = self.block_sums(columns)
@@ -331,12 +507,25 @@ class Chain:
             yield "matching_cost", "B", cost
             cost = self.sgm_aggregate(cost)
             yield "sgm_aggregate", "H", cost
-        view, other = self.winner(cost)
+        view, other, margins = self.winner(cost)
         yield "winner_left", "h", view
         yield "winner_right", "h", other
+        yield "margins", "B", margins
+        view = self.texture(view, grays[0])
+        yield "texture", "h", view
         view = self.lr_check(view, other)
         yield "lr_check", "h", view
-        yield "median", "h", self.median(view)
+        view = self.speckle(view)
+        yield "speckle", "h", view
+        view = self.median(view)
+        yield "median", "h", view
+        view = self.fill(view, other)
+        yield "fill", "h", view
+        view = self.weighted_median(view, grays[0])
+        yield "weighted_median", "h", view
+        view = self.wls(view, grays[0])
+        yield "wls", "h", view
+        yield "confidence", "B", self.confidence(view, margins)
 
 
 def flat(values):
@@ -370,9 +559,10 @@ def run_case(folder):
 
 
 EXAMPLE = dict(
-    width=6, height=1, format="gray8", method="sgm", cost="sad", census="5x5", color_cost=False, ad_weight=8,
+    width=6, height=1, format="gray8", method="sgm", cost="sad", census="5x5", color_cost="off", ad_weight=8,
     census_weight=32, paths=4, min_disparity=0, disparities=3, block=3, prefilter="none", prefilter_cap=31,
-    prefilter_window=9, p1=2, p2=6, uniqueness=0, lr_check=0, median=3, subpixel=True,
+    prefilter_window=9, p1=2, p2=6, texture=0, uniqueness=0, lr_check=0, speckle_window=0, speckle_range=2, median=3,
+    fill="none", subpixel="parabola", weighted_median="off", wls="off",
 )
 EXAMPLE_PAIR = [10, 40, 70, 60, 200, 90], [40, 66, 190, 210, 90, 90]
 
