@@ -168,7 +168,7 @@ class Chain:
         sums = [self.window_sums(f, self.block) if cost == "zsad" else None for f in channels]
         return self.over_pixels(lambda x, y: [v for f, s in zip(channels, sums) for v in of_channel(f, s, x, y)])
 
-    def blend(self, a, b):
+    def mix(self, a, b):
         return min(255, (self.case["ad_weight"] * a + self.case["census_weight"] * b + 8) >> 4)
 
     def largest_pixel_cost(self):
@@ -181,7 +181,7 @@ class Chain:
             "sad-xy": 4 * self.cap,
             "census": self.census_bits,
             "census-sobel": 2 * self.census_bits + 4 * self.cap,
-            "ad-census": max(1, self.blend(v, self.census_bits)),
+            "ad-census": max(1, self.mix(v, self.census_bits)),
         }[self.case["cost"]]
 
     def pixel_cost(self, l, p):
@@ -209,19 +209,17 @@ class Chain:
             return bits
         if cost == "census-sobel":
             return 2 * bits + difference[i] + difference[i + 1]
-        return self.blend(difference[i], bits)
+        return self.mix(difference[i], bits)
 
     def cost_columns(self, left, right):
         columns = range(-self.radius, self.width + self.radius)
 
-        def costs(y):
-            return [
-                [self.pixel_cost(self.at(left, x, y), self.at(right, x - (self.smallest + d), y)) for d in range(self.count)]
-                for x in columns
-            ]
+        def costs(x, y):
+            seen = [self.at(right, x - (self.smallest + d), y) for d in range(self.count)]
+            return [self.pixel_cost(self.at(left, x, y), p) for p in seen]
 
         # Both images are continued by the same rows, so the pixel costs are, too.
-        rows = [costs(y) for y in range(self.height)]
+        rows = [[costs(x, y) for x in columns] for y in range(self.height)]
 
         def column(c, y):
             block = [rows[clamp(y + j, 0, self.height - 1)][c] for j in range(-self.radius, self.radius + 1)]
