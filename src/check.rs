@@ -52,6 +52,7 @@ struct Expected<'a> {
     matcher: &'a StereoMatcher,
     gray: [Plane; 2],
     planes: [Plane; 2],
+    penalties: Option<Volume<u8>>,
     columns: Volume<u16>,
     cost: Volume<u8>,
     paths: Vec<(Direction, Volume<u8>)>,
@@ -64,18 +65,21 @@ impl<'a> Expected<'a> {
         let params = &matcher.params;
         let gray = [reference::gray(left), reference::gray(right)];
         let planes = [reference::prefilter(&gray[0], params), reference::prefilter(&gray[1], params)];
+        let adaptive = params.adaptive_p2 && params.method == Method::Sgm;
+        let penalties = adaptive.then(|| reference::penalties(&gray[0], params));
         let columns = reference::sad_columns(&planes[0], &planes[1], params);
         let cost = match params.method {
             Method::Sgm => reference::sad_cost(&columns, params),
             Method::Bm => Volume::new(0, 0, 0),
         };
-        Self { matcher, gray, planes, columns, cost, paths: Vec::new(), views: None, checked: None }
+        Self { matcher, gray, planes, penalties, columns, cost, paths: Vec::new(), views: None, checked: None }
     }
 
     fn path(&mut self, direction: Direction) -> &Volume<u8> {
         let known = self.paths.iter().position(|(known, _)| *known == direction);
         let i = known.unwrap_or_else(|| {
-            let volume = reference::aggregate_direction(&self.cost, direction, &self.matcher.params);
+            let volume =
+                reference::aggregate_direction(&self.cost, self.penalties.as_ref(), direction, &self.matcher.params);
             self.paths.push((direction, volume));
             self.paths.len() - 1
         });
@@ -90,7 +94,7 @@ impl<'a> Expected<'a> {
                 Method::Sgm => {
                     let cost = &self.cost;
                     let mut sum = Volume::<u16>::new(cost.width, cost.height, cost.disparities);
-                    for &direction in Direction::all(params.paths) {
+                    for direction in Direction::all(params.paths) {
                         for (sum, &path) in sum.data.iter_mut().zip(&self.path(direction).data) {
                             *sum += u16::from(path);
                         }
@@ -234,6 +238,17 @@ impl StereoMatcher {
                     }
                 }
             }
+            Output::Penalties { first } => {
+                let Some(penalties) = &expected.penalties else { return Ok(()) };
+                for (y, row) in each_row(whole, &bytes, 64 * u64::from(width.div_ceil(16) as u32)) {
+                    for (x, values) in row.chunks_exact(4).take(width).enumerate() {
+                        for (k, &got) in values.iter().enumerate() {
+                            let expected = penalties.data[(y * width + x) * penalties.disparities + first + k];
+                            stage.compare(x, y, Some(first + k), expected.into(), got.into());
+                        }
+                    }
+                }
+            }
             Output::Cost { chunk, volume_row } => {
                 let first = u64::from(*volume_row) * self.sizes.volume_row;
                 for (y, row) in each_row(*chunk, &bytes[first as usize..], self.sizes.volume_row) {
@@ -245,14 +260,15 @@ impl StereoMatcher {
                     }
                 }
             }
-            Output::Paths { directions, band, .. } => {
+            Output::Paths { directions, band, volume_row, .. } => {
+                let first = u64::from(*volume_row) * self.sizes.volume_row;
                 // The device keeps T = L - C, summed over the directions so far.
                 for &direction in directions {
                     expected.path(direction);
                 }
                 let volumes: Vec<&Volume<u8>> =
                     expected.paths.iter().filter(|(d, _)| directions.contains(d)).map(|(_, volume)| volume).collect();
-                for (y, row) in each_row(*band, &bytes, self.sizes.volume_row) {
+                for (y, row) in each_row(*band, &bytes[first as usize..], self.sizes.volume_row) {
                     for (x, values) in row.chunks_exact(padded).take(width).enumerate() {
                         let at = (y * width + x) * disparities;
                         for (d, &got) in values[..disparities].iter().enumerate() {

@@ -1,6 +1,6 @@
 //! The table of kernels: everything that turns a WGSL file into a pipeline.
 
-use crate::buffers::TEXELS;
+use crate::buffers::{TEXELS, WORDS};
 use crate::params::{Params, Paths, Prefilter, Subpixel};
 use crate::schedule::{Exchange, GROUP_LANES, Plan, STRIP_LANES};
 use crate::{Error, PixelFormat};
@@ -14,8 +14,10 @@ pub(crate) enum Access {
     Texels(wgpu::TextureFormat),
     /// The cost, read as the plan has it: from a texture or from its buffer.
     Cost,
+    /// The penalties of the pixels, where the plan has them.
+    Penalties,
 }
-use Access::{Cost, Read, Texels, Write};
+use Access::{Cost, Penalties, Read, Texels, Write};
 
 /// Fragments of which the plan chooses one.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -24,6 +26,8 @@ pub(crate) enum Choice {
     Members,
     /// How many disparities a load or store moves, and where the cost is read.
     Volumes,
+    /// Where P2 comes from.
+    Penalty,
 }
 
 /// Texels of 4 bytes.
@@ -52,18 +56,20 @@ macro_rules! wgsl {
 }
 
 const MEMBERS: &[Choice] = &[Choice::Members];
-const VOLUMES: &[Choice] = &[Choice::Members, Choice::Volumes];
+const PATHS: &[Choice] = &[Choice::Members, Choice::Volumes, Choice::Penalty];
 
 #[rustfmt::skip]
 pub(crate) const KERNELS: &[Kernel] = &[
     Kernel { name: "gray", stage: "gray", lanes: 64, sources: wgsl!("gray", "bytes", "common"), choices: &[], storage: &[QUAD, Write] },
+    Kernel { name: "penalties", stage: "penalties", lanes: 64, sources: wgsl!("penalties", "intensity_steps", "common"), choices: &[], storage: &[QUAD, Write] },
+    Kernel { name: "penalties_steep", stage: "penalties", lanes: 64, sources: wgsl!("penalties_steep", "intensity_steps", "common"), choices: &[], storage: &[QUAD, Write] },
     Kernel { name: "prefilter", stage: "prefilter", lanes: 64, sources: wgsl!("prefilter", "bytes", "common"), choices: &[], storage: &[QUAD, Write] },
     Kernel { name: "sad_columns", stage: "sad_columns", lanes: 128, sources: wgsl!("sad_columns", "common"), choices: &[], storage: &[Read, Read, Write] },
     Kernel { name: "sad_cost", stage: "sad_cost", lanes: 32, sources: wgsl!("sad_cost", "column_sums", "quantise", "common"), choices: &[], storage: &[Read, Write] },
     Kernel { name: "sad_cost_lanes", stage: "sad_cost", lanes: 128, sources: wgsl!("sad_cost_lanes", "differences", "quantise", "common"), choices: &[], storage: &[Read, Read, Write] },
     Kernel { name: "sad_cost_small", stage: "sad_cost", lanes: 32, sources: wgsl!("sad_cost_small", "differences", "quantise", "common"), choices: &[], storage: &[WORD, WORD, Write] },
-    Kernel { name: "sgm_aggregate", stage: "sgm_aggregate", lanes: STRIP_LANES, sources: wgsl!("sgm_aggregate", "path_step", "common"), choices: VOLUMES, storage: &[Cost, Write, Read, Write] },
-    Kernel { name: "winner", stage: "winner", lanes: STRIP_LANES, sources: wgsl!("winner", "path_step", "winner_row", "quotient", "costs", "common"), choices: VOLUMES, storage: &[Cost, Read, Read, Read, Read, Write, Write] },
+    Kernel { name: "sgm_aggregate", stage: "sgm_aggregate", lanes: STRIP_LANES, sources: wgsl!("sgm_aggregate", "path_step", "common"), choices: PATHS, storage: &[Cost, Write, Read, Write, Penalties] },
+    Kernel { name: "winner", stage: "winner", lanes: STRIP_LANES, sources: wgsl!("winner", "path_step", "winner_row", "quotient", "costs", "common"), choices: PATHS, storage: &[Cost, Read, Read, Read, Read, Write, Write, Penalties] },
     Kernel { name: "block_match", stage: "block_match", lanes: 32, sources: wgsl!("block_match", "column_sums", "costs", "winner_row", "quotient", "common"), choices: MEMBERS, storage: &[Read, Write, Write] },
     Kernel { name: "block_match_small", stage: "block_match", lanes: 8, sources: wgsl!("block_match_small", "quotient", "common"), choices: &[], storage: &[WORD, WORD, Write, Write] },
     Kernel { name: "lr_check", stage: "lr_check", lanes: 32, sources: wgsl!("lr_check", "common"), choices: &[], storage: &[Read, Read, Write] },
@@ -83,14 +89,20 @@ impl Kernel {
 
     pub(crate) fn storage(&self, plan: &Plan) -> Vec<Access> {
         let cost = if plan.lanes { Read } else { QUAD };
-        self.storage.iter().map(|&access| if access == Cost { cost } else { access }).collect()
+        let present = self.storage.iter().filter(|access| plan.adaptive || **access != Penalties);
+        let bound = present.map(|&access| match access {
+            Cost => cost,
+            Penalties => WORD,
+            access => access,
+        });
+        bound.collect()
     }
 
     /// All its WGSL but the constants.
     fn fragments(&self, plan: &Plan) -> Vec<&'static str> {
         let mut fragments = self.sources.to_vec();
         for choice in self.choices {
-            fragments.extend(match choice {
+            let chosen: &[&'static str] = match choice {
                 Choice::Members => match plan.exchange {
                     Exchange::Alone => wgsl!("members_alone", "members"),
                     Exchange::Subgroup => wgsl!("members_subgroup", "members"),
@@ -101,7 +113,10 @@ impl Kernel {
                     (false, 1) => wgsl!("volume16", "cost_texels"),
                     (false, _) => wgsl!("volume32", "cost_texels"),
                 },
-            });
+                Choice::Penalty if plan.adaptive => wgsl!("penalty_texels"),
+                Choice::Penalty => wgsl!("penalty_fixed"),
+            };
+            fragments.extend(chosen);
         }
         fragments
     }
@@ -131,6 +146,11 @@ pub(crate) fn parts_and_strip(disparities: u32) -> (u32, u32) {
     (parts, if disparities <= 16 * parts { 16 } else { 8 })
 }
 
+/// Volumes that hold the paths which cross rows, two directions each.
+pub(crate) fn paired(paths: Paths) -> u32 {
+    (paths.count() - 1) / 2
+}
+
 /// The constants that specialise a kernel, as the WGSL line that is appended to it: `override` constants cannot size
 /// the arrays that hold a path's state. Only those that the source names are given, so that settings which do not
 /// concern a kernel do not change its text (and the driver's cache finds it again).
@@ -143,12 +163,8 @@ pub(crate) fn constants(kernel: &Kernel, params: &Params, format: PixelFormat, p
             format!("{}u", mask.sum::<u32>())
         })
         .collect();
-    let (paths, paired) = match params.paths {
-        Paths::Three => (3, 1),
-        Paths::Four => (4, 1),
-        Paths::Eight => (8, 3),
-        Paths::Five | Paths::Sixteen => (0, 0),
-    };
+    let paired = paired(params.paths);
+    let penalties = kernel.storage.iter().position(|access| *access == Penalties).unwrap_or(0) as u32 + 2;
     let (parts, strip) = parts_and_strip(params.disparities);
     let number = |value: u32| ("u32", format!("{value}u"));
     let table = [
@@ -164,13 +180,15 @@ pub(crate) fn constants(kernel: &Kernel, params: &Params, format: PixelFormat, p
         ("DISPARITIES", number(params.disparities)),
         ("QUADS", number(quads)),
         ("TEXELS", number(TEXELS)),
+        ("WORDS", number(WORDS)),
+        ("PENALTIES", number(penalties)),
         ("BEYOND", ("vec4<u32>", format!("vec4({})", beyond.join(", ")))),
         ("BLOCK", number(params.block)),
         ("SMALL_VALUES", number((params.prefiltered_max() < 128).into())),
         ("SUMMABLE", number(255 / params.prefiltered_max())),
         ("PARTS", number(parts)),
         ("STRIP", number(strip)),
-        ("PATHS", number(paths)),
+        ("PATHS", number(params.paths.count())),
         ("PAIRED", number(paired)),
         ("SUBPIXEL", number((params.subpixel != Subpixel::Off).into())),
         ("SHIFTED", number((params.min_disparity != 0).into())),
@@ -221,6 +239,7 @@ pub(crate) fn compile(
     let storage = storage.iter().map(|access| match access {
         Read | Cost => buffer(wgpu::BufferBindingType::Storage { read_only: true }, false),
         Write => buffer(wgpu::BufferBindingType::Storage { read_only: false }, false),
+        Penalties => unreachable!("the plan has no penalties, or texels"),
         Texels(format) => wgpu::BindingType::StorageTexture {
             access: wgpu::StorageTextureAccess::ReadOnly,
             format: *format,

@@ -20,6 +20,9 @@ pub(crate) enum Output {
     Columns {
         chunk: Rows,
     },
+    Penalties {
+        first: usize,
+    },
     Cost {
         chunk: Rows,
         volume_row: u32,
@@ -28,6 +31,7 @@ pub(crate) enum Output {
     Paths {
         directions: Vec<Direction>,
         band: Rows,
+        volume_row: u32,
         first: bool,
         last: bool,
     },
@@ -126,10 +130,10 @@ impl<'a> Builder<'a> {
         })
     }
 
-    /// A volume with a byte a disparity, a buffer a band.
-    pub(crate) fn volume(&mut self, name: &str) -> Vec<wgpu::Buffer> {
+    /// Volumes with a byte a disparity, a buffer a band, which holds `slots` of them one after the other.
+    pub(crate) fn volumes(&mut self, name: &str, slots: u32) -> Vec<wgpu::Buffer> {
         let sizes = self.sizes;
-        sizes.bands.iter().map(|band| self.buffer(name, sizes.volume(band.count))).collect()
+        sizes.bands.iter().map(|band| self.buffer(name, sizes.volume(slots * band.count))).collect()
     }
 
     /// A texture of `width` texels a row, to be filled by copies.
@@ -172,6 +176,11 @@ impl<'a> Builder<'a> {
     /// image in a quarter of the time that a buffer takes, but writes buffers faster (docs/PERFORMANCE.md).
     pub(crate) fn copy_to_texels(&mut self) -> wgpu::TextureView {
         let bytes = self.planned.last().map_or(0, |step| step.buffer.size());
+        self.copy_first_to_texels(bytes)
+    }
+
+    /// The same of the first bytes of what it left.
+    pub(crate) fn copy_first_to_texels(&mut self, bytes: u64) -> wgpu::TextureView {
         self.copy_to_texture(TEXELS, (bytes / TEXTURE_ROW) as u32, wgpu::TextureFormat::Rgba32Uint)
     }
 

@@ -48,6 +48,7 @@ fn settings(params: &Params) -> Vec<(&'static str, String)> {
         ("prefilter_cap", number(params.prefilter_cap)),
         ("p1", number(params.p1)),
         ("p2", number(params.p2)),
+        ("adaptive_p2", if params.adaptive_p2 { "on" } else { "off" }.into()),
         ("uniqueness", number(params.uniqueness)),
         ("lr_check", params.lr_check.map_or("off".into(), number)),
         ("median", if params.median == Median::Off { "off" } else { "3" }.into()),
@@ -70,7 +71,7 @@ fn json(image: &Image, params: &Params) -> String {
     ];
     for (name, value) in settings(params) {
         let value = match (name, value.as_str()) {
-            ("subpixel", value) => (value == "on").to_string(),
+            ("subpixel" | "adaptive_p2", value) => (value == "on").to_string(),
             (_, value) if value.parse::<i64>().is_ok() => value.to_string(),
             (_, value) => format!("\"{value}\""),
         };
@@ -109,7 +110,11 @@ fn stages(left: &Image, right: &Image, params: &Params) -> Vec<(&'static str, us
     ];
     let views = if params.method == Method::Sgm {
         let cost = reference::sad_cost(&columns, params);
-        let aggregate = reference::sgm_aggregate(&cost, params);
+        let penalties = params.adaptive_p2.then(|| reference::penalties(&gray[0], params));
+        let aggregate = reference::sgm_aggregate(&cost, penalties.as_ref(), params);
+        if let Some(penalties) = penalties {
+            stages.push(("penalties", 1, penalties.data));
+        }
         stages.push(("sad_cost_scale", 4, reference::sad_cost_scale(params).to_le_bytes().to_vec()));
         stages.push(("sad_cost", 1, cost.data));
         stages.push(("sgm_aggregate", 2, bytes16(&aggregate.data)));

@@ -8,6 +8,8 @@ use crate::steps::{Builder, Output};
 pub(super) struct Planes {
     pub(super) buffers: [wgpu::Buffer; 2],
     pub(super) textures: Vec<wgpu::TextureView>,
+    /// The gray images.
+    pub(super) grays: Vec<wgpu::TextureView>,
 }
 
 /// The textures into which images are uploaded.
@@ -21,7 +23,7 @@ pub(super) fn prefiltered(b: &mut Builder<'_>, sources: &[wgpu::Texture; 2]) -> 
     let Frame { height, gray_stride, left_stride, right_stride, .. } = b.sizes.frame;
     let grays = [b.buffer("gray.left", b.sizes.gray), b.buffer("gray.right", b.sizes.gray)];
     let buffers = [b.buffer("prefilter.left", b.sizes.left), b.buffer("prefilter.right", b.sizes.right)];
-    let mut textures = Vec::new();
+    let (mut textures, mut texels) = (Vec::new(), Vec::new());
     for side in 0..2 {
         let (i, pass) = (side as usize, Pass { side, ..Pass::default() });
         let source = sources[i].create_view(&wgpu::TextureViewDescriptor::default());
@@ -30,9 +32,10 @@ pub(super) fn prefiltered(b: &mut Builder<'_>, sources: &[wgpu::Texture; 2]) -> 
         let stride = [left_stride, right_stride][i];
         let storage = [Texture(&gray), Buffer(&buffers[i])];
         b.step("prefilter", &storage, pass, stride / 4, height, Output::Prefiltered { side });
+        texels.push(gray);
         if b.sizes.small_block && !b.plan.lanes {
             textures.push(b.copy_to_texture(stride, height, wgpu::TextureFormat::R32Uint));
         }
     }
-    Planes { buffers, textures }
+    Planes { buffers, textures, grays: texels }
 }

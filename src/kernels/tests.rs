@@ -32,7 +32,9 @@ pub(super) fn edited(name: &str, text: String) -> String {
 fn plans(params: &Params) -> BTreeSet<Plan> {
     let devices =
         [(false, 1, false), (false, 1, true), (false, 8, true), (true, 1, false), (true, 4, true), (true, 32, true)];
-    devices.iter().map(|&(lanes, subgroup, int64)| Plan::of(params.quads(), lanes, subgroup, int64)).collect()
+    let adaptive = params.adaptive_p2;
+    let of = |&(lanes, subgroup, int64)| Plan { adaptive, ..Plan::of(params.quads(), lanes, subgroup, int64) };
+    devices.iter().map(of).collect()
 }
 
 /// Settings that between them give every constant of [`constants`] every kind of value.
@@ -40,11 +42,12 @@ fn specialisations() -> Vec<(Params, PixelFormat, Plan)> {
     let formats = [PixelFormat::Gray8, PixelFormat::Gray16, PixelFormat::Rgba8, PixelFormat::Rgba16];
     let mut all = Vec::new();
     for disparities in [1, 16, 17, 64, 65, 256] {
-        for paths in [Paths::Three, Paths::Four, Paths::Eight] {
+        for paths in [Paths::Three, Paths::Five, Paths::Eight, Paths::Sixteen] {
             for prefilter in [Prefilter::XSobel, Prefilter::Sobel, Prefilter::None] {
                 for base in [Params::sgm(disparities), Params::bm(disparities)] {
                     for subpixel in [Subpixel::Off, Subpixel::Parabola] {
-                        let params = Params { paths, prefilter, subpixel, ..base.clone() };
+                        let adaptive_p2 = prefilter == Prefilter::None && base.method == crate::Method::Sgm;
+                        let params = Params { paths, prefilter, subpixel, adaptive_p2, ..base.clone() };
                         let params = Params { block: if subpixel == Subpixel::Off { 21 } else { 5 }, ..params };
                         for (i, plan) in plans(&params).into_iter().enumerate() {
                             let formats = formats.iter().take(if i == 0 { 4 } else { 1 });
@@ -183,8 +186,16 @@ fn reflected(module: &naga::Module, name: &str) -> (Vec<(String, u32, String)>, 
 }
 
 /// A plan for 64 disparities.
-const PLAN: Plan =
-    Plan { lanes: false, members: 1, exchange: Exchange::Alone, own_quads: 4, subgroup: 1, threads: None, width: 1 };
+const PLAN: Plan = Plan {
+    lanes: false,
+    members: 1,
+    exchange: Exchange::Alone,
+    own_quads: 4,
+    subgroup: 1,
+    threads: None,
+    width: 1,
+    adaptive: false,
+};
 
 fn frame_layout() -> (Vec<(String, u32, String)>, u32) {
     layout!(Frame {
@@ -206,7 +217,25 @@ fn frame_layout() -> (Vec<(String, u32, String)>, u32) {
 }
 
 fn pass_layout() -> (Vec<(String, u32, String)>, u32) {
-    layout!(Pass { first_row, rows, volume_row, first_line, lines, shift, dx, dy, carried, accumulate, side })
+    layout!(Pass {
+        first_row,
+        rows,
+        volume_row,
+        first_line,
+        lines,
+        shift,
+        dx,
+        dy,
+        carried,
+        accumulate,
+        side,
+        entry,
+        carry_from,
+        carry_to,
+        slot,
+        penalty_offset,
+        penalty_shift,
+    })
 }
 
 #[test]
@@ -392,6 +421,15 @@ fn eight(params: &mut Params) {
     params.paths = Paths::Eight;
 }
 
+fn adaptive(params: &mut Params) {
+    (params.adaptive_p2, params.p1, params.p2) = (true, 9, 100);
+}
+
+fn sixteen(params: &mut Params) {
+    adaptive(params);
+    params.paths = Paths::Sixteen;
+}
+
 /// Invocations that share a pixel's disparities.
 fn lanes(params: &mut Params) {
     (params.schedule, params.disparities) = (Schedule::Lanes, 50);
@@ -447,6 +485,17 @@ const MUTANTS: &[Mutant] = &[
     mutant("sgm_aggregate", "select(after, (*state)[s]", "select(0u, (*state)[s]", |params| params.disparities = 64),
     mutant("sgm_aggregate", "stored >> vec4(32u)", "stored >> vec4(31u)", |params| params.disparities = 64),
     mutant("sgm_aggregate", "i32(pass_.first_line", "i32(0u * pass_.first_line", |_| ()),
+    mutant("sgm_aggregate", "penalty_offset", "penalty_offset * 0", adaptive),
+    mutant("sgm_aggregate", "penalty_shift, 8u", "penalty_shift, 7u", adaptive),
+    mutant("sgm_aggregate", "select(-width, width", "select(-width, width - 1", sixteen),
+    mutant("sgm_aggregate", "pass_.entry", "0", sixteen),
+    mutant("penalties", "vec4(10))", "vec4(9))", adaptive),
+    mutant("penalties", "frame.p1 / 2u", "frame.p1 / 4u", adaptive),
+    mutant("penalties", "+ 0.5)", "- 0.5)", adaptive),
+    mutant("penalties_steep", "neighbours(above, i, 2)", "neighbours(row, i, 2)", sixteen),
+    mutant("penalties", "min(id.y, 1u)", "0u", adaptive),
+    mutant("winner", "penalty_shift, 8u", "penalty_shift, 7u", adaptive),
+    mutant("winner", "i / 3u * pass_.slot", "0u", sixteen),
     mutant("winner", "pass_.volume_row * frame.volume_stride", "0u", |_| ()),
     mutant("winner", "least_key(costs) + member * OWN", "least_key(costs)", lanes),
     mutant("winner", "min(entering, COST_NONE << 12u)", "COST_NONE << 12u", lanes),

@@ -8,6 +8,7 @@ mod block_match;
 mod gray;
 mod lr_check;
 mod median;
+mod penalties;
 mod prefilter;
 mod sad_columns;
 mod sad_cost;
@@ -18,6 +19,7 @@ pub use block_match::{block_match, block_sums};
 pub use gray::gray;
 pub use lr_check::lr_check;
 pub use median::median;
+pub use penalties::penalties;
 pub use prefilter::prefilter;
 pub use sad_columns::sad_columns;
 pub use sad_cost::{sad_cost, sad_cost_scale};
@@ -90,6 +92,8 @@ pub fn compute_timed(left: &Image, right: &Image, params: &Params) -> Result<(Di
     crate::matcher::check_pair(left, right)?;
     let mut clock = Clock { last: Instant::now(), times: Vec::new() };
     let (left, right) = clock.stage("gray", (gray(left), gray(right)));
+    let adaptive = params.adaptive_p2 && params.method == Method::Sgm;
+    let penalties = adaptive.then(|| clock.stage("penalties", penalties(&left, params)));
     let (left, right) = clock.stage("prefilter", (prefilter(&left, params), prefilter(&right, params)));
     let columns = clock.stage("sad_columns", sad_columns(&left, &right, params));
     let Views { left, right } = match params.method {
@@ -97,7 +101,7 @@ pub fn compute_timed(left: &Image, right: &Image, params: &Params) -> Result<(Di
         Method::Sgm => {
             let cost = clock.stage("sad_cost", sad_cost(&columns, params));
             drop(columns);
-            let sum = clock.stage("sgm_aggregate", sgm_aggregate(&cost, params));
+            let sum = clock.stage("sgm_aggregate", sgm_aggregate(&cost, penalties.as_ref(), params));
             clock.stage("winner", winner(&sum, params))
         }
     };

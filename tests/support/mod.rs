@@ -105,7 +105,7 @@ pub fn random_params(random: &mut ChaCha8Rng) -> Params {
     let disparities = *[1, 2, 3, 7, 15, 16, 17, 31, 33, 48, 64, 65, 97, 130].get(random.random_range(0..14)).unwrap();
     let mut params = if random.random_bool(0.3) { Params::bm(disparities) } else { Params::sgm(disparities) };
     params.min_disparity = *[0, 0, 0, 1, 5, -1, -7, -40, 30].get(random.random_range(0..9)).unwrap();
-    params.paths = [Paths::Three, Paths::Four, Paths::Eight][random.random_range(0..3)];
+    params.paths = [Paths::Three, Paths::Four, Paths::Five, Paths::Eight, Paths::Sixteen][random.random_range(0..5)];
     params.block = 2 * random.random_range(0..10) + 1;
     params.prefilter = [Prefilter::XSobel, Prefilter::Sobel, Prefilter::None][random.random_range(0..3)];
     params.prefilter_cap = random.random_range(1..=127);
@@ -117,5 +117,6 @@ pub fn random_params(random: &mut ChaCha8Rng) -> Params {
     params.subpixel = if random.random_bool(0.7) { Subpixel::Parabola } else { Subpixel::Off };
     params.shader_checks = random.random_bool(0.3);
     params.schedule = [Schedule::Auto, Schedule::Lines, Schedule::Lanes][random.random_range(0..3)];
+    params.adaptive_p2 = random.random_bool(0.4);
     params
 }
