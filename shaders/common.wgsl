@@ -31,6 +31,7 @@ struct Pass {
     carried: u32,         // 1: the band before this one in the direction left its path costs in carry_in
     accumulate: u32,      // 1: add to what the opposite direction left
     side: u32,            // 0: left image, 1: right image
+    mirrored: u32,        // 1: the images are taken mirrored
     entry: i32,           // row of the band at which paths enter
     carry_from: u32,      // row of carry_in and of carry_out
     carry_to: u32,

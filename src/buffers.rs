@@ -38,6 +38,7 @@ pub(crate) struct Pass {
     pub(crate) carried: u32,
     pub(crate) accumulate: u32,
     pub(crate) side: u32,
+    pub(crate) mirrored: u32,
     pub(crate) entry: i32,
     pub(crate) carry_from: u32,
     pub(crate) carry_to: u32,

@@ -3,7 +3,7 @@
 use crate::buffers::{Frame, Rows};
 use crate::reference::{self, Direction, Plane, Views, Volume};
 use crate::steps::{Output, Step};
-use crate::{DisparityMap, Error, Image, Method, StereoMatcher, readback};
+use crate::{DisparityMap, Error, Image, Method, Params, StereoMatcher, readback};
 
 /// The first element of a stage that differs from the reference.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -48,8 +48,10 @@ impl StageCheck {
 const SENTINEL: u8 = 0xa5;
 
 /// The reference's buffers, each computed when a step asks for it.
-struct Expected<'a> {
-    matcher: &'a StereoMatcher,
+struct Expected {
+    params: Params,
+    /// The left view of the mirrored pair, mirrored, if it was matched before.
+    matched: Option<DisparityMap>,
     gray: [Plane; 2],
     planes: [Plane; 2],
     penalties: Option<Volume<u8>>,
@@ -60,9 +62,8 @@ struct Expected<'a> {
     checked: Option<DisparityMap>,
 }
 
-impl<'a> Expected<'a> {
-    fn new(matcher: &'a StereoMatcher, left: &Image, right: &Image) -> Self {
-        let params = &matcher.params;
+impl Expected {
+    fn new(params: &Params, left: &Image, right: &Image) -> Self {
         let gray = [reference::gray(left), reference::gray(right)];
         let planes = [reference::prefilter(&gray[0], params), reference::prefilter(&gray[1], params)];
         let adaptive = params.adaptive_p2 && params.method == Method::Sgm;
@@ -72,14 +73,25 @@ impl<'a> Expected<'a> {
             Method::Sgm => reference::sad_cost(&columns, params),
             Method::Bm => Volume::new(0, 0, 0),
         };
-        Self { matcher, gray, planes, penalties, columns, cost, paths: Vec::new(), views: None, checked: None }
+        let params = params.clone();
+        Self {
+            params,
+            matched: None,
+            gray,
+            planes,
+            penalties,
+            columns,
+            cost,
+            paths: Vec::new(),
+            views: None,
+            checked: None,
+        }
     }
 
     fn path(&mut self, direction: Direction) -> &Volume<u8> {
         let known = self.paths.iter().position(|(known, _)| *known == direction);
         let i = known.unwrap_or_else(|| {
-            let volume =
-                reference::aggregate_direction(&self.cost, self.penalties.as_ref(), direction, &self.matcher.params);
+            let volume = reference::aggregate_direction(&self.cost, self.penalties.as_ref(), direction, &self.params);
             self.paths.push((direction, volume));
             self.paths.len() - 1
         });
@@ -88,7 +100,7 @@ impl<'a> Expected<'a> {
 
     fn views(&mut self) -> &Views {
         if self.views.is_none() {
-            let params = &self.matcher.params;
+            let params = &self.params.clone();
             let views = match params.method {
                 Method::Bm => reference::block_match(&self.columns, params),
                 Method::Sgm => {
@@ -138,10 +150,18 @@ impl StereoMatcher {
         mut spoil: impl FnMut(&str, &mut [u8]),
     ) -> Result<Vec<StageCheck>, Error> {
         readback::guarded(&self.device, || self.upload(left, right))??;
-        let mut expected = Expected::new(self, left, right);
+        let mut mirrored = self.steps.first().is_some_and(|step| step.mirrored);
+        let mut expected = match self.params.second_match() {
+            Some(second) => Expected::new(&second, &reference::mirrored(right)?, &reference::mirrored(left)?),
+            None => Expected::new(&self.params, left, right),
+        };
         let mut stages: Vec<StageCheck> = Vec::new();
         let mut first_views = true;
         for step in &self.steps {
+            if mirrored && !step.mirrored {
+                expected = Expected { matched: expected.matched, ..Expected::new(&self.params, left, right) };
+                (mirrored, first_views) = (false, true);
+            }
             let fresh = match &step.output {
                 Output::Paths { first, .. } => *first,
                 Output::Views { .. } => std::mem::take(&mut first_views),
@@ -188,7 +208,7 @@ impl StereoMatcher {
     fn compare(
         &self,
         step: &Step,
-        expected: &mut Expected<'_>,
+        expected: &mut Expected,
         stage: &mut StageCheck,
         spoil: &mut impl FnMut(&str, &mut [u8]),
     ) -> Result<(), Error> {
@@ -287,10 +307,17 @@ impl StereoMatcher {
                 compare_maps(stage, &views.right, &right);
                 expected.checked = Some(views.left.clone());
             }
+            Output::Mirrored => {
+                let matched = reference::mirror(&expected.views().left);
+                compare_maps(stage, &matched, &self.map(&bytes));
+                expected.matched = Some(matched);
+            }
             Output::Checked => {
                 let max_difference = self.params.lr_check.unwrap_or(0);
+                let matched = expected.matched.take();
                 let views = expected.views();
-                let checked = reference::lr_check(&views.left, &views.right, max_difference);
+                let right = matched.as_ref().unwrap_or(&views.right);
+                let checked = reference::lr_check(&views.left, right, max_difference);
                 compare_maps(stage, &checked, &self.map(&bytes));
                 expected.checked = Some(checked);
             }

@@ -72,6 +72,7 @@ pub(crate) const KERNELS: &[Kernel] = &[
     Kernel { name: "winner", stage: "winner", lanes: STRIP_LANES, sources: wgsl!("winner", "path_step", "winner_row", "quotient", "costs", "common"), choices: PATHS, storage: &[Cost, Read, Read, Read, Read, Write, Write, Penalties] },
     Kernel { name: "block_match", stage: "block_match", lanes: 32, sources: wgsl!("block_match", "column_sums", "costs", "winner_row", "quotient", "common"), choices: MEMBERS, storage: &[Read, Write, Write] },
     Kernel { name: "block_match_small", stage: "block_match", lanes: 8, sources: wgsl!("block_match_small", "quotient", "common"), choices: &[], storage: &[WORD, WORD, Write, Write] },
+    Kernel { name: "mirror", stage: "mirror", lanes: 32, sources: wgsl!("mirror", "common"), choices: &[], storage: &[Read, Write] },
     Kernel { name: "lr_check", stage: "lr_check", lanes: 32, sources: wgsl!("lr_check", "common"), choices: &[], storage: &[Read, Read, Write] },
     Kernel { name: "median", stage: "median", lanes: 64, sources: wgsl!("median", "common"), choices: &[], storage: &[QUAD, Write] },
 ];

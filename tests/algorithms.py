@@ -198,6 +198,18 @@ class Chain:
 
         return self.over_pixels(fifth)
 
+    def mirrored(self, samples):
+        """An image with its rows reversed."""
+        count = SAMPLES[self.case["format"]][1]
+        pixels = [samples[i : i + count] for i in range(0, len(samples), count)]
+        rows = [pixels[y * self.width : (y + 1) * self.width] for y in range(self.height)]
+        return [sample for row in rows for pixel in reversed(row) for sample in pixel]
+
+    def matched_right_view(self, left, right):
+        second = Chain({**self.case, "subpixel": False, "uniqueness": 0, "right_view": "diagonal"})
+        stages = {name: values for name, _, values in second.run(self.mirrored(right), self.mirrored(left))}
+        return [row[::-1] for row in stages["winner_left"]]
+
     def run(self, left, right):
         """All stages in the order of the chain: (name, C type, values)."""
         sides, grays = [], []
@@ -225,6 +237,9 @@ class Chain:
         view, other = self.winner(cost)
         yield "winner_left", "h", view
         yield "winner_right", "h", other
+        if self.case["right_view"] == "match" and self.case["lr_check"] != "off":
+            other = self.matched_right_view(left, right)
+            yield "mirror", "h", other
         view = self.lr_check(view, other)
         yield "lr_check", "h", view
         yield "median", "h", self.median(view)
@@ -262,7 +277,7 @@ def run_case(folder):
 
 EXAMPLE = dict(
     width=6, height=1, format="gray8", method="sgm", paths=4, min_disparity=0, disparities=3, block=3, prefilter="none",
-    prefilter_cap=31, p1=2, p2=6, adaptive_p2=False, uniqueness=0, lr_check=0, median=3, subpixel=True,
+    prefilter_cap=31, p1=2, p2=6, adaptive_p2=False, uniqueness=0, lr_check=0, right_view="diagonal", median=3, subpixel=True,
 )
 EXAMPLE_PAIR = [10, 40, 70, 60, 200, 90], [40, 66, 190, 210, 90, 90]
 

@@ -5,7 +5,7 @@
 mod support;
 
 use gpu_stereo::{
-    DisparityMap, Image, Median, Method, Params, Paths, PixelFormat, Pixels, Prefilter, Subpixel, reference,
+    DisparityMap, Image, Median, Method, Params, Paths, PixelFormat, Pixels, Prefilter, RightView, Subpixel, reference,
 };
 use rand::{Rng, SeedableRng};
 use rand_chacha::ChaCha8Rng;
@@ -51,6 +51,7 @@ fn settings(params: &Params) -> Vec<(&'static str, String)> {
         ("adaptive_p2", if params.adaptive_p2 { "on" } else { "off" }.into()),
         ("uniqueness", number(params.uniqueness)),
         ("lr_check", params.lr_check.map_or("off".into(), number)),
+        ("right_view", format!("{:?}", params.right_view).to_lowercase()),
         ("median", if params.median == Median::Off { "off" } else { "3" }.into()),
         ("subpixel", if params.subpixel == Subpixel::Off { "off" } else { "on" }.into()),
     ]
@@ -125,6 +126,15 @@ fn stages(left: &Image, right: &Image, params: &Params) -> Vec<(&'static str, us
     stages.push(("winner_left", 2, map_bytes(&views.left)));
     stages.push(("winner_right", 2, map_bytes(&views.right)));
     let checked = match params.lr_check {
+        Some(px) if params.right_view == RightView::Match => {
+            let mut second = params.clone();
+            (second.subpixel, second.uniqueness) = (Subpixel::Off, 0);
+            (second.lr_check, second.median) = (None, Median::Off); // so the map is the left view
+            let (left, right) = (reference::mirrored(left).unwrap(), reference::mirrored(right).unwrap());
+            let matched = reference::mirror(&reference::compute(&right, &left, &second).unwrap());
+            stages.push(("mirror", 2, map_bytes(&matched)));
+            reference::lr_check(&views.left, &matched, px)
+        }
         Some(px) => reference::lr_check(&views.left, &views.right, px),
         None => views.left,
     };

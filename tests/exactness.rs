@@ -3,7 +3,7 @@
 
 mod support;
 
-use gpu_stereo::{Image, Params, Paths, Prefilter, Schedule, StereoMatcher, wgpu};
+use gpu_stereo::{Image, Params, Paths, Prefilter, RightView, Schedule, StereoMatcher, wgpu};
 use rand::{Rng, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 
@@ -70,6 +70,30 @@ fn a_long_row_of_many_disparities_is_finished() {
     for mut params in [Params::sgm(530), Params::bm(530)] {
         params.schedule = Schedule::Lines;
         check(&setup, &left, &right, &params, 3);
+    }
+}
+
+/// The right view from a second match: odd widths, every format, bands, both methods.
+#[test]
+fn second_match() {
+    let small = support::device_with(|_, limits| limits.max_storage_buffer_binding_size = 24 << 10);
+    let (Some(full), Some(small)) = (support::device(), small) else { return };
+    for (seed, (width, height)) in (0..).zip([(1, 1), (2, 5), (15, 4), (16, 3), (17, 9), (31, 8), (49, 20), (61, 33)]) {
+        let (left, right) = support::pair(width, height, seed);
+        let format = seed as u32 % 4;
+        let (left, right) = (support::as_format(&left, format), support::as_format(&right, format));
+        for (i, mut params) in [Params::sgm(21), Params::bm(21), {
+            let mut wide = Params::sgm(21);
+            wide.block = 17;
+            wide
+        }]
+        .into_iter()
+        .enumerate()
+        {
+            params.min_disparity = [0, -4, 3][(seed as usize + i) % 3];
+            (params.right_view, params.adaptive_p2) = (RightView::Match, true);
+            check(if seed % 3 == 0 { &small } else { &full }, &left, &right, &params, seed);
+        }
     }
 }
 

@@ -6,6 +6,15 @@ use crate::buffers::{Frame, Pass};
 use crate::steps::Bound::{Buffer, Texture};
 use crate::steps::{Builder, Output};
 
+/// Stage `mirror`: the right view, from the left one of the mirrored pair.
+pub(super) fn mirror(b: &mut Builder<'_>, left: &wgpu::Buffer) -> wgpu::Buffer {
+    let Frame { height, map_stride, .. } = b.sizes.frame;
+    let mirrored = b.buffer("mirror", b.sizes.map);
+    let storage = [Buffer(left), Buffer(&mirrored)];
+    b.step("mirror", &storage, Pass::default(), map_stride / 4, height, Output::Mirrored);
+    mirrored
+}
+
 /// Stages `lr_check` and `median`, those of them that are wanted. Returns the buffer of the map.
 pub(super) fn filtered(b: &mut Builder<'_>, views: &Views) -> wgpu::Buffer {
     let Frame { height, map_stride, .. } = b.sizes.frame;

@@ -27,12 +27,28 @@ pub(crate) struct Views {
 /// All stages, from the uploaded images to the map.
 pub(crate) fn chain(b: &mut Builder<'_>) -> Made {
     let sources = planes::sources(b);
-    let planes = planes::prefiltered(b, &sources);
-    let views = Views { left: b.buffer("winner.left", b.sizes.map), right: b.buffer("winner.right", b.sizes.map) };
-    match b.params.method {
-        Method::Bm => cost::block_match(b, &planes, &views),
-        Method::Sgm => aggregation::winner(b, &planes, &views),
+    let mut views = Views { left: b.buffer("winner.left", b.sizes.map), right: b.buffer("winner.right", b.sizes.map) };
+    let right_map = views.right.clone();
+    if let Some(second) = b.params.second_match() {
+        let params = std::mem::replace(&mut b.params, second);
+        b.mirrored = true;
+        b.share();
+        winners(b, &sources, &views);
+        b.share();
+        views.right = filters::mirror(b, &views.left);
+        (b.params, b.mirrored) = (params, false);
     }
+    winners(b, &sources, &Views { left: views.left.clone(), right: right_map.clone() });
+    b.share_no_more();
     let output = filters::filtered(b, &views);
-    Made { sources, right_map: views.right, output }
+    Made { sources, right_map, output }
+}
+
+/// From the images to the winner of both views.
+fn winners(b: &mut Builder<'_>, sources: &[wgpu::Texture; 2], views: &Views) {
+    let planes = planes::prefiltered(b, sources);
+    match b.params.method {
+        Method::Bm => cost::block_match(b, &planes, views),
+        Method::Sgm => aggregation::winner(b, &planes, views),
+    }
 }

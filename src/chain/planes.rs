@@ -25,8 +25,9 @@ pub(super) fn prefiltered(b: &mut Builder<'_>, sources: &[wgpu::Texture; 2]) -> 
     let buffers = [b.buffer("prefilter.left", b.sizes.left), b.buffer("prefilter.right", b.sizes.right)];
     let (mut textures, mut texels) = (Vec::new(), Vec::new());
     for side in 0..2 {
-        let (i, pass) = (side as usize, Pass { side, ..Pass::default() });
-        let source = sources[i].create_view(&wgpu::TextureViewDescriptor::default());
+        let (i, pass) = (side as usize, Pass { side, mirrored: b.mirrored.into(), ..Pass::default() });
+        // The pair is mirrored with its sides exchanged.
+        let source = sources[if b.mirrored { 1 - i } else { i }].create_view(&wgpu::TextureViewDescriptor::default());
         b.step("gray", &[Texture(&source), Buffer(&grays[i])], pass, gray_stride, height, Output::Gray { side });
         let gray = b.copy_to_texels();
         let stride = [left_stride, right_stride][i];

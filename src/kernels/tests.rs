@@ -8,7 +8,7 @@ use std::path::{Path, PathBuf};
 
 use super::*;
 use crate::buffers::{Frame, Pass};
-use crate::{Schedule, StereoMatcher};
+use crate::{RightView, Schedule, StereoMatcher};
 use wgpu::naga;
 
 #[path = "../../tests/support/mod.rs"]
@@ -229,6 +229,7 @@ fn pass_layout() -> (Vec<(String, u32, String)>, u32) {
         carried,
         accumulate,
         side,
+        mirrored,
         entry,
         carry_from,
         carry_to,
@@ -425,6 +426,10 @@ fn adaptive(params: &mut Params) {
     (params.adaptive_p2, params.p1, params.p2) = (true, 9, 100);
 }
 
+fn twice(params: &mut Params) {
+    params.right_view = RightView::Match;
+}
+
 fn sixteen(params: &mut Params) {
     adaptive(params);
     params.paths = Paths::Sixteen;
@@ -485,7 +490,7 @@ const MUTANTS: &[Mutant] = &[
     mutant("sgm_aggregate", "select(after, (*state)[s]", "select(0u, (*state)[s]", |params| params.disparities = 64),
     mutant("sgm_aggregate", "stored >> vec4(32u)", "stored >> vec4(31u)", |params| params.disparities = 64),
     mutant("sgm_aggregate", "i32(pass_.first_line", "i32(0u * pass_.first_line", |_| ()),
-    mutant("sgm_aggregate", "penalty_offset", "penalty_offset * 0", adaptive),
+    mutant("sgm_aggregate", "pass_.penalty_offset", "0 * pass_.penalty_offset", adaptive),
     mutant("sgm_aggregate", "penalty_shift, 8u", "penalty_shift, 7u", adaptive),
     mutant("sgm_aggregate", "select(-width, width", "select(-width, width - 1", sixteen),
     mutant("sgm_aggregate", "pass_.entry", "0", sixteen),
@@ -524,6 +529,9 @@ const MUTANTS: &[Mutant] = &[
     mutant("block_match_small", "0x7f7f7f7fu", "0x7f7f7f7eu", bm),
     mutant("lr_check", "frame.lr_max_difference", "(frame.lr_max_difference + 1u)", |_| ()),
     mutant("lr_check", "(value + 8)", "value", |_| ()),
+    mutant("mirror", "frame.width - 1u - min", "frame.width - min", twice),
+    mutant("gray", "16u - left", "17u - left", twice),
+    mutant("gray", "unpack(word).wzyx", "unpack(word).wzxy", twice),
     mutant("median", "7) == beyond", "7) == beyond + 9", |_| ()),
     mutant("median", "select(before, even.x, i == 0u)", "before", |params| params.min_disparity = -20),
     mutant("median", "min(id.y + 1u, frame.height - 1u)", "id.y", |_| ()),

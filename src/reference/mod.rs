@@ -8,6 +8,7 @@ mod block_match;
 mod gray;
 mod lr_check;
 mod median;
+mod mirror;
 mod penalties;
 mod prefilter;
 mod sad_columns;
@@ -19,6 +20,7 @@ pub use block_match::{block_match, block_sums};
 pub use gray::gray;
 pub use lr_check::lr_check;
 pub use median::median;
+pub use mirror::{mirror, mirrored};
 pub use penalties::penalties;
 pub use prefilter::prefilter;
 pub use sad_columns::sad_columns;
@@ -91,20 +93,14 @@ pub fn compute_timed(left: &Image, right: &Image, params: &Params) -> Result<(Di
     params.validate()?;
     crate::matcher::check_pair(left, right)?;
     let mut clock = Clock { last: Instant::now(), times: Vec::new() };
-    let (left, right) = clock.stage("gray", (gray(left), gray(right)));
-    let adaptive = params.adaptive_p2 && params.method == Method::Sgm;
-    let penalties = adaptive.then(|| clock.stage("penalties", penalties(&left, params)));
-    let (left, right) = clock.stage("prefilter", (prefilter(&left, params), prefilter(&right, params)));
-    let columns = clock.stage("sad_columns", sad_columns(&left, &right, params));
-    let Views { left, right } = match params.method {
-        Method::Bm => clock.stage("block_match", block_match(&columns, params)),
-        Method::Sgm => {
-            let cost = clock.stage("sad_cost", sad_cost(&columns, params));
-            drop(columns);
-            let sum = clock.stage("sgm_aggregate", sgm_aggregate(&cost, penalties.as_ref(), params));
-            clock.stage("winner", winner(&sum, params))
-        }
+    let matched = match params.second_match() {
+        Some(second) => Some(views(&mirrored(right)?, &mirrored(left)?, &second, &mut clock).left),
+        None => None,
     };
+    let Views { left, mut right } = views(left, right, params, &mut clock);
+    if let Some(matched) = matched {
+        right = clock.stage("mirror", mirror(&matched));
+    }
     let mut map = left;
     if let Some(max_difference) = params.lr_check {
         map = clock.stage("lr_check", lr_check(&map, &right, max_difference));
@@ -115,6 +111,24 @@ pub fn compute_timed(left: &Image, right: &Image, params: &Params) -> Result<(Di
     Ok((map, clock.times))
 }
 
+/// From the images to the winner of both views.
+fn views(left: &Image, right: &Image, params: &Params, clock: &mut Clock) -> Views {
+    let (left, right) = clock.stage("gray", (gray(left), gray(right)));
+    let adaptive = params.adaptive_p2 && params.method == Method::Sgm;
+    let penalties = adaptive.then(|| clock.stage("penalties", penalties(&left, params)));
+    let (left, right) = clock.stage("prefilter", (prefilter(&left, params), prefilter(&right, params)));
+    let columns = clock.stage("sad_columns", sad_columns(&left, &right, params));
+    match params.method {
+        Method::Bm => clock.stage("block_match", block_match(&columns, params)),
+        Method::Sgm => {
+            let cost = clock.stage("sad_cost", sad_cost(&columns, params));
+            drop(columns);
+            let sum = clock.stage("sgm_aggregate", sgm_aggregate(&cost, penalties.as_ref(), params));
+            clock.stage("winner", winner(&sum, params))
+        }
+    }
+}
+
 /// Takes the time from stage to stage.
 struct Clock {
     last: Instant,
@@ -122,11 +136,14 @@ struct Clock {
 }
 
 impl Clock {
-    /// Notes the time since the stage before, in which `result` was computed.
+    /// Adds the time since the stage before, in which `result` was computed.
     fn stage<T>(&mut self, name: &str, result: T) -> T {
         let now = Instant::now();
         let ms = now.duration_since(self.last).as_secs_f64() * 1e3;
-        self.times.push(StageTime { name: name.into(), ms });
+        match self.times.iter_mut().find(|time| time.name == name) {
+            Some(time) => time.ms += ms,
+            None => self.times.push(StageTime { name: name.into(), ms }),
+        }
         self.last = now;
         result
     }
