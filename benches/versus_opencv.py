@@ -52,7 +52,8 @@ MODES = {
 }
 # The most that the time a pixel and disparity may grow from 741x500, D = 64 to a larger size and to D = 256.
 GROWTH = 1.3
-POST = "--prefilter xsobel --prefilter-cap 31 --uniqueness 10 --lr-check 1 --median 3".split()
+POST = ("--preset classic --prefilter xsobel --prefilter-cap 31 --uniqueness 10 --lr-check 1 --speckle-window off "
+        "--median 3").split()
 
 
 class Failed(Exception):

@@ -10,7 +10,7 @@ use std::path::{Path, PathBuf};
 use anyhow::{Context, Result, bail};
 use clap::Parser;
 use comfy_table::{CellAlignment, Table, presets};
-use gpu_stereo::{DisparityMap, Image, Median, Params, Paths, Pixels, Prefilter, reference};
+use gpu_stereo::{DisparityMap, Image, Params, Pixels, reference};
 use serde::Deserialize;
 
 /// Disparity maps of the CPU reference against ground truth.
@@ -30,75 +30,24 @@ struct Options {
     /// Only scenes whose name contains this
     #[arg(long)]
     scene: Option<String>,
-    /// sgm or bm
-    #[arg(long, default_value = "sgm")]
-    method: String,
+    /// Settings to start from [default: the command's]
     #[arg(long)]
-    p1: Option<u32>,
-    #[arg(long)]
-    p2: Option<u32>,
-    /// Uniqueness in per cent
-    #[arg(long)]
-    uniqueness: Option<u32>,
-    /// 3, 4 or 8
-    #[arg(long)]
-    paths: Option<u32>,
-    /// Side of the block
-    #[arg(long)]
-    block: Option<u32>,
-    /// xsobel, sobel or none
-    #[arg(long)]
-    prefilter: Option<String>,
-    /// Clip of the prefilter
-    #[arg(long)]
-    cap: Option<u32>,
-    /// Largest difference of the left-right check in px, or off
-    #[arg(long, value_name = "PX")]
-    lr_check: Option<String>,
-    /// 3 or off
-    #[arg(long)]
-    median: Option<String>,
+    preset: Option<String>,
+    /// A setting by its name on the command line, as in p2=80; may be given several times
+    #[arg(long, value_name = "NAME=VALUE", value_parser = setting)]
+    set: Vec<(String, String)>,
+}
+
+fn setting(text: &str) -> Result<(String, String), &'static str> {
+    let (name, value) = text.split_once('=').ok_or("NAME=VALUE is needed, such as p2=80")?;
+    Ok((name.into(), value.into()))
 }
 
 impl Options {
     fn params(&self, disparities: u32) -> Result<Params> {
-        let mut params = match self.method.as_str() {
-            "sgm" => Params::sgm(disparities),
-            "bm" => Params::bm(disparities),
-            other => bail!("--method is {other}, but must be sgm or bm"),
-        };
-        params.p1 = self.p1.unwrap_or(params.p1);
-        params.p2 = self.p2.unwrap_or(params.p2);
-        params.uniqueness = self.uniqueness.unwrap_or(params.uniqueness);
-        params.block = self.block.unwrap_or(params.block);
-        params.prefilter_cap = self.cap.unwrap_or(params.prefilter_cap);
-        params.paths = match self.paths {
-            None => params.paths,
-            Some(3) => Paths::Three,
-            Some(4) => Paths::Four,
-            Some(8) => Paths::Eight,
-            Some(other) => bail!("--paths is {other}, but must be 3, 4 or 8"),
-        };
-        params.prefilter = match self.prefilter.as_deref() {
-            None => params.prefilter,
-            Some("xsobel") => Prefilter::XSobel,
-            Some("sobel") => Prefilter::Sobel,
-            Some("none") => Prefilter::None,
-            Some(other) => bail!("--prefilter is {other}, but must be xsobel, sobel or none"),
-        };
-        params.lr_check = match self.lr_check.as_deref() {
-            None => params.lr_check,
-            Some("off") => None,
-            Some(px) => Some(px.parse().with_context(|| format!("--lr-check is {px}, but must be px or off"))?),
-        };
-        params.median = match self.median.as_deref() {
-            None => params.median,
-            Some("off") => Median::Off,
-            Some("3") => Median::Three,
-            Some(other) => bail!("--median is {other}, but must be 3 or off"),
-        };
-        params.validate()?;
-        Ok(params)
+        let preset = self.preset.iter().map(|value| ("preset", value.as_str()));
+        let set = self.set.iter().map(|(name, value)| (name.as_str(), value.as_str()));
+        Ok(Params::from_options(disparities, preset.chain(set))?)
     }
 }
 
@@ -276,7 +225,9 @@ fn mean(figures: &[Figures]) -> Figures {
 
 fn main() -> Result<()> {
     let options = Options::parse();
-    println!("{:?}", options.params(64)?);
+    let params = options.params(64)?;
+    let settings = Params::OPTIONS.iter().filter(|option| option.name != "disp" && option.idle(&params).is_none());
+    println!("{}", settings.map(|o| format!("{}={}", o.name, o.get(&params))).collect::<Vec<_>>().join(" "));
     let usual = Path::new(env!("CARGO_MANIFEST_DIR")).join("../shared/data");
     let mut scenes: Vec<Scene> = own_scenes().into();
     match options.data.as_deref() {
@@ -290,7 +241,7 @@ fn main() -> Result<()> {
     table.load_style(presets::NOTHING);
     table.set_header(["scene", "disp", "density", "bad2", "bad2-all", "D1-est", "D1-all", "avg"]);
     table.column_iter_mut().skip(1).for_each(|column| column.set_cell_alignment(CellAlignment::Right));
-    let mut kitti = Vec::new();
+    let (mut kitti, mut middlebury) = (Vec::new(), Vec::new());
     for scene in &scenes {
         let (left, right) = (read_picture(&scene.left)?, read_picture(&scene.right)?);
         let truth = read_truth(&scene.truth, scene.scale)?;
@@ -302,10 +253,15 @@ fn main() -> Result<()> {
         if scene.name.starts_with("kitti2015") {
             kitti.push(figures);
         }
+        if scene.name.ends_with("/teddy") || scene.name.ends_with("/cones") {
+            middlebury.push(figures);
+        }
         table.add_row(row(&scene.name, &scene.disparities.to_string(), figures));
     }
-    if kitti.len() > 1 {
-        table.add_row(row(&format!("mean of {} KITTI frames", kitti.len()), "", mean(&kitti)));
+    let means =
+        [(format!("mean of {} KITTI frames", kitti.len()), kitti), ("mean of Teddy and Cones".into(), middlebury)];
+    for (name, figures) in means.iter().filter(|(_, figures)| figures.len() > 1) {
+        table.add_row(row(name, "", mean(figures)));
     }
     println!("{table}");
     Ok(())

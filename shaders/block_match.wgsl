@@ -1,5 +1,5 @@
 // block_match: the disparity of the smallest block sum; the right view likewise.
-// columns (u16, [y][x + r][d]) -> left_map, right_map (i16)
+// columns (u16 or u32, [y][x + r][d]) -> left_map, right_map (i16)
 // MEMBERS invocations: one row of the band, from right to left; a column enters the sum as another leaves it.
 // Border: the columns reach beyond it.
 // Reference: src/reference/block_match.rs
@@ -20,22 +20,26 @@ fn main(@builtin(global_invocation_id) id: vec3<u32>, @builtin(local_invocation_
     let band_row = min(line, pass_.rows - 1u);
     let writes = member == 0u && (line < pass_.rows || !BARRIERS);
     let reach = 2u * frame.block_radius;
-    let first = band_row * (frame.width + reach) * 2u * QUADS;
+    let first = band_row * (frame.width + reach) * QUADS;
     var sums = no_costs(0u);
     var costs: Costs;
     var diagonal = no_costs(COST_NONE << 12u);
     for (var c = 0u; c < reach; c++) {
-        enter(&sums, first + (frame.width + c) * 2u * QUADS);
+        enter(&sums, first + (frame.width + c) * QUADS);
     }
     var kept = RowWriter(INVALID, INVALID);
     let steps = row_steps();
     for (var i = 0; i < steps; i++) {
         let x = row_start() - i;
         if inside_row(x) {
-            let at = first + u32(x) * 2u * QUADS;
+            let at = first + u32(x) * QUADS;
             enter(&sums, at);
-            costs = sums;
-            leave(&sums, at + reach * 2u * QUADS);
+            for (var q = 0u; q < OWN_QUADS; q++) {
+                for (var i = 0u; i < 4u; i++) {
+                    costs[q][i] = sums[q][i] >> vec4(NARROWING);
+                }
+            }
+            leave(&sums, at + reach * QUADS);
         }
         choose(&costs, &diagonal, &kept, pass_.first_row + band_row, x, writes);
     }
@@ -45,7 +49,7 @@ fn main(@builtin(global_invocation_id) id: vec3<u32>, @builtin(local_invocation_
 fn enter(sums: ptr<function, Costs>, at: u32) {
     for (var q = 0u; q < OWN_QUADS; q++) {
         if in_volume(q) {
-            let column = column_at(at + 2u * (member * OWN_QUADS + q));
+            let column = column_at(at + member * OWN_QUADS + q);
             for (var i = 0u; i < 4u; i++) {
                 (*sums)[q][i] += column[i];
             }
@@ -57,7 +61,7 @@ fn enter(sums: ptr<function, Costs>, at: u32) {
 fn leave(sums: ptr<function, Costs>, at: u32) {
     for (var q = 0u; q < OWN_QUADS; q++) {
         if in_volume(q) {
-            let column = column_at(at + 2u * (member * OWN_QUADS + q));
+            let column = column_at(at + member * OWN_QUADS + q);
             for (var i = 0u; i < 4u; i++) {
                 (*sums)[q][i] -= column[i];
             }

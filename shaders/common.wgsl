@@ -12,8 +12,8 @@ struct Frame {
     p2: u32,
     lr_max_difference: u32,
     gray_stride: u32,     // vectors of 16 bytes a row of a gray image
-    left_stride: u32,     // words a row of the left prefiltered plane
-    right_stride: u32,    // words a row of the right prefiltered plane
+    left_stride: u32,     // words a row of the left planes
+    right_stride: u32,    // words a row of the right planes
     map_stride: u32,      // words a row of a disparity map, a multiple of 4
     volume_stride: u32,   // pixels a row of a volume
 }
@@ -30,8 +30,14 @@ struct Pass {
     dy: i32,
     carried: u32,         // 1: the band before this one in the direction left its path costs in carry_in
     accumulate: u32,      // 1: add to what the opposite direction left
-    side: u32,            // 0: left image, 1: right image
-    mirrored: u32,        // 1: the images are taken mirrored
+    channel: u32,         // 0: luma, 1 to 3: red, green, blue
+    mirrored: u32,        // 1: columns of a plane run to the left
+    lead: i32,            // the column of a plane's first byte, to the left or from where columns run to the left
+    stride: u32,          // words a row of the planes
+    first_plane: u32,     // the plane that is written, or the first one
+    deep: u32,            // 1: the image has values of 16 bits
+    window: u32,          // side of the window that is summed
+    reversed: u32,        // 1: the images are taken mirrored
     entry: i32,           // row of the band at which paths enter
     carry_from: u32,      // row of carry_in and of carry_out
     carry_to: u32,

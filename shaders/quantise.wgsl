@@ -3,5 +3,11 @@
 // No cost is above 89, so the minimum changes nothing. It keeps LLVM from moving the arithmetic before it into
 // lavapipe's store, which is a loop over the lanes (docs/PERFORMANCE.md).
 fn quantised(sums: vec4<u32>) -> u32 {
-    return min(pack((sums * frame.cost_scale + vec4(1u << 23u)) >> vec4(24u)), 0x59595959u);
+    return min(pack(((sums >> vec4(NARROWING)) * frame.cost_scale + vec4(1u << 23u)) >> vec4(24u)), 0x59595959u);
+}
+
+// Sixteen costs, of sums in 16-bit halves.
+fn quantised_block(low: vec4<u32>, high: vec4<u32>) -> vec4<u32> {
+    return vec4(quantised(unpack_pairs(low.x, low.y)), quantised(unpack_pairs(low.z, low.w)),
+        quantised(unpack_pairs(high.x, high.y)), quantised(unpack_pairs(high.z, high.w)));
 }

@@ -1,7 +1,7 @@
 //! Sizes, strides and usages of every buffer, computed in one place before anything is created.
 
 use crate::schedule::Plan;
-use crate::{Error, Method, Params, PixelFormat, kernels, reference};
+use crate::{Cost, Error, Method, Params, PixelFormat, kernels, reference};
 
 /// The WGSL block `Frame`: what stays the same for all dispatches of a frame.
 #[repr(C)]
@@ -37,8 +37,14 @@ pub(crate) struct Pass {
     pub(crate) dy: i32,
     pub(crate) carried: u32,
     pub(crate) accumulate: u32,
-    pub(crate) side: u32,
+    pub(crate) channel: u32,
     pub(crate) mirrored: u32,
+    pub(crate) lead: i32,
+    pub(crate) stride: u32,
+    pub(crate) first_plane: u32,
+    pub(crate) deep: u32,
+    pub(crate) window: u32,
+    pub(crate) reversed: u32,
     pub(crate) entry: i32,
     pub(crate) carry_from: u32,
     pub(crate) carry_to: u32,
@@ -66,10 +72,6 @@ const MOST_SIDE_IN_FOURS: u32 = 40_000;
 /// keeps a device busy is a waste of memory.
 const COLUMNS_BYTES: u64 = 32 << 20;
 
-/// The largest block that `sad_cost_small` takes: 15 * 15 * 255 fits the 16 bits that its sums have. And the largest that
-/// `block_match_small` takes: 15 * 15 * 127 fits 15 bits.
-pub(crate) const SMALL_BLOCK: u32 = 15;
-
 /// Texels of 16 bytes in a row of the textures that hold a copy of a buffer, which are filled line by line.
 pub(crate) const TEXELS: u32 = 1024;
 
@@ -93,6 +95,8 @@ pub(crate) struct Sizes {
     /// Bytes of the texture of one uploaded image: 256 more than it has may be read.
     pub(crate) source: u64,
     pub(crate) gray: u64,
+    /// Bytes of a 32-bit number for each pixel.
+    pub(crate) sums: u64,
     pub(crate) left: u64,
     pub(crate) right: u64,
     /// Bytes of one disparity map.
@@ -104,7 +108,7 @@ pub(crate) struct Sizes {
     /// Bytes of a row of column sums.
     pub(crate) columns_row: u64,
     pub(crate) bands: Vec<Rows>,
-    /// Whether `sad_cost_small` or `block_match_small` is used, from planes in textures and without column sums.
+    /// Whether `matching_cost_small` or `block_match_small` is used, from planes in textures and without column sums.
     pub(crate) small_block: bool,
     /// The chunks of each band; none if `small_block`.
     pub(crate) chunks: Vec<Vec<Rows>>,
@@ -165,12 +169,18 @@ impl Sizes {
         let map_stride = 4 * width.div_ceil(8);
         let rows = |stride: u32| 4 * u64::from(stride) * u64::from(height);
         let texels = |stride: u32| rows(stride).next_multiple_of(TEXTURE_ROW);
-        fits("a prefiltered image", rows(left_stride.max(right_stride)), smaller)?;
+        let planes = u64::from(params.planes());
+        fits("what costs compare of an image", planes * rows(left_stride.max(right_stride)), smaller)?;
+
+        if params.sums_windows() {
+            fits("the sums over windows", 4 * pixels, smaller)?;
+        }
 
         // Rows an even number of pixels apart may share a few places of a cache.
         let volume_stride = width | 1;
         let volume_row = 4 * u64::from(volume_stride) * u64::from(words);
-        let columns_row = 8 * u64::from(width + reach) * u64::from(words);
+        let sum_bytes = if params.wide_sums() { 4 } else { 2 };
+        let columns_row = 4 * sum_bytes * u64::from(width + reach) * u64::from(words);
         // What is copied into a texture is made of whole rows of it.
         let texture_rows = (allowed / TEXTURE_ROW).min(limits.max_texture_dimension_2d.into());
         let volume_allowed = texture_rows * TEXTURE_ROW;
@@ -178,7 +188,7 @@ impl Sizes {
         let source_allowed = TEXTURE_ROW * u64::from(limits.max_texture_dimension_2d); // a texture alone
         for (what, needed, allowed) in [
             ("an image", source, source_allowed),
-            ("a gray image", texels(4 * gray_stride), volume_allowed),
+            ("a gray image", texels(8 * gray_stride), volume_allowed),
             ("a disparity map", texels(map_stride), volume_allowed),
         ] {
             if needed > allowed {
@@ -211,7 +221,7 @@ impl Sizes {
         let most = |bytes: u64, row: u64| (bytes / row).clamp(1, u64::from(height)) as u32;
         let whole = Rows { first: 0, count: height };
         let bands = match params.method {
-            // `sad_cost_small` has an invocation for two rows and 16 disparities, 32 a workgroup.
+            // `matching_cost_small` has an invocation for two rows and 16 disparities, 32 a workgroup.
             Method::Sgm => {
                 cut(whole, most(volume_allowed, slots * volume_row).min(side.saturating_mul(64) / (words / 4)))
             }
@@ -226,14 +236,16 @@ impl Sizes {
                     && plan.subgroup >= 8
                     && !params.shader_checks
                     && params.disparities <= MOST_SLICED
+                    && params.cost == Cost::Sad
+                    && params.planes() == 1
                     && params.prefiltered_max() < 128
             }
         };
         let small_block = small_method
-            && params.block <= SMALL_BLOCK
+            && params.sums_small_blocks()
             && width <= MOST_SIDE_IN_FOURS
             && (!params.shader_checks || width * (params.block + 5) <= ROUNDS)
-            && left_stride.max(right_stride).max(height) <= limits.max_texture_dimension_2d;
+            && left_stride.max(right_stride).max(height * params.planes()) <= limits.max_texture_dimension_2d;
         if !small_block {
             fits("a row of column sums", columns_row, fewer)?;
         }
@@ -246,7 +258,7 @@ impl Sizes {
                 min_disparity: params.min_disparity,
                 block_radius: params.radius(),
                 prefilter_cap: params.prefilter_cap,
-                cost_scale: reference::sad_cost_scale(params),
+                cost_scale: reference::matching_cost_scale(params),
                 p1: params.p1,
                 p2: params.p2,
                 lr_max_difference: params.lr_check.unwrap_or(0),
@@ -258,8 +270,9 @@ impl Sizes {
             },
             source,
             gray: texels(4 * gray_stride),
-            left: rows(left_stride),
-            right: rows(right_stride),
+            sums: 4 * pixels,
+            left: planes * rows(left_stride),
+            right: planes * rows(right_stride),
             map: texels(map_stride),
             penalties,
             volume_row,

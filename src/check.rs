@@ -1,7 +1,7 @@
 //! The comparison of every stage's buffer with the reference.
 
 use crate::buffers::{Frame, Rows};
-use crate::reference::{self, Direction, Plane, Views, Volume};
+use crate::reference::{self, Channel, Direction, Features, Images, Plane, Views, Volume};
 use crate::steps::{Output, Step};
 use crate::{DisparityMap, Error, Image, Method, Params, StereoMatcher, readback};
 
@@ -52,10 +52,12 @@ struct Expected {
     params: Params,
     /// The left view of the mirrored pair, mirrored, if it was matched before.
     matched: Option<DisparityMap>,
-    gray: [Plane; 2],
-    planes: [Plane; 2],
+    luma: [Plane<u8>; 2],
+    images: [Images; 2],
+    prefiltered: [Images; 2],
+    features: [Features; 2],
     penalties: Option<Volume<u8>>,
-    columns: Volume<u16>,
+    columns: Volume<u32>,
     cost: Volume<u8>,
     paths: Vec<(Direction, Volume<u8>)>,
     views: Option<Views>,
@@ -64,21 +66,25 @@ struct Expected {
 
 impl Expected {
     fn new(params: &Params, left: &Image, right: &Image) -> Self {
-        let gray = [reference::gray(left), reference::gray(right)];
-        let planes = [reference::prefilter(&gray[0], params), reference::prefilter(&gray[1], params)];
+        let luma = [left, right].map(|image| reference::gray(image, Channel::Luma));
+        let images = [left, right].map(|image| reference::images(image, params));
+        let prefiltered = [0, 1].map(|side: usize| images[side].prefiltered(params));
+        let features = [0, 1].map(|side: usize| prefiltered[side].features(params));
         let adaptive = params.adaptive_p2 && params.method == Method::Sgm;
-        let penalties = adaptive.then(|| reference::penalties(&gray[0], params));
-        let columns = reference::sad_columns(&planes[0], &planes[1], params);
+        let penalties = adaptive.then(|| reference::penalties(&luma[0], params));
+        let columns = reference::cost_columns(&features[0], &features[1], params);
         let cost = match params.method {
-            Method::Sgm => reference::sad_cost(&columns, params),
+            Method::Sgm => reference::matching_cost(&columns, params),
             Method::Bm => Volume::new(0, 0, 0),
         };
         let params = params.clone();
         Self {
             params,
             matched: None,
-            gray,
-            planes,
+            luma,
+            images,
+            prefiltered,
+            features,
             penalties,
             columns,
             cost,
@@ -166,6 +172,7 @@ impl StereoMatcher {
                 Output::Paths { first, .. } => *first,
                 Output::Views { .. } => std::mem::take(&mut first_views),
                 Output::Cost { volume_row, .. } => *volume_row == 0,
+                Output::Features { first, .. } => *first == 0,
                 _ => true,
             };
             readback::guarded(&self.device, || {
@@ -218,41 +225,68 @@ impl StereoMatcher {
         let (width, disparities) = (width as usize, self.params.disparities as usize);
         let padded = 16 * self.params.quads() as usize;
         // Maps and paths are compared when all their parts are there.
-        if matches!(step.output, Output::Views { last: false } | Output::Paths { last: false, .. }) {
+        if matches!(step.output, Output::Part | Output::Views { last: false } | Output::Paths { last: false, .. }) {
             return Ok(());
         }
         let bytes = self.fetch(step, &step.buffer, spoil)?;
         match &step.output {
-            Output::Gray { side } => {
-                let plane = &expected.gray[*side as usize];
-                for (y, row) in each_row(whole, &bytes, 16 * u64::from(gray_stride)) {
-                    for (j, &got) in row.iter().enumerate() {
-                        stage.compare(j, y, None, plane.clamped(j as i64 - 16, y as i64).into(), got.into());
-                    }
+            Output::Part => {}
+            Output::Gray { side, channel: 0, deep: false } => {
+                let plane = &expected.luma[*side];
+                compare_picture(stage, whole, &bytes, 16 * gray_stride, |x, y| plane.clamped(x, y));
+            }
+            Output::Gray { side, channel, deep } => {
+                let images = &expected.images[*side];
+                let plane = &images.channels[channel.saturating_sub(1)];
+                if *deep {
+                    let values: Vec<u16> = bytes.chunks_exact(2).map(|v| u16::from_le_bytes([v[0], v[1]])).collect();
+                    compare_picture(stage, whole, &values, 16 * gray_stride, |x, y| plane.clamped(x, y));
+                } else {
+                    compare_picture(stage, whole, &bytes, 16 * gray_stride, |x, y| plane.clamped(x, y));
                 }
             }
-            Output::Prefiltered { side } => {
-                let (plane, stride) = (&expected.planes[*side as usize], [left_stride, right_stride][*side as usize]);
+            Output::WindowSums { side, channel, filtered, window } => {
+                let images = if *filtered { &expected.prefiltered } else { &expected.images };
+                let plane = &images[*side].channels[*channel];
+                let sums = bytemuck::pod_collect_to_vec::<u8, u32>(&bytes);
+                for (i, &got) in sums.iter().enumerate() {
+                    let (x, y) = (i % width, i / width);
+                    let sum = reference::window_sum(plane, *window, x as i64, y as i64);
+                    stage.compare(x, y, None, sum.into(), got.into());
+                }
+            }
+            Output::Prefiltered { side, channel } => {
+                let plane = &expected.prefiltered[*side].channels[*channel];
+                compare_picture(stage, whole, &bytes, 16 * gray_stride, |x, y| plane.clamped(x, y));
+            }
+            Output::Features { side, first, count } => {
+                let (features, stride) = (&expected.features[*side], 4 * [left_stride, right_stride][*side] as usize);
                 let reach = i64::from(block_radius);
-                for (y, row) in each_row(whole, &bytes, 4 * u64::from(stride)) {
-                    for (j, &got) in row.iter().enumerate() {
+                let rows = bytes.chunks_exact(stride).enumerate().skip(first * height as usize);
+                for (row, bytes) in rows.take(count * height as usize) {
+                    let (p, y) = (row / height as usize, row % height as usize);
+                    for (j, &got) in bytes.iter().enumerate() {
                         let x = match side {
                             0 => j as i64 - reach,
                             _ => width as i64 - 1 + reach - i64::from(min_disparity) - j as i64,
                         };
-                        stage.compare(j, y, None, plane.clamped(x, y as i64).into(), got.into());
+                        stage.compare(j, y, None, features.clamped(x, y as i64)[p].into(), got.into());
                     }
                 }
             }
             Output::Columns { chunk } => {
                 let columns = &expected.columns;
                 for (y, row) in each_row(*chunk, &bytes, self.sizes.columns_row) {
-                    for (c, values) in row.chunks_exact(2 * padded).enumerate() {
+                    let sum_bytes = if self.params.wide_sums() { 4 } else { 2 };
+                    for (c, values) in row.chunks_exact(sum_bytes * padded).enumerate() {
                         let expected = &columns.data[(y * columns.width + c) * disparities..][..disparities];
                         for (d, &expected) in expected.iter().enumerate() {
-                            // Of disparities 4k .. 4k + 3: the even two in one word, then the odd two.
+                            // Two a word: of disparities 4k .. 4k + 3 the even two, then the odd two.
                             let at = 2 * (d / 4 * 4 + d % 2 * 2 + d / 2 % 2);
-                            let got = u16::from_le_bytes([values[at], values[at + 1]]);
+                            let got = match self.params.wide_sums() {
+                                true => bytemuck::pod_read_unaligned::<u32>(&values[4 * d..][..4]),
+                                false => u16::from_le_bytes([values[at], values[at + 1]]).into(),
+                            };
                             stage.compare(c, y, Some(d), expected.into(), got.into());
                         }
                     }
@@ -328,6 +362,21 @@ impl StereoMatcher {
             }
         }
         Ok(())
+    }
+}
+
+/// Compares an image laid out with 16 columns before the first one, `stride` values a row.
+fn compare_picture<T: Copy + Into<i64>>(
+    stage: &mut StageCheck,
+    rows: Rows,
+    values: &[T],
+    stride: u32,
+    expected: impl Fn(i64, i64) -> i32,
+) {
+    for (y, row) in (0..rows.count as usize).zip(values.chunks_exact(stride as usize)) {
+        for (j, &got) in row.iter().enumerate() {
+            stage.compare(j, y, None, expected(j as i64 - 16, y as i64).into(), got.into());
+        }
     }
 }
 

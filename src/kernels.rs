@@ -1,7 +1,9 @@
 //! The table of kernels: everything that turns a WGSL file into a pipeline.
 
+use std::collections::HashSet;
+
 use crate::buffers::{TEXELS, WORDS};
-use crate::params::{Params, Paths, Prefilter, Subpixel};
+use crate::params::{Census, Cost, Params, Paths, Prefilter, Subpixel};
 use crate::schedule::{Exchange, GROUP_LANES, Plan, STRIP_LANES};
 use crate::{Error, PixelFormat};
 
@@ -13,13 +15,13 @@ pub(crate) enum Access {
     /// A texture of this format, read as a storage texture.
     Texels(wgpu::TextureFormat),
     /// The cost, read as the plan has it: from a texture or from its buffer.
-    Cost,
+    Costs,
     /// The penalties of the pixels, where the plan has them.
     Penalties,
 }
-use Access::{Cost, Penalties, Read, Texels, Write};
+use Access::{Costs, Penalties, Read, Texels, Write};
 
-/// Fragments of which the plan chooses one.
+/// Fragments of which the plan or the settings choose some.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Choice {
     /// How invocations share the disparities of a pixel.
@@ -28,6 +30,12 @@ pub(crate) enum Choice {
     Volumes,
     /// Where P2 comes from.
     Penalty,
+    /// How pixels are compared, as bytes.
+    PixelCosts,
+    /// How pixels are compared, as values of 16 bits.
+    PixelPairs,
+    /// How wide the sums of columns are.
+    Sums,
 }
 
 /// Texels of 4 bytes.
@@ -55,22 +63,25 @@ macro_rules! wgsl {
     ($($file:literal),+) => { &[$(include_str!(concat!("../shaders/", $file, ".wgsl"))),+] };
 }
 
-const MEMBERS: &[Choice] = &[Choice::Members];
 const PATHS: &[Choice] = &[Choice::Members, Choice::Volumes, Choice::Penalty];
 
 #[rustfmt::skip]
 pub(crate) const KERNELS: &[Kernel] = &[
-    Kernel { name: "gray", stage: "gray", lanes: 64, sources: wgsl!("gray", "bytes", "common"), choices: &[], storage: &[QUAD, Write] },
+    Kernel { name: "gray", stage: "gray", lanes: 64, sources: wgsl!("gray", "samples", "bytes", "common"), choices: &[], storage: &[QUAD, Write] },
+    Kernel { name: "deep_gray", stage: "gray", lanes: 64, sources: wgsl!("deep_gray", "samples", "bytes", "common"), choices: &[], storage: &[QUAD, Write] },
+    Kernel { name: "window_columns", stage: "window_sums", lanes: 64, sources: wgsl!("window_columns", "gray_pixels", "bytes", "common"), choices: &[], storage: &[QUAD, Write] },
+    Kernel { name: "window_sums", stage: "window_sums", lanes: 64, sources: wgsl!("window_sums", "common"), choices: &[], storage: &[Read, Write] },
+    Kernel { name: "prefilter", stage: "prefilter", lanes: 64, sources: wgsl!("prefilter", "gray_pixels", "bytes", "common"), choices: &[], storage: &[QUAD, Read, Write] },
+    Kernel { name: "features", stage: "features", lanes: 64, sources: wgsl!("features", "gray_pixels", "bytes", "common"), choices: &[], storage: &[QUAD, Read, Write] },
     Kernel { name: "penalties", stage: "penalties", lanes: 64, sources: wgsl!("penalties", "intensity_steps", "common"), choices: &[], storage: &[QUAD, Write] },
     Kernel { name: "penalties_steep", stage: "penalties", lanes: 64, sources: wgsl!("penalties_steep", "intensity_steps", "common"), choices: &[], storage: &[QUAD, Write] },
-    Kernel { name: "prefilter", stage: "prefilter", lanes: 64, sources: wgsl!("prefilter", "bytes", "common"), choices: &[], storage: &[QUAD, Write] },
-    Kernel { name: "sad_columns", stage: "sad_columns", lanes: 128, sources: wgsl!("sad_columns", "common"), choices: &[], storage: &[Read, Read, Write] },
-    Kernel { name: "sad_cost", stage: "sad_cost", lanes: 32, sources: wgsl!("sad_cost", "column_sums", "quantise", "common"), choices: &[], storage: &[Read, Write] },
-    Kernel { name: "sad_cost_lanes", stage: "sad_cost", lanes: 128, sources: wgsl!("sad_cost_lanes", "differences", "quantise", "common"), choices: &[], storage: &[Read, Read, Write] },
-    Kernel { name: "sad_cost_small", stage: "sad_cost", lanes: 32, sources: wgsl!("sad_cost_small", "differences", "quantise", "common"), choices: &[], storage: &[WORD, WORD, Write] },
-    Kernel { name: "sgm_aggregate", stage: "sgm_aggregate", lanes: STRIP_LANES, sources: wgsl!("sgm_aggregate", "path_step", "common"), choices: PATHS, storage: &[Cost, Write, Read, Write, Penalties] },
-    Kernel { name: "winner", stage: "winner", lanes: STRIP_LANES, sources: wgsl!("winner", "path_step", "winner_row", "quotient", "costs", "common"), choices: PATHS, storage: &[Cost, Read, Read, Read, Read, Write, Write, Penalties] },
-    Kernel { name: "block_match", stage: "block_match", lanes: 32, sources: wgsl!("block_match", "column_sums", "costs", "winner_row", "quotient", "common"), choices: MEMBERS, storage: &[Read, Write, Write] },
+    Kernel { name: "cost_columns", stage: "cost_columns", lanes: 128, sources: wgsl!("cost_columns", "differences", "common"), choices: &[Choice::PixelPairs, Choice::Sums], storage: &[Read, Read, Write] },
+    Kernel { name: "matching_cost", stage: "matching_cost", lanes: 32, sources: wgsl!("matching_cost", "column_sums", "quantise", "common"), choices: &[Choice::Sums], storage: &[Read, Write] },
+    Kernel { name: "matching_cost_lanes", stage: "matching_cost", lanes: 128, sources: wgsl!("matching_cost_lanes", "differences", "quantise", "common"), choices: &[Choice::PixelCosts], storage: &[Read, Read, Write] },
+    Kernel { name: "matching_cost_small", stage: "matching_cost", lanes: 32, sources: wgsl!("matching_cost_small", "differences", "quantise", "common"), choices: &[Choice::PixelCosts], storage: &[WORD, WORD, Write] },
+    Kernel { name: "sgm_aggregate", stage: "sgm_aggregate", lanes: STRIP_LANES, sources: wgsl!("sgm_aggregate", "path_step", "common"), choices: PATHS, storage: &[Costs, Write, Read, Write, Penalties] },
+    Kernel { name: "winner", stage: "winner", lanes: STRIP_LANES, sources: wgsl!("winner", "path_step", "winner_row", "quotient", "costs", "common"), choices: PATHS, storage: &[Costs, Read, Read, Read, Read, Write, Write, Penalties] },
+    Kernel { name: "block_match", stage: "block_match", lanes: 32, sources: wgsl!("block_match", "column_sums", "costs", "winner_row", "quotient", "common"), choices: &[Choice::Members, Choice::Sums], storage: &[Read, Write, Write] },
     Kernel { name: "block_match_small", stage: "block_match", lanes: 8, sources: wgsl!("block_match_small", "quotient", "common"), choices: &[], storage: &[WORD, WORD, Write, Write] },
     Kernel { name: "mirror", stage: "mirror", lanes: 32, sources: wgsl!("mirror", "common"), choices: &[], storage: &[Read, Write] },
     Kernel { name: "lr_check", stage: "lr_check", lanes: 32, sources: wgsl!("lr_check", "common"), choices: &[], storage: &[Read, Read, Write] },
@@ -92,7 +103,7 @@ impl Kernel {
         let cost = if plan.lanes { Read } else { QUAD };
         let present = self.storage.iter().filter(|access| plan.adaptive || **access != Penalties);
         let bound = present.map(|&access| match access {
-            Cost => cost,
+            Costs => cost,
             Penalties => WORD,
             access => access,
         });
@@ -100,10 +111,16 @@ impl Kernel {
     }
 
     /// All its WGSL but the constants.
-    fn fragments(&self, plan: &Plan) -> Vec<&'static str> {
+    fn fragments(&self, params: &Params, plan: &Plan) -> Vec<&'static str> {
+        let pixel_costs = match params.cost {
+            Cost::Sad | Cost::ZeroMeanSad | Cost::SadXy => wgsl!("pixel_sad"),
+            Cost::Ssd | Cost::Ncc | Cost::MutualInformation => wgsl!("pixel_ssd"),
+            Cost::BirchfieldTomasi => wgsl!("pixel_bt"),
+            Cost::Census | Cost::CensusSobel | Cost::AdCensus => wgsl!("pixel_census"),
+        };
         let mut fragments = self.sources.to_vec();
         for choice in self.choices {
-            let chosen: &[&'static str] = match choice {
+            let chosen: &[&str] = match choice {
                 Choice::Members => match plan.exchange {
                     Exchange::Alone => wgsl!("members_alone", "members"),
                     Exchange::Subgroup => wgsl!("members_subgroup", "members"),
@@ -116,6 +133,13 @@ impl Kernel {
                 },
                 Choice::Penalty if plan.adaptive => wgsl!("penalty_texels"),
                 Choice::Penalty => wgsl!("penalty_fixed"),
+                Choice::PixelCosts => pixel_costs,
+                Choice::PixelPairs => {
+                    fragments.extend(pixel_costs);
+                    if params.pixel_max() <= 255 && params.cost != Cost::Ssd { wgsl!("pixel_pairs") } else { &[] }
+                }
+                Choice::Sums if params.wide_sums() => wgsl!("sums32"),
+                Choice::Sums => wgsl!("sums16"),
             };
             fragments.extend(chosen);
         }
@@ -123,20 +147,20 @@ impl Kernel {
     }
 }
 
-/// Rows that one invocation of `sad_columns` or `sad_cost_lanes` walks. What the rows before the first one cost is lost,
+/// Rows that one invocation of `cost_columns` or `matching_cost_lanes` walks. What the rows before the first one cost is lost,
 /// but a GPU wants many invocations.
 pub(crate) fn segment(plan: &Plan) -> u32 {
     if plan.lanes { 32 } else { 128 }
 }
 
-/// Vectors of 16 disparities that one invocation of `sad_columns` owns: a divisor of all. More of them load a right pixel
+/// Vectors of 16 disparities that one invocation of `cost_columns` owns: a divisor of all. More of them load a right pixel
 /// less often, but make code that grows with them.
 pub(crate) fn vectors(quads: u32, plan: &Plan) -> u32 {
     let most = if plan.lanes { 1 } else { 4 };
     (1..=most).rev().find(|&vectors| quads.is_multiple_of(vectors)).unwrap_or(1)
 }
 
-/// Columns that one invocation of `sad_cost` walks: for a CPU any row that may be.
+/// Columns that one invocation of `matching_cost` walks: for a CPU any row that may be.
 pub(crate) fn span(plan: &Plan) -> u32 {
     if plan.lanes { 64 } else { 1 << 16 }
 }
@@ -167,6 +191,15 @@ pub(crate) fn constants(kernel: &Kernel, params: &Params, format: PixelFormat, p
     let paired = paired(params.paths);
     let penalties = kernel.storage.iter().position(|access| *access == Penalties).unwrap_or(0) as u32 + 2;
     let (parts, strip) = parts_and_strip(params.disparities);
+    let census_planes = match params.cost {
+        Cost::Census | Cost::CensusSobel | Cost::AdCensus => params.census_planes(),
+        _ => 0,
+    };
+    let (census_columns, census_rows) = match params.census {
+        Census::Five => (5, 5),
+        Census::Seven => (7, 7),
+        Census::NineBySeven | Census::CentreSymmetric => (9, 7),
+    };
     let number = |value: u32| ("u32", format!("{value}u"));
     let table = [
         ("LANES", number(kernel.lanes(plan))),
@@ -185,8 +218,26 @@ pub(crate) fn constants(kernel: &Kernel, params: &Params, format: PixelFormat, p
         ("PENALTIES", number(penalties)),
         ("BEYOND", ("vec4<u32>", format!("vec4({})", beyond.join(", ")))),
         ("BLOCK", number(params.block)),
-        ("SMALL_VALUES", number((params.prefiltered_max() < 128).into())),
-        ("SUMMABLE", number(255 / params.prefiltered_max())),
+        ("SMALL_VALUES", number((params.feature_max() < 128).into())),
+        ("SUMMABLE", number((255 / params.pixel_max()).max(1))),
+        ("NARROWING", number(params.narrowing())),
+        ("PLANES", number(params.planes())),
+        ("IMAGE_PLANES", number(params.planes() / params.channels())),
+        ("CHANNELS", number(params.channels())),
+        ("COST", number(params.cost as u32)),
+        ("COST_ZSAD", number(Cost::ZeroMeanSad as u32)),
+        ("COST_BT", number(Cost::BirchfieldTomasi as u32)),
+        ("COST_SAD_XY", number(Cost::SadXy as u32)),
+        ("COST_CENSUS_SOBEL", number(Cost::CensusSobel as u32)),
+        ("COST_AD_CENSUS", number(Cost::AdCensus as u32)),
+        ("CENSUS", number(params.census as u32)),
+        ("CENSUS_SYMMETRIC", number(Census::CentreSymmetric as u32)),
+        ("CENSUS_PLANES", number(census_planes)),
+        ("CENSUS_COLUMNS", number(census_columns)),
+        ("CENSUS_ROWS", number(census_rows)),
+        ("AD_WEIGHT", number(params.ad_weight)),
+        ("CENSUS_WEIGHT", number(params.census_weight)),
+        ("PREFILTER_WINDOW", number(params.prefilter_window)),
         ("PARTS", number(parts)),
         ("STRIP", number(strip)),
         ("PATHS", number(params.paths.count())),
@@ -200,20 +251,19 @@ pub(crate) fn constants(kernel: &Kernel, params: &Params, format: PixelFormat, p
         ("RGBA8", number(PixelFormat::Rgba8 as u32)),
         ("PREFILTER", number(params.prefilter as u32)),
         ("PREFILTER_XSOBEL", number(Prefilter::XSobel as u32)),
+        ("PREFILTER_NORMALIZED", number(Prefilter::Normalized as u32)),
         ("PREFILTER_NONE", number(Prefilter::None as u32)),
     ];
-    let fragments = kernel.fragments(plan);
-    let named = |name: &str| {
-        let word = |c: char| c.is_ascii_alphanumeric() || c == '_';
-        fragments.iter().any(|source| source.split(|c| !word(c)).any(|token| token == name))
-    };
-    let chosen = table.iter().filter(|(name, _)| named(name));
+    let word = |c: char| c.is_ascii_alphanumeric() || c == '_';
+    let fragments = kernel.fragments(params, plan);
+    let named: HashSet<&str> = fragments.iter().flat_map(|source| source.split(|c| !word(c))).collect();
+    let chosen = table.iter().filter(|(name, _)| named.contains(name));
     chosen.map(|(name, (kind, value))| format!("const {name}: {kind} = {value}; ")).collect()
 }
 
 /// The whole text of a specialised kernel.
 pub(crate) fn source(kernel: &Kernel, params: &Params, format: PixelFormat, plan: &Plan) -> String {
-    let text = format!("{}\n{}\n", kernel.fragments(plan).join("\n"), constants(kernel, params, format, plan));
+    let text = format!("{}\n{}\n", kernel.fragments(params, plan).join("\n"), constants(kernel, params, format, plan));
     #[cfg(test)]
     let text = tests::edited(kernel.name, text);
     text
@@ -238,7 +288,7 @@ pub(crate) fn compile(
     let buffer = |ty, has_dynamic_offset| wgpu::BindingType::Buffer { ty, has_dynamic_offset, min_binding_size: None };
     let storage = kernel.storage(plan);
     let storage = storage.iter().map(|access| match access {
-        Read | Cost => buffer(wgpu::BufferBindingType::Storage { read_only: true }, false),
+        Read | Costs => buffer(wgpu::BufferBindingType::Storage { read_only: true }, false),
         Write => buffer(wgpu::BufferBindingType::Storage { read_only: false }, false),
         Penalties => unreachable!("the plan has no penalties, or texels"),
         Texels(format) => wgpu::BindingType::StorageTexture {
@@ -309,7 +359,7 @@ fn shader_module(
 pub(crate) fn check_limits(limits: &wgpu::Limits) -> Result<(), Error> {
     let most = KERNELS
         .iter()
-        .map(|kernel| kernel.storage.iter().filter(|access| matches!(access, Read | Write | Cost)).count() as u32)
+        .map(|kernel| kernel.storage.iter().filter(|access| matches!(access, Read | Write | Costs)).count() as u32)
         .max()
         .unwrap_or(0);
     let lanes = KERNELS.iter().map(|kernel| kernel.lanes.max(GROUP_LANES)).max().unwrap_or(0);

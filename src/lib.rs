@@ -4,10 +4,10 @@
 //!
 //! 1. `gray`: 8 bits of luma from 8-bit or 16-bit, gray or colour samples.
 //! 2. `prefilter`: the horizontal Sobel derivative, the gradient magnitude, or the gray image itself ([`Prefilter`]).
-//! 3. `sad_columns`, `sad_cost`: the sum of absolute differences over a block for each disparity, quantised to 0..=89.
+//! 3. `cost_columns`, `matching_cost`: the sum of absolute differences over a block for each disparity, quantised to 0..=89.
 //! 4. `penalties`, `sgm_aggregate`: semi-global matching along 3 to 16 directions ([`Paths`]).
 //! 5. `winner`: the disparity of the smallest aggregate, the uniqueness test, 1/16 px by a parabola, the right view.
-//!    With [`Method::Bm`], `block_match` does this on the block sums, in place of `sad_cost`, 4 and 5.
+//!    With [`Method::Bm`], `block_match` does this on the block sums, in place of `matching_cost`, 4 and 5.
 //! 6. `lr_check`: a left pixel keeps its disparity if the right view agrees.
 //! 7. `median`: 3x3.
 //!
@@ -63,6 +63,7 @@ mod error;
 mod image;
 mod kernels;
 mod matcher;
+mod options;
 mod params;
 mod readback;
 pub mod reference;
@@ -73,6 +74,7 @@ pub use check::{Mismatch, StageCheck};
 pub use error::Error;
 pub use image::{DisparityMap, Image, PixelFormat, Pixels};
 pub use matcher::{StageTime, StereoMatcher};
-pub use params::{Census, Cost, Fill, Median, Method, Params, Paths, Prefilter, RightView, Subpixel, Wls};
+pub use options::ParamOption;
+pub use params::{Census, Cost, Fill, Median, Method, Params, Paths, Prefilter, Preset, RightView, Subpixel, Wls};
 pub use schedule::Schedule;
 pub use wgpu;

@@ -158,7 +158,31 @@ pub struct Wls {
     pub sigma: f32,
 }
 
-/// What a user may ask for. Start from [`Params::sgm`] or [`Params::bm`] and change what differs.
+impl Default for Wls {
+    fn default() -> Self {
+        Self { lambda: 8000.0, sigma: 1.5 }
+    }
+}
+
+/// Settings that go well together ([`Params::preset`]).
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
+#[non_exhaustive]
+pub enum Preset {
+    /// The plain chain, [`Params::sgm`], and the speckle filter.
+    #[default]
+    Classic,
+    /// As the classic one, along three directions.
+    Fast,
+    /// Census strings and gradients, four directions, P2 by the intensity step.
+    Balanced,
+    /// As balanced, and only what a second match confirms.
+    Strict,
+    /// As balanced, with every hole filled.
+    Dense,
+}
+
+/// What a user may ask for. Start from [`Params::preset`], [`Params::sgm`] or [`Params::bm`] and change what differs, or
+/// set it by name ([`Params::set`], [`Params::from_options`]).
 ///
 /// ```
 /// use gpu_stereo::{Params, Paths};
@@ -239,8 +263,15 @@ impl Params {
     pub const MAX_ABS_DISPARITY: i32 = 2047;
     /// The largest block side.
     pub const MAX_BLOCK: u32 = 51;
+    /// The largest block that is summed without column sums in memory: 15 * 15 * 255 fits 16 bits, and 15 * 15 * 127 fits
+    /// 15.
+    pub(crate) const SMALL_BLOCK: u32 = 15;
     /// The largest clip of a prefilter: twice it fits a byte.
     pub const MAX_CAP: u32 = 127;
+    /// The largest weight of [`Cost::AdCensus`]: four times what it counts.
+    pub const MAX_WEIGHT: u32 = 64;
+    /// The largest texture: every pixel of the largest block at the largest clip.
+    pub const MAX_TEXTURE: u32 = Self::MAX_BLOCK * Self::MAX_BLOCK * Self::MAX_CAP;
     /// The largest P2: a forward and a backward path without their costs, at most P2 each, sum in a byte.
     pub const MAX_P2: u32 = 127;
 
@@ -286,7 +317,51 @@ impl Params {
         Self { method: Method::Bm, block: 15, uniqueness: 15, ..Self::sgm(disparities) }
     }
 
-    /// Checks every range.
+    /// A preset over `disparities` disparities from 0.
+    pub fn preset(preset: Preset, disparities: u32) -> Self {
+        let classic = Self { speckle_window: 100, ..Self::sgm(disparities) };
+        let balanced = Self {
+            cost: Cost::CensusSobel,
+            block: 1,
+            prefilter: Prefilter::None,
+            p1: 18,
+            adaptive_p2: true,
+            uniqueness: 0,
+            ..classic.clone()
+        };
+        match preset {
+            Preset::Classic => classic,
+            Preset::Fast => Self { paths: Paths::Three, ..classic },
+            Preset::Balanced => balanced,
+            Preset::Strict => {
+                Self { right_view: RightView::Match, uniqueness: 10, speckle_window: 200, speckle_range: 1, ..balanced }
+            }
+            Preset::Dense => {
+                Self { right_view: RightView::Match, fill: Fill::Rays, weighted_median: Some(5), ..balanced }
+            }
+        }
+    }
+
+    /// The same with block matching: its own cost, block and uniqueness, the same filters.
+    pub(crate) fn with_bm(self) -> Self {
+        let Self { method, cost, block, prefilter, uniqueness, .. } = Self::bm(self.disparities);
+        Self { method, cost, block, prefilter, uniqueness, ..self }
+    }
+
+    /// The prefilter and the block that are usual for the cost.
+    pub(crate) fn take_usual(&mut self) {
+        let (prefilter, block) = match self.cost {
+            Cost::Sad | Cost::Ssd | Cost::BirchfieldTomasi => (Prefilter::XSobel, 5),
+            Cost::ZeroMeanSad | Cost::SadXy | Cost::Ncc => (Prefilter::None, 5),
+            Cost::Census | Cost::CensusSobel | Cost::AdCensus | Cost::MutualInformation => (Prefilter::None, 1),
+        };
+        self.prefilter = prefilter;
+        if self.method == Method::Sgm {
+            self.block = block;
+        }
+    }
+
+    /// Checks every range, and that the settings go together.
     ///
     /// # Errors
     /// [`Error::Parameter`] for the first parameter outside its range.
@@ -366,6 +441,59 @@ impl Params {
             format!("from 0 to {} px", 2 * limit + 1),
             "1 or 2 is usual",
         )?;
+        for (name, weight) in [("ad-weight", self.ad_weight), ("census-weight", self.census_weight)] {
+            check(
+                weight <= Self::MAX_WEIGHT,
+                name,
+                weight.to_string(),
+                format!("from 0 to {} sixteenths", Self::MAX_WEIGHT),
+                "16 counts once",
+            )?;
+        }
+        check(
+            self.texture <= Self::MAX_TEXTURE,
+            "texture",
+            self.texture.to_string(),
+            format!("from 0 (off) to {}", Self::MAX_TEXTURE),
+            "a few units for each pixel of the block are usual",
+        )?;
+        check(
+            self.speckle_window <= i32::MAX as u32,
+            "speckle-window",
+            self.speckle_window.to_string(),
+            format!("from 0 (off) to {} px", i32::MAX),
+            "100 is usual",
+        )?;
+        if let Some(Wls { lambda, sigma }) = self.wls {
+            for (name, value, remedy) in
+                [("wls-lambda", lambda, "8000 is usual"), ("wls-sigma", sigma, "1 to 2 is usual")]
+            {
+                let good = value.is_finite() && value > 0.0;
+                check(good, name, value.to_string(), "finite and more than 0".into(), remedy)?;
+            }
+        }
+        let (cost, method) = (self.cost, self.method);
+        check(
+            cost != Cost::Ncc || method == Method::Bm,
+            "cost",
+            cost.to_string(),
+            format!("another one with method {method}"),
+            "take method bm",
+        )?;
+        check(
+            cost != Cost::Ncc || (3..=19).contains(&self.block),
+            "block",
+            self.block.to_string(),
+            "odd and from 3 to 19 with cost ncc".into(),
+            "11 is usual",
+        )?;
+        check(
+            !self.color_cost || matches!(cost, Cost::Sad | Cost::BirchfieldTomasi),
+            "color-cost",
+            "on".into(),
+            format!("off with cost {cost}"),
+            "take cost sad or bt",
+        )?;
         check(
             self.weighted_median.is_none_or(|radius| (1..=15).contains(&radius)),
             "weighted-median",
@@ -379,6 +507,32 @@ impl Params {
             self.weighted_median_sigma.to_string(),
             "from 1 to 255".into(),
             "20 is usual",
+        )?;
+        check(
+            self.ad_weight + self.census_weight > 0,
+            "ad-weight",
+            "0".into(),
+            "more than 0 if census-weight is 0".into(),
+            "8 and 32 are usual",
+        )?;
+        let most_cap = match self.cost {
+            Cost::SadXy => 63,
+            Cost::CensusSobel => (255 - 2 * self.census_bits()) / 4,
+            _ => Self::MAX_CAP,
+        };
+        check(
+            self.prefilter_cap <= most_cap,
+            "prefilter-cap",
+            self.prefilter_cap.to_string(),
+            format!("from 1 to {most_cap} with this cost, whose largest value for a pixel must fit a byte"),
+            "31 is usual",
+        )?;
+        check(
+            !matches!(self.cost, Cost::Ncc | Cost::MutualInformation),
+            "cost",
+            format!("{:?}", self.cost),
+            "another one".into(),
+            "take census",
         )
     }
 
@@ -406,11 +560,110 @@ impl Params {
         self.disparities.div_ceil(16)
     }
 
-    /// The largest value of the prefiltered image.
+    /// The largest value of the prefiltered image in 8 bits.
     pub(crate) fn prefiltered_max(&self) -> u32 {
         match self.prefilter {
             Prefilter::XSobel | Prefilter::Sobel | Prefilter::Normalized => 2 * self.prefilter_cap,
             Prefilter::None => 255,
+        }
+    }
+
+    /// Bits of a census string.
+    pub(crate) fn census_bits(&self) -> u32 {
+        match self.census {
+            Census::Five => 24,
+            Census::Seven => 48,
+            Census::NineBySeven => 62,
+            Census::CentreSymmetric => 31,
+        }
+    }
+
+    /// Bytes of a census string.
+    pub(crate) fn census_planes(&self) -> u32 {
+        self.census_bits().div_ceil(8)
+    }
+
+    /// Images that are prefiltered: luma, or three colours.
+    pub(crate) fn channels(&self) -> u32 {
+        if self.color_cost { 3 } else { 1 }
+    }
+
+    /// Whether the cost compares the prefiltered images themselves.
+    pub(crate) fn compares_values(&self) -> bool {
+        matches!(self.cost, Cost::Sad | Cost::Ssd | Cost::Ncc | Cost::MutualInformation)
+    }
+
+    /// Bytes of a pixel that the cost compares.
+    pub(crate) fn planes(&self) -> u32 {
+        match self.cost {
+            Cost::Sad => self.channels(),
+            Cost::Ssd | Cost::ZeroMeanSad | Cost::Ncc | Cost::MutualInformation => 1,
+            Cost::BirchfieldTomasi => 3 * self.channels(),
+            Cost::SadXy => 2,
+            Cost::Census => self.census_planes(),
+            Cost::CensusSobel => self.census_planes() + 2,
+            Cost::AdCensus => self.census_planes() + 1,
+        }
+    }
+
+    /// The largest value of those bytes, as far as they are compared as numbers.
+    pub(crate) fn feature_max(&self) -> u32 {
+        match self.cost {
+            Cost::ZeroMeanSad => 127 + self.prefiltered_max().min(127),
+            Cost::SadXy | Cost::CensusSobel => 2 * self.prefilter_cap,
+            _ => self.prefiltered_max(),
+        }
+    }
+
+    /// The largest cost of a pixel.
+    pub(crate) fn pixel_max(&self) -> u32 {
+        match self.cost {
+            Cost::Sad | Cost::BirchfieldTomasi | Cost::MutualInformation => self.prefiltered_max(),
+            Cost::Ssd | Cost::Ncc => self.prefiltered_max().pow(2),
+            Cost::ZeroMeanSad => (2 * self.prefiltered_max()).min(254),
+            Cost::SadXy => 4 * self.prefilter_cap,
+            Cost::Census => self.census_bits(),
+            Cost::CensusSobel => 2 * self.census_bits() + 4 * self.prefilter_cap,
+            Cost::AdCensus => {
+                let weighted = self.ad_weight * self.prefiltered_max() + self.census_weight * self.census_bits();
+                ((weighted + 8) >> 4).clamp(1, 255)
+            }
+        }
+    }
+
+    /// The largest sum of pixel costs over a block: at most 51 * 51 * 255 * 255.
+    pub(crate) fn largest_sum(&self) -> u32 {
+        self.block * self.block * self.pixel_max()
+    }
+
+    /// Whether the sum of a column of the block may need more than 16 bits.
+    pub(crate) fn wide_sums(&self) -> bool {
+        self.block * self.pixel_max() > 0xffff
+    }
+
+    /// Whether the matching cost is made without column sums in memory: pixel costs of a byte, whose block sums fit 16
+    /// bits, and few rows of planes in a block.
+    pub(crate) fn sums_small_blocks(&self) -> bool {
+        const MOST_ROWS: u32 = 64; // more make code that compiles for seconds
+        let bytes = self.pixel_max() <= 255 && self.cost != Cost::Ssd;
+        bytes && self.block <= Self::SMALL_BLOCK && (self.block + 1) * self.planes() <= MOST_ROWS
+    }
+
+    /// Whether a stage needs the sums over windows.
+    pub(crate) fn sums_windows(&self) -> bool {
+        self.prefilter == Prefilter::Normalized || self.cost == Cost::ZeroMeanSad
+    }
+
+    /// Bits by which block sums are shifted down: as many as bring the largest below 2^20.
+    pub(crate) fn narrowing(&self) -> u32 {
+        (32 - self.largest_sum().leading_zeros()).saturating_sub(20)
+    }
+
+    /// 1024 times the quantised cost of the largest block sum: at most 59 * 1550, which gives 89.
+    pub(crate) fn cost_top(&self) -> u32 {
+        match self.cost {
+            Cost::CensusSobel => 164 * 248,
+            _ => 59 * 1550,
         }
     }
 }

@@ -11,11 +11,31 @@ use crate::{Params, PixelFormat};
 /// What a step leaves behind, and where: for the comparison with the reference.
 #[derive(Clone, Debug)]
 pub(crate) enum Output {
+    /// Luma in 8 bits, or with `deep` the channel of an image in 16 bits.
     Gray {
-        side: u32,
+        side: usize,
+        channel: usize,
+        deep: bool,
     },
+    /// What a stage leaves for a later kernel of the same stage.
+    Part,
+    /// Sums over windows of an image, prefiltered or not.
+    WindowSums {
+        side: usize,
+        channel: usize,
+        filtered: bool,
+        window: u32,
+    },
+    /// A prefiltered image, laid out like a gray one.
     Prefiltered {
-        side: u32,
+        side: usize,
+        channel: usize,
+    },
+    /// `count` planes of features, from `first` on.
+    Features {
+        side: usize,
+        first: usize,
+        count: usize,
     },
     Columns {
         chunk: Rows,

@@ -99,25 +99,30 @@ fn samples(image: &Image) -> Vec<u8> {
 
 /// Every stage of the reference by the name of its file, the last one being the map.
 fn stages(left: &Image, right: &Image, params: &Params) -> Vec<(&'static str, usize, Vec<u8>)> {
-    let gray = [reference::gray(left), reference::gray(right)];
-    let planes = [reference::prefilter(&gray[0], params), reference::prefilter(&gray[1], params)];
-    let columns = reference::sad_columns(&planes[0], &planes[1], params);
+    let gray = [left, right].map(|image| reference::gray(image, reference::Channel::Luma));
+    let prefiltered = [left, right].map(|image| reference::images(image, params).prefiltered(params));
+    let features = [0, 1].map(|side: usize| prefiltered[side].features(params));
+    let columns = reference::cost_columns(&features[0], &features[1], params);
+    let bytes16s = |images: &reference::Images| images.channels.iter().flat_map(|c| bytes16(&c.data)).collect();
     let mut stages = vec![
         ("gray_left", 1, gray[0].data.clone()),
         ("gray_right", 1, gray[1].data.clone()),
-        ("prefilter_left", 1, planes[0].data.clone()),
-        ("prefilter_right", 1, planes[1].data.clone()),
-        ("sad_columns", 2, bytes16(&columns.data)),
+        ("prefilter_left", 2, bytes16s(&prefiltered[0])),
+        ("prefilter_right", 2, bytes16s(&prefiltered[1])),
+        ("features_left", 1, features[0].data.clone()),
+        ("features_right", 1, features[1].data.clone()),
+        ("cost_columns", 4, columns.data.iter().flat_map(|v| v.to_le_bytes()).collect()),
     ];
     let views = if params.method == Method::Sgm {
-        let cost = reference::sad_cost(&columns, params);
-        let penalties = params.adaptive_p2.then(|| reference::penalties(&gray[0], params));
+        let cost = reference::matching_cost(&columns, params);
+        let luma = reference::gray(left, reference::Channel::Luma);
+        let penalties = params.adaptive_p2.then(|| reference::penalties(&luma, params));
         let aggregate = reference::sgm_aggregate(&cost, penalties.as_ref(), params);
         if let Some(penalties) = penalties {
             stages.push(("penalties", 1, penalties.data));
         }
-        stages.push(("sad_cost_scale", 4, reference::sad_cost_scale(params).to_le_bytes().to_vec()));
-        stages.push(("sad_cost", 1, cost.data));
+        stages.push(("matching_cost_scale", 4, reference::matching_cost_scale(params).to_le_bytes().to_vec()));
+        stages.push(("matching_cost", 1, cost.data));
         stages.push(("sgm_aggregate", 2, bytes16(&aggregate.data)));
         reference::winner(&aggregate, params)
     } else {

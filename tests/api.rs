@@ -7,12 +7,14 @@ mod support;
 use std::collections::BTreeSet;
 
 use gpu_stereo::reference::{self, Direction, Volume};
-use gpu_stereo::{DisparityMap, Error, Image, Params, Paths, PixelFormat, Pixels, StereoMatcher, wgpu};
+use gpu_stereo::{
+    Cost, DisparityMap, Error, Image, Method, Params, Paths, PixelFormat, Pixels, StereoMatcher, Wls, wgpu,
+};
 
 type Change = fn(&mut Params);
 
 /// Each row of [`Params::validate`]: what is set, the parameter's name, the value given, and what is allowed.
-const REFUSED: [(Change, &str, &str, &str); 16] = [
+const REFUSED: &[(Change, &str, &str, &str)] = &[
     (|p| p.min_disparity = -2048, "min-disp", "-2048", "-2047 to 2047"),
     (|p| p.min_disparity = 2048, "min-disp", "2048", "-2047 to 2047"),
     (|p| p.min_disparity = i32::MIN, "min-disp", "-2147483648", "-2047 to 2047"),
@@ -29,13 +31,32 @@ const REFUSED: [(Change, &str, &str, &str); 16] = [
     (|p| (p.p1, p.p2) = (8, 7), "p1", "8", "0 to p2, which is 7"),
     (|p| p.uniqueness = 100, "uniqueness", "100", "0 (off) to 99"),
     (|p| p.lr_check = Some(4096), "lr-check", "4096", "0 to 4095"),
+    (|p| p.prefilter_window = 1, "prefilter-window", "1", "odd and from 3 to 51"),
+    (|p| p.prefilter_window = 8, "prefilter-window", "8", "odd and from 3 to 51"),
+    (|p| p.ad_weight = 65, "ad-weight", "65", "0 to 64"),
+    (|p| p.census_weight = 65, "census-weight", "65", "0 to 64"),
+    (|p| p.texture = 330_328, "texture", "330328", "0 (off) to 330327"),
+    (|p| p.speckle_window = 1 << 31, "speckle-window", "2147483648", "0 (off) to 2147483647"),
+    (|p| p.speckle_range = 4096, "speckle-range", "4096", "0 to 4095"),
+    (|p| p.weighted_median = Some(0), "weighted-median", "0", "off, or a radius from 1 to 15"),
+    (|p| p.weighted_median = Some(16), "weighted-median", "16", "off, or a radius from 1 to 15"),
+    (|p| p.weighted_median_sigma = 0, "weighted-median-sigma", "0", "1 to 255"),
+    (|p| p.weighted_median_sigma = 256, "weighted-median-sigma", "256", "1 to 255"),
+    (|p| p.wls = Some(Wls { lambda: 0.0, sigma: 1.0 }), "wls-lambda", "0", "finite and more than 0"),
+    (|p| p.wls = Some(Wls { lambda: f32::NAN, sigma: 1.0 }), "wls-lambda", "NaN", "finite and more than 0"),
+    (|p| p.wls = Some(Wls { lambda: 1.0, sigma: f32::INFINITY }), "wls-sigma", "inf", "finite and more than 0"),
+    (|p| p.wls = Some(Wls { lambda: 1.0, sigma: -1.0 }), "wls-sigma", "-1", "finite and more than 0"),
+    (|p| (p.method, p.cost) = (Method::Sgm, Cost::Ncc), "cost", "ncc", "another one with method sgm"),
+    (|p| (p.method, p.cost, p.block) = (Method::Bm, Cost::Ncc, 1), "block", "1", "3 to 19 with cost ncc"),
+    (|p| (p.method, p.cost, p.block) = (Method::Bm, Cost::Ncc, 21), "block", "21", "3 to 19 with cost ncc"),
+    (|p| (p.color_cost, p.cost) = (true, Cost::Census), "color-cost", "on", "off with cost census"),
 ];
 
 #[test]
 fn a_refused_parameter_is_named_with_what_is_allowed() {
     let (device, queue) = wgpu::Device::noop(&wgpu::DeviceDescriptor::default());
     let (left, right) = support::pair(4, 4, 0);
-    for (change, name, given, allowed) in REFUSED {
+    for &(change, name, given, allowed) in REFUSED {
         for mut params in [Params::sgm(16), Params::bm(16)] {
             change(&mut params);
             let errors = [
@@ -311,10 +332,11 @@ fn a_destroyed_device_is_an_error() {
 
 /// What the reference says of an element of a stage's first buffer.
 fn expected_values(left: &Image, right: &Image, params: &Params) -> impl Fn(&str, u32, u32, Option<u32>) -> i64 {
-    let (left_gray, right_gray) = (reference::gray(left), reference::gray(right));
-    let plane = reference::prefilter(&left_gray, params);
-    let columns = reference::sad_columns(&plane, &reference::prefilter(&right_gray, params), params);
-    let cost = reference::sad_cost(&columns, params);
+    let gray = reference::gray(left, reference::Channel::Luma);
+    let prefiltered = [left, right].map(|image| reference::images(image, params).prefiltered(params));
+    let features = [0, 1].map(|side: usize| prefiltered[side].features(params));
+    let columns = reference::cost_columns(&features[0], &features[1], params);
+    let cost = reference::matching_cost(&columns, params);
     let paths = [0, 1].map(|i| reference::aggregate_direction(&cost, None, Direction::all(params.paths)[i], params));
     let sum = reference::sgm_aggregate(&cost, None, params);
     let winner = reference::winner(&sum, params);
@@ -330,10 +352,10 @@ fn expected_values(left: &Image, right: &Image, params: &Params) -> impl Fn(&str
         }
         let map = |map: &DisparityMap| i64::from(map.data[(y * map.width + x) as usize]);
         match stage {
-            "gray" => left_gray.clamped(i64::from(x) - 16, y.into()).into(),
-            "prefilter" => plane.clamped(i64::from(x) - radius, y.into()).into(),
-            "sad_columns" => volume(&columns, x, y, d),
-            "sad_cost" => volume(&cost, x, y, d),
+            "gray" => gray.clamped(i64::from(x) - 16, y.into()).into(),
+            "prefilter" => features[0].clamped(i64::from(x) - radius, y.into())[0].into(),
+            "cost_columns" => volume(&columns, x, y, d),
+            "matching_cost" => volume(&cost, x, y, d),
             // The device keeps L - C, of two directions together.
             "sgm_aggregate" => paths.iter().map(|path| volume(path, x, y, d) - volume(&cost, x, y, d)).sum(),
             "winner" => map(&winner.left),

@@ -4,6 +4,7 @@
 #![cfg(feature = "cli")]
 #![allow(clippy::unwrap_used)]
 
+use gpu_stereo::{Params, Preset};
 use image::{DynamicImage, GrayImage, ImageBuffer, ImageFormat, Luma, Rgb, Rgba};
 use serde_json::Value;
 use std::collections::BTreeMap;
@@ -197,6 +198,19 @@ fn color_alone_writes_the_picture_alone() {
     let folder = scene();
     succeeds(folder.path(), &on("left.png", "right.png", &["--color", "c.png"]));
     assert_eq!(fs::read_dir(folder.path()).unwrap().count(), 3);
+}
+
+#[test]
+fn the_mask_is_255_where_there_is_a_disparity() {
+    let folder = scene();
+    succeeds(folder.path(), &on("left.png", "right.png", &["--mask", "mask.png"]));
+    assert_eq!(fs::read_dir(folder.path()).unwrap().count(), 3, "the mask alone");
+    succeeds(folder.path(), &on("left.png", "right.png", &["-o", "map.npy"]));
+    let map = read_npy(&folder.path().join("map.npy"), 48, 30);
+    let DynamicImage::ImageLuma8(mask) = image::open(folder.path().join("mask.png")).unwrap() else { panic!() };
+    assert_eq!(mask.dimensions(), (48, 30));
+    assert!(mask.into_raw().iter().zip(&map).all(|(&mask, value)| mask == if value.is_nan() { 0 } else { 255 }));
+    assert!(map.iter().any(|v| v.is_nan()) && map.iter().any(|v| !v.is_nan()));
 }
 
 #[test]
@@ -502,7 +516,7 @@ fn images_that_declare_an_absurd_size() {
 #[test]
 fn bad_parameters() {
     let folder = scene();
-    let rows: [(&[&str], &[&str]); 32] = [
+    let rows: &[(&[&str], &[&str])] = &[
         (&["--disp", "0"], &["--disp is 0,", "1 to 2048"]),
         (&["--disp", "-5"], &["--disp is -5,", "1 to 2048"]),
         (&["--disp=-5"], &["--disp is -5,"]),
@@ -511,7 +525,8 @@ fn bad_parameters() {
         (&["--disp", "4294967297"], &["--disp is 4294967297,"]),
         (&["--disp", "nan"], &["nan", "--disp", "whole number"]),
         (&["--disp", "16.5"], &["16.5", "--disp", "whole number"]),
-        (&["--disp", ""], &["--disp"]),
+        (&["--disp", ""], &["--disp is empty,", "whole number"]),
+        (&["--disp", "1\n6"], &[r"--disp is 1\n6,", "whole number"]),
         (&["--disp", "16", "--disp", "17"], &["--disp"]),
         (&["--disp", "64", "--min-disp", "2000"], &["--disp is 64,", "1 to 48"]),
         (&["--disp", "16", "--min-disp", "-2048"], &["--min-disp is -2048,", "-2047 to 2047"]),
@@ -526,19 +541,63 @@ fn bad_parameters() {
         (&["--disp", "16", "--p2", "128"], &["--p2 is 128,"]),
         (&["--disp", "16", "--p1", "-1"], &["--p1 is -1,"]),
         (&["--disp", "16", "--prefilter-cap", "0"], &["--prefilter-cap is 0,", "1 to 127"]),
-        (&["--disp", "16", "--prefilter", "gauss"], &["gauss", "xsobel, sobel, none"]),
+        (&["--disp", "16", "--prefilter", "gauss"], &["--prefilter is gauss,", "xsobel, sobel, normalized, none"]),
+        (&["--disp", "16", "--prefilter-window", "2"], &["--prefilter-window is 2,", "odd", "3 to 51"]),
+        (&["--disp", "16", "--prefilter-window", "1"], &["--prefilter-window is 1,"]),
+        (&["--disp", "16", "--preset", "best"], &["--preset is best,", "classic, fast, balanced, strict, dense"]),
+        (&["--disp", "16", "--preset", "fast", "--preset", "fast"], &["--preset"]),
+        (&["--disp", "16", "--cost", "l2"], &["--cost is l2,", "sad, ssd, zsad, bt, sad-xy, census, census-sobel"]),
+        (&["--disp", "16", "--cost", "SAD"], &["--cost is SAD,"]),
+        (&["--disp", "16", "--cost", "ncc"], &["--cost is ncc,", "method sgm", "take method bm"]),
+        (
+            &["--disp", "16", "--cost", "ncc", "--method", "bm", "--block", "21"],
+            &["--block is 21,", "odd and from 3 to 19 with cost ncc"],
+        ),
+        (&["--disp", "16", "--color-cost", "on", "--cost", "census"], &["--color-cost is on,", "off with cost census"]),
+        (&["--disp", "16", "--color-cost", "yes"], &["--color-cost is yes,", "on, off"]),
+        (&["--disp", "16", "--census", "3x3"], &["--census is 3x3,", "5x5, 7x7, 9x7, cs9x7"]),
+        (&["--disp", "16", "--ad-weight", "65"], &["--ad-weight is 65,", "0 to 64"]),
+        (&["--disp", "16", "--ad-weight", "0", "--census-weight", "0"], &["--ad-weight is 0,", "census-weight is 0"]),
+        (&["--disp", "16", "--cost", "sad-xy", "--prefilter-cap", "64"], &["--prefilter-cap is 64,", "1 to 63"]),
+        (&["--disp", "16", "--census-weight", "-1"], &["--census-weight is -1,", "0 to 64"]),
+        (&["--disp", "16", "--adaptive-p2", "1"], &["--adaptive-p2 is 1,", "on, off"]),
+        (&["--disp", "16", "--texture", "-4"], &["--texture is -4,", "0 (off)"]),
+        (&["--disp", "16", "--texture", "some"], &["--texture is some,", "a whole number or off"]),
+        (&["--disp", "16", "--subpixel", "maybe"], &["--subpixel is maybe,", "parabola, equiangular, off"]),
+        (&["--disp", "16", "--right-view", "left"], &["--right-view is left,", "diagonal, match"]),
+        (&["--disp", "16", "--speckle-window", "-1"], &["--speckle-window is -1,", "0 (off)"]),
+        (&["--disp", "16", "--speckle-window", "on"], &["--speckle-window is on,", "a whole number or off"]),
+        (&["--disp", "16", "--speckle-range", "off"], &["--speckle-range is off,", "a whole number"]),
+        (&["--disp", "16", "--speckle-range", "5000"], &["--speckle-range is 5000,", "0 to 4095"]),
+        (&["--disp", "16", "--fill", "all"], &["--fill is all,", "none, background, rays, hirschmuller"]),
+        (&["--disp", "16", "--weighted-median", "16"], &["--weighted-median is 16,", "1 to 15"]),
+        (&["--disp", "16", "--weighted-median", "0"], &["--weighted-median is 0,", "off"]),
+        (&["--disp", "16", "--weighted-median-sigma", "256"], &["--weighted-median-sigma is 256,", "1 to 255"]),
+        (&["--disp", "16", "--wls", "8000"], &["--wls is 8000,", "on, off"]),
+        (&["--disp", "16", "--wls-lambda", "0"], &["--wls-lambda is 0,", "finite and more than 0"]),
+        (&["--disp", "16", "--wls-lambda", "-1e3"], &["--wls-lambda is -1e3,"]),
+        (&["--disp", "16", "--wls-sigma", "nan"], &["--wls-sigma is nan,"]),
+        (&["--disp", "16", "--wls-sigma", "1,5"], &["--wls-sigma is 1,5,", "a number or off"]),
+        (&["--disp", "16", "--shader-checks", "maybe"], &["--shader-checks is maybe,", "on, off"]),
+        (&["--disp", "16", "--schedule", "late"], &["--schedule is late,", "auto, lines, lanes"]),
         (&["--disp", "16", "--uniqueness", "100"], &["--uniqueness is 100,", "99"]),
         (&["--disp", "16", "--lr-check", "-1"], &["--lr-check is -1,", "off"]),
         (&["--disp", "16", "--lr-check", "on"], &["on", "--lr-check", "off"]),
-        (&["--disp", "16", "--paths", "5"], &["5", "--paths", "3, 4, 8"]),
-        (&["--disp", "16", "--median", "5"], &["5", "--median", "3, off"]),
-        (&["--disp", "16", "--method", "magic"], &["magic", "sgm, bm"]),
+        (&["--disp", "16", "--lr-check", "99999999999999999999"], &["--lr-check is 99999999999999999999,", "4095 px"]),
+        (&["--disp", "16", "--paths", "6"], &["--paths is 6,", "3, 4, 5, 8, 16"]),
+        (&["--disp", "16", "--median", "4"], &["--median is 4,", "3, 5, off"]),
+        (&["--disp", "16", "--method", "magic"], &["--method is magic,", "sgm, bm"]),
         (&["--disp", "16", "--repeat", "0"], &["--repeat is 0,", "from 1"]),
         (&["--disp", "16", "--frobnicate"], &["--frobnicate", "--help"]),
     ];
     for (args, words) in rows {
-        let args = [&["left.png", "right.png", "--backend", "cpu"], args].concat();
+        let args = [&["left.png", "right.png", "--backend", "cpu"], *args].concat();
         refuses(folder.path(), &args, words);
+    }
+    for option in Params::OPTIONS {
+        let name = format!("--{}", option.name);
+        let tried = |(args, _): &(&[&str], &[&str])| args.iter().skip(2).any(|arg| **arg == name);
+        assert!(option.name == "disp" || rows.iter().any(tried), "--{} is refused nothing", option.name);
     }
     // Parameters are judged before the images are looked at.
     refuses(folder.path(), &["no.png", "none.png", "--disp", "0"], &["--disp is 0"]);
@@ -553,7 +612,7 @@ fn bad_outputs() {
     let folder = scene();
     fs::create_dir(folder.path().join("folder.png")).unwrap();
     let long = format!("{}.png", "n".repeat(300));
-    let rows: [(&[&str], &[&str]); 13] = [
+    let rows: &[(&[&str], &[&str])] = &[
         (&["-o", "nowhere/out.png"], &["nowhere", "does not exist"]),
         (&["--color", "nowhere/out.png"], &["nowhere", "does not exist"]),
         (&["-o", "left.png/out.png"], &["left.png", "out.png"]),
@@ -565,6 +624,11 @@ fn bad_outputs() {
         (&["--color", "out.jpg"], &["--color", "out.jpg", ".png"]),
         (&["-o", "out.png", "-o", "./out.png"], &["out.png", "twice"]),
         (&["-o", "out.png", "--color", "out.png"], &["out.png", "twice"]),
+        (&["--mask", "out.pfm"], &["--mask", "out.pfm", ".png"]),
+        (&["--mask", "nowhere/out.png"], &["nowhere", "does not exist"]),
+        (&["--mask", "out.png", "-o", "out.png"], &["out.png", "twice"]),
+        (&["--color", "out.png", "--mask", "./out.png"], &["out.png", "twice"]),
+        (&["--mask", "left.png"], &["left.png", "input"]),
         (&["-o", "left.png"], &["left.png", "input"]),
         (&["-o", &long], &["cannot be written"]),
     ];
@@ -613,6 +677,160 @@ fn options_that_contradict_each_other() {
     let folder = scene();
     refuses(folder.path(), &on("left.png", "right.png", &["--check"]), &["--check", "--backend is cpu"]);
     refuses(folder.path(), &on("left.png", "right.png", &["--adapter", "0"]), &["--adapter", "--backend cpu"]);
+}
+
+// Studies.
+
+/// `sweep` or `compare` on the scene, with the reference.
+fn study<'a>(name: &'a str, more: &[&'a str]) -> Vec<&'a str> {
+    [&[name, "left.png", "right.png", "--backend", "cpu"], more].concat()
+}
+
+fn picture(path: &Path) -> image::RgbImage {
+    image::open(path).unwrap().into_rgb8()
+}
+
+/// Whether some part of the sheet is this picture, drawn this wide.
+fn shows(sheet: &image::RgbImage, part: &image::RgbImage, width: u32) -> bool {
+    let height = (part.height() * width).div_ceil(part.width());
+    let part = image::imageops::resize(part, width, height, image::imageops::FilterType::Nearest);
+    let corners = (0..sheet.height() - height).flat_map(|y| (0..sheet.width() - width).map(move |x| (x, y)));
+    let equal =
+        |(left, top): (u32, u32)| part.enumerate_pixels().all(|(x, y, p)| sheet.get_pixel(left + x, top + y) == p);
+    corners.into_iter().any(equal)
+}
+
+#[test]
+fn a_sweep_is_one_sheet_of_the_maps_that_single_runs_give() {
+    let folder = scene();
+    let at = |name: &str| picture(&folder.path().join(name));
+    let axes = ["--block", "3,7", "--disp", "8,12,16", "--method", "bm", "--tile-width", "96"];
+    let output = succeeds(folder.path(), &study("sweep", &[&axes[..], &["-o", "sheet.png"]].concat()));
+    let sheet = at("sheet.png");
+    // Three columns of 144 px (room for the labels) below the left image.
+    assert_eq!(sheet.width(), 3 * (144 + 8) + 8);
+    assert!((3 * 60..600).contains(&sheet.height()), "{}", sheet.height());
+    let left = image::open(folder.path().join("left.png")).unwrap().into_rgb8();
+    assert!(shows(&sheet, &left, 96));
+    for block in ["3", "7"] {
+        // The colours span all ranges, so only the widest one is a single run's picture.
+        let single = ["--disp", "16", "--block", block, "--method", "bm", "--backend", "cpu", "--color", "one.png"];
+        succeeds(folder.path(), &[&["left.png", "right.png"], &single[..]].concat());
+        assert!(shows(&sheet, &at("one.png"), 96), "block {block}");
+        for disp in ["8", "12", "16"] {
+            let label = format!("block {block}, disp {disp}");
+            assert!(stdout(&output).contains(&format!("| {label}")), "{}", stdout(&output));
+            assert!(stderr(&output).contains(&format!("/6  {label}: ")), "{}", stderr(&output));
+        }
+    }
+    assert!(stdout(&output).starts_with("| settings "), "{}", stdout(&output));
+    assert_eq!((stdout(&output).lines().count(), stderr(&output).lines().count()), (2 + 6, 6));
+    // Below each tile something is written: the block's first row of tiles begins at the same height.
+    let dark = |x: u32, width: u32| {
+        let rows = sheet.height() - 30..sheet.height();
+        rows.flat_map(|y| (x..x + width).map(move |x| (x, y)))
+            .filter(|&(x, y)| sheet.get_pixel(x, y).0 == [0; 3])
+            .count()
+    };
+    (0..3).for_each(|column| assert!(dark(8 + column * 152, 144) > 30, "the last row has labels"));
+    assert_eq!(fs::read_dir(folder.path()).unwrap().count(), 4, "temporary files are gone");
+}
+
+#[test]
+fn a_comparison_of_variants_and_its_json() {
+    let folder = scene();
+    let variants = ["--variants", "sad,bm", "preset=classic+median=off+paths=8", "sad+disp=12", "--disp", "16"];
+    let output = succeeds(folder.path(), &study("compare", &[&variants[..], &["--json", "--repeat", "2"]].concat()));
+    let told: Value = serde_json::from_slice(&output.stdout).unwrap();
+    let fields: Vec<_> = told.as_object().unwrap().keys().map(String::as_str).collect();
+    assert_eq!(fields, ["adapter", "backend", "driver", "width", "height", "variants", "outputs"]);
+    assert_eq!((&told["backend"], &told["outputs"]), (&"cpu".into(), &serde_json::json!(["compare.png"])));
+    let variants = told["variants"].as_array().unwrap();
+    let labels: Vec<_> = variants.iter().map(|variant| variant["label"].as_str().unwrap()).collect();
+    assert_eq!(labels, ["cost sad", "method bm", "preset classic, median off, paths 8", "cost sad, disp 12"]);
+    let settings = serde_json::json!({"disp": "16", "preset": "classic", "median": "off", "paths": "8"});
+    assert_eq!(variants[2]["settings"], settings);
+    assert_eq!((&variants[2]["disparities"], &variants[3]["disparities"]), (&16.into(), &12.into()));
+    for variant in variants {
+        assert!(variant["frame_ms"]["min"].as_f64().unwrap() > 0.0);
+        let valid = variant["valid"].as_f64().unwrap();
+        assert!((0.5..=1.0).contains(&valid), "{valid}");
+    }
+    // The same as single runs say.
+    let single = succeeds(folder.path(), &on("left.png", "right.png", &["--json", "--method", "bm"]));
+    let single: Value = serde_json::from_slice(&single.stdout).unwrap();
+    assert_eq!(variants[1]["valid"], single["valid"]);
+    // Four maps and the left image, 240 px wide, since the images are small; a JPEG of the same size.
+    let sheet = picture(&folder.path().join("compare.png"));
+    assert_eq!(sheet.width(), 3 * (240 + 8) + 8);
+    let args = study("compare", &["--disp", "16", "--variants", "sad", "bm", "sad", "bm", "-q", "-o", "c.jpg"]);
+    let output = succeeds(folder.path(), &args);
+    assert_eq!((stdout(&output), stderr(&output)), (String::new(), String::new()));
+    assert_eq!(picture(&folder.path().join("c.jpg")).width(), sheet.width());
+}
+
+#[test]
+fn studies_that_cannot_be() {
+    let folder = scene();
+    let many = (1..=40).map(|n| n.to_string()).collect::<Vec<_>>().join(",");
+    let sweeps: [(&[&str], &[&str]); 13] = [
+        (&["--block", "3,5"], &["--disp <N>", "--help"]),
+        (&["--disp", "8,0"], &["--disp is 0,", "from 1"]),
+        (&["--disp", "8,,16"], &["--disp is empty,", "a whole number"]),
+        (&["--disp", "8,x"], &["--disp is x,", "a whole number"]),
+        (&["--disp", "8", "--block", "3,4,5"], &["--block is 4,", "odd"]),
+        (&["--disp", "8", "--method", "bm,magic"], &["--method is magic,", "sgm, bm"]),
+        (&["--disp", &many, "--p2", &many], &["1600 combinations", "1000", "fewer"]),
+        (&["--disp", "8", "--tile-width", "15"], &["--tile-width is 15,", "16 to 4096"]),
+        (&["--disp", "8,9,10,11", "--tile-width", "4096"], &["4 maps", "10000 a side", "--tile-width", "4096"]),
+        (&["--disp", "8", "--repeat", "0"], &["--repeat is 0,", "from 1"]),
+        (&["--disp", "8", "--adapter", "0"], &["--adapter", "--backend cpu"]),
+        (&["--disp", "8", "-o", "sheet.npy"], &["sheet.npy", ".png or .jpg"]),
+        (&["--disp", "8", "-o", "left.png"], &["left.png", "input"]),
+    ];
+    for (more, words) in sweeps {
+        refuses(folder.path(), &study("sweep", more), words);
+    }
+    let comparisons: [(&[&str], &[&str]); 9] = [
+        (&["--disp", "8"], &["--variants", "--help"]),
+        (&["--variants", "sad"], &["--disp <N>", "--help"]),
+        (&["--disp", "8", "--variants", "sad,magic"], &["\"magic\"", "preset", "cost", "OPTION=VALUE"]),
+        (&["--disp", "8", "--variants", "block"], &["\"block\"", "OPTION=VALUE"]),
+        (&["--disp", "8", "--variants", "sad+"], &["\"sad+\"", "OPTION=VALUE"]),
+        (&["--disp", "8", "--variants", "sad+block=4"], &["\"sad+block=4\"", "--block is 4,", "odd"]),
+        (&["--disp", "8", "--variants", "frobnicate=4"], &["\"frobnicate=4\"", "\"frobnicate\"", "median"]),
+        (&["--disp", "8", "--variants", "cost=best"], &["--cost is best,", "sad, ssd"]),
+        (&["--disp", "8,9", "--variants", "sad"], &["--disp is 8,9,", "a whole number"]),
+    ];
+    for (more, words) in comparisons {
+        refuses(folder.path(), &study("compare", more), words);
+    }
+    refuses(folder.path(), &["sweep", "left.png", "none.png", "--disp", "8"], &["none.png", "does not exist"]);
+    refuses(folder.path(), &["sweep", "left.png", "--disp", "8"], &["<RIGHT>"]);
+    refuses(folder.path(), &["--json", "sweep", "left.png", "right.png", "--disp", "8"], &["before them"]);
+    // A range that no option alone gets wrong.
+    refuses(folder.path(), &study("sweep", &["--disp", "8", "--p1", "9,20", "--p2", "10,30"]), &["--p1 is 20,", "10"]);
+}
+
+#[test]
+fn images_may_have_the_names_of_studies() {
+    let folder = scene();
+    fs::copy(folder.path().join("left.png"), folder.path().join("sweep")).unwrap();
+    fs::copy(folder.path().join("right.png"), folder.path().join("compare")).unwrap();
+    succeeds(folder.path(), &on("./sweep", "compare", &[]));
+    succeeds(folder.path(), &["sweep", "sweep", "compare", "--disp", "16", "--backend", "cpu"]);
+    assert!(folder.path().join("sweep.png").exists());
+}
+
+#[test]
+fn options_that_change_nothing_in_a_study_are_told_once() {
+    let folder = scene();
+    let notes = |args: &[&str]| stderr(&succeeds(folder.path(), &study("sweep", &[args, &["-q"]].concat())));
+    assert_eq!(
+        notes(&["--disp", "8,9", "--method", "bm", "--paths", "3,8"]),
+        "note: --paths changes nothing with --method bm\n"
+    );
+    assert_eq!(notes(&["--disp", "8", "--method", "bm,sgm", "--paths", "3"]), "");
 }
 
 // What it says.
@@ -679,29 +897,57 @@ fn timings_are_a_table_and_quiet_silences_the_summary_alone() {
 #[test]
 fn options_that_change_nothing_are_told() {
     let folder = scene();
-    let output = succeeds(folder.path(), &on("left.png", "right.png", &["--method", "bm", "--paths", "8"]));
-    assert_eq!(stderr(&output), "note: --paths changes nothing with --method bm\n");
+    for (more, other) in [
+        ("--paths 8 --method bm", "method bm"),
+        ("--p1 3 --method bm", "method bm"),
+        ("--p2 100 --method bm", "method bm"),
+        ("--adaptive-p2 on --method bm", "method bm"),
+        ("--prefilter-cap 15 --prefilter none", "prefilter none"),
+        ("--prefilter-window 15", "prefilter xsobel"),
+        ("--census 5x5", "cost sad"),
+        ("--ad-weight 5", "cost sad"),
+        ("--census-weight 5", "cost sad"),
+        ("--speckle-range 1 --speckle-window off", "speckle-window off"),
+        ("--weighted-median-sigma 9", "weighted-median off"),
+        ("--wls-lambda 900 --wls off", "wls off"),
+        ("--wls-sigma 1.1 --wls off", "wls off"),
+    ] {
+        let args: Vec<_> = more.split(' ').chain(["--preset", "classic"]).collect();
+        let output = succeeds(folder.path(), &on("left.png", "right.png", &args));
+        assert_eq!(stderr(&output), format!("note: {} changes nothing with --{other}\n", args[0]));
+    }
+    let busy = "--prefilter-cap 9 --speckle-range 1 --paths 3 --block 3 --preset classic \
+                --prefilter normalized --prefilter-window 7";
+    let busy = succeeds(folder.path(), &on("left.png", "right.png", &busy.split(' ').collect::<Vec<_>>()));
+    assert_eq!(stderr(&busy), "");
 }
 
-#[test]
-fn every_option_reaches_the_matcher() {
-    let folder = scene();
-    // A pair with enough noise that every option matters.
-    for (side, (image, seed)) in ["noisy-l", "noisy-r"].into_iter().zip(pair(48, 30).into_iter().zip([11, 77])) {
+/// A folder with a pair that has enough noise that every option matters.
+fn noisy() -> TempDir {
+    let folder = tempfile::tempdir().unwrap();
+    for (side, (image, seed)) in ["left", "right"].into_iter().zip(pair(48, 30).into_iter().zip([11, 77])) {
         let noisy = GrayImage::from_fn(48, 30, |x, y| {
             let noise = i32::from(texture(2 * x + seed, 2 * y)) / 3 - 42;
             Luma([(i32::from(image.get_pixel(x, y).0[0]) + noise).clamp(0, 255) as u8])
         });
         noisy.save(folder.path().join(format!("{side}.png"))).unwrap();
     }
-    let map = |more: &[&str]| {
-        succeeds(folder.path(), &on("noisy-l.png", "noisy-r.png", &[more, &["-o", "m.npy"]].concat()));
-        fs::read(folder.path().join("m.npy")).unwrap()
-    };
-    let default = map(&[]);
-    let spelled_out = "--min-disp 0 --method sgm --paths 4 --block 5 --prefilter xsobel --prefilter-cap 31 --p1 16 \
-                       --p2 96 --uniqueness 10 --lr-check 1 --median 3 --subpixel on";
-    assert!(map(&spelled_out.split_whitespace().collect::<Vec<_>>()) == default, "the help tells other defaults");
+    folder
+}
+
+/// The map of a pair with some options, as a file.
+fn map(folder: &TempDir, options: &str) -> Vec<u8> {
+    let options: Vec<_> = options.split_whitespace().chain(["-o", "m.npy"]).collect();
+    succeeds(folder.path(), &on("left.png", "right.png", &options));
+    fs::read(folder.path().join("m.npy")).unwrap()
+}
+
+#[test]
+fn every_option_reaches_the_matcher() {
+    let folder = noisy();
+    // The speckle filter would remove all that the noise leaves.
+    let map = |more: &str| map(&folder, &format!("--preset classic --speckle-window off {more}"));
+    let plain = map("");
     for changed in [
         "--min-disp 1",
         "--method bm",
@@ -710,7 +956,15 @@ fn every_option_reaches_the_matcher() {
         "--block 7",
         "--prefilter sobel",
         "--prefilter none",
+        "--prefilter normalized",
         "--prefilter-cap 3",
+        "--cost ssd",
+        "--cost zsad",
+        "--cost bt",
+        "--cost sad-xy",
+        "--cost census",
+        "--cost census-sobel",
+        "--cost ad-census",
         "--p1 0",
         "--p2 127",
         "--uniqueness 40",
@@ -719,46 +973,97 @@ fn every_option_reaches_the_matcher() {
         "--median off",
         "--subpixel off",
     ] {
-        assert!(map(&changed.split(' ').collect::<Vec<_>>()) != default, "{changed}");
+        assert!(map(changed) != plain, "{changed}");
     }
-    assert!(map(&["--uniqueness", "0"]) == default);
-    for same in ["--schedule lines", "--schedule lanes", "--shader-checks on"] {
-        assert!(map(&same.split(' ').collect::<Vec<_>>()) == default, "{same}");
+    for same in ["--uniqueness 10", "--subpixel on", "--schedule lines", "--schedule lanes", "--shader-checks on"] {
+        assert!(map(same) == plain, "{same}");
     }
-    let bm = map(&["--method", "bm"]);
-    assert!(map(&["--method", "bm", "--block", "15", "--uniqueness", "15"]) == bm, "the help tells other defaults");
+    assert!(map("--uniqueness off") == map("--uniqueness 0"));
+    for [one, other] in [
+        ["--prefilter normalized", "--prefilter normalized --prefilter-window 5"],
+        ["--cost sad-xy", "--cost sad-xy --prefilter-cap 9"],
+        ["--cost census", "--cost census --census 5x5"],
+        ["--cost census --census 7x7", "--cost census --census cs9x7"],
+        ["--cost ad-census", "--cost ad-census --ad-weight 50"],
+        ["--cost ad-census", "--cost ad-census --census-weight 3"],
+    ] {
+        assert!(map(one) != map(other), "{other}");
+    }
+}
+
+#[test]
+fn the_help_and_the_readme_tell_the_defaults() {
+    let folder = noisy();
+    let help = stdout(&succeeds(folder.path(), &["-h"])).split_whitespace().collect::<Vec<_>>().join(" ");
+    let default = |name: &str| -> String {
+        let described = help.split_once(&format!(" --{name} <")).unwrap().1;
+        described.split_once("[default: ").unwrap().1.split_once(']').unwrap().0.into()
+    };
+    let options = || Params::OPTIONS.iter().map(|option| option.name).filter(|name| *name != "disp");
+    let readme = include_str!("../README.md").replace("\\|", "/");
+    for name in options().chain(["preset", "backend"]) {
+        let row = readme.lines().find(|line| line.starts_with(&format!("| `--{name} "))).expect(name);
+        assert_eq!(row.split('|').nth(3).unwrap().trim(), default(name), "README.md, --{name}");
+    }
+    for (method, other) in [("sgm", "bm"), ("bm", "sgm")] {
+        let mut spelled_out = String::new();
+        for name in options().filter(|name| *name != "method") {
+            let of_methods = default(name);
+            let own = of_methods.split(", ").find(|of| !of.starts_with(other)).unwrap();
+            spelled_out += &format!(" --{name} {}", own.trim_start_matches(method).trim());
+        }
+        let method = format!("--method {method}");
+        assert!(map(&folder, &format!("{method} {spelled_out}")) == map(&folder, &method), "{method} {spelled_out}");
+    }
+}
+
+#[test]
+fn single_options_override_a_preset_in_any_order() {
+    let folder = noisy();
+    let map = |more: &str| map(&folder, more);
+    let classic = map("--preset classic");
+    assert!(map("") == map(&format!("--preset {}", Preset::default())));
+    assert!(map("--preset fast") != classic);
+    assert!(map("--preset fast --paths 4") == classic);
+    assert!(map("--paths 4 --preset fast") == classic);
+    assert!(map("--preset fast --method bm") == map("--method bm --preset classic"), "bm has no paths");
+    for (preset, _) in Preset::NAMES {
+        let told = succeeds(folder.path(), &on("left.png", "right.png", &["--preset", preset, "-o", "m.npy"]));
+        assert_eq!(stderr(&told), "", "a preset says nothing of its own options");
+    }
 }
 
 #[test]
 fn help_and_version() {
     let folder = scene();
     let help = succeeds(folder.path(), &["--help"]);
+    let settings = Params::OPTIONS.iter().map(|option| format!("--{} <{}>", option.name, option.placeholder));
+    let words = Params::OPTIONS.iter().filter(|option| !option.placeholder.contains('|')).flat_map(|o| o.values);
+    let described = words.map(|(word, _)| format!("- {word}:"));
+    for told in settings.chain(described) {
+        assert!(stdout(&help).contains(&told), "{told}");
+    }
+    let headings =
+        ["Arguments", "Options", "Input", "Matching cost", "Aggregation", "After the winner", "Device", "Output"];
+    let mut rest = stdout(&help);
+    for heading in headings {
+        rest = rest.split_once(&format!("\n{heading}:\n")).unwrap_or_else(|| panic!("{heading}")).1.to_owned();
+    }
     for option in [
-        "--disp",
-        "--min-disp",
-        "--method",
-        "--paths",
-        "--block",
-        "--prefilter",
-        "--prefilter-cap",
-        "--p1",
-        "--p2",
-        "--uniqueness",
-        "--lr-check",
-        "--median",
-        "--subpixel",
-        "--shader-checks",
-        "--schedule",
+        "--preset",
         "--backend",
         "--adapter",
         "--list-adapters",
         "-o",
         "--color",
+        "--mask",
         "--check",
         "--timings",
         "--repeat",
         "--json",
         "-q",
+        "sweep",
+        "compare",
         "Examples:",
         "Exit codes:",
     ] {

@@ -76,7 +76,7 @@ fn a_long_row_of_many_disparities_is_finished() {
 /// The right view from a second match: odd widths, every format, bands, both methods.
 #[test]
 fn second_match() {
-    let small = support::device_with(|_, limits| limits.max_storage_buffer_binding_size = 24 << 10);
+    let small = support::device_with(|_, limits| limits.max_storage_buffer_binding_size = 48 << 10);
     let (Some(full), Some(small)) = (support::device(), small) else { return };
     for (seed, (width, height)) in (0..).zip([(1, 1), (2, 5), (15, 4), (16, 3), (17, 9), (31, 8), (49, 20), (61, 33)]) {
         let (left, right) = support::pair(width, height, seed);

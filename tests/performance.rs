@@ -118,10 +118,10 @@ fn settings(disparities: u32) -> [Params; 4] {
 
 fn stages(params: &Params) -> &'static [&'static str] {
     match (params.method, params.block > 15) {
-        (gpu_stereo::Method::Bm, true) => &["sad_columns", "block_match"],
+        (gpu_stereo::Method::Bm, true) => &["cost_columns", "block_match"],
         (gpu_stereo::Method::Bm, false) => &["block_match"],
-        (_, true) => &["sad_columns", "sad_cost", "sgm_aggregate", "winner"],
-        _ => &["sad_cost", "sgm_aggregate", "winner"],
+        (_, true) => &["cost_columns", "matching_cost", "sgm_aggregate", "winner"],
+        _ => &["matching_cost", "sgm_aggregate", "winner"],
     }
 }
 

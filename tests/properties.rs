@@ -137,9 +137,9 @@ fn upside_down_pairs_have_upside_down_maps() {
 }
 
 /// The column sums of a pair: what both methods start from.
-fn column_sums(left: &Image, right: &Image, params: &Params) -> reference::Volume<u16> {
-    let planes = [left, right].map(|image| reference::prefilter(&reference::gray(image), params));
-    reference::sad_columns(&planes[0], &planes[1], params)
+fn column_sums(left: &Image, right: &Image, params: &Params) -> reference::Volume<u32> {
+    let features = [left, right].map(|image| reference::images(image, params).prefiltered(params).features(params));
+    reference::cost_columns(&features[0], &features[1], params)
 }
 
 /// Mirrored and swapped, a pair's left view is the mirror image of the original's right view.
@@ -162,7 +162,7 @@ fn mirrored_and_swapped_the_left_view_is_the_right_view() {
             let views = match params.method {
                 Method::Bm => reference::block_match(&columns, &params),
                 _ => {
-                    let cost = reference::sad_cost(&columns, &params);
+                    let cost = reference::matching_cost(&columns, &params);
                     reference::winner(&reference::sgm_aggregate(&cost, None, &params), &params)
                 }
             };
@@ -206,9 +206,9 @@ fn mirrored_the_disparities_change_their_sign() {
 
             let columns = column_sums(&left, &right, &params);
             let sums: Vec<u32> = match params.method {
-                Method::Bm => (0..height as usize).flat_map(|y| reference::block_sums(&columns, y, 5)).collect(),
+                Method::Bm => (0..height as usize).flat_map(|y| reference::block_sums(&columns, y, &params)).collect(),
                 _ => {
-                    let cost = reference::sad_cost(&columns, &params);
+                    let cost = reference::matching_cost(&columns, &params);
                     reference::sgm_aggregate(&cost, None, &params).data.into_iter().map(u32::from).collect()
                 }
             };

@@ -10,7 +10,7 @@ use crate::schedule::{PATHS_BYTES, ROWS_BYTES};
 use crate::steps::Bound::{self, Buffer, Texture};
 use crate::steps::{Builder, Output};
 
-/// Stages `penalties`, `sad_cost`, `sgm_aggregate` and `winner`.
+/// Stages `penalties`, `matching_cost`, `sgm_aggregate` and `winner`.
 pub(super) fn winner(b: &mut Builder<'_>, planes: &Planes, views: &Views) {
     let penalties = Penalties::new(b, planes);
     let directions = Direction::all(b.params.paths);
@@ -25,8 +25,8 @@ pub(super) fn winner(b: &mut Builder<'_>, planes: &Planes, views: &Views) {
     let carries: Vec<[wgpu::Buffer; 2]> =
         paired.iter().map(|_| [(); 2].map(|()| b.buffer("sgm_aggregate.carry", row))).collect();
     // On `lines` the cost is computed into what is then the first pair's volume, and copied into a texture.
-    let computed = if b.plan.lanes { b.volumes("sad_cost", 1) } else { paired[0].clone() };
-    let costs = cost::sad_cost(b, planes, &computed);
+    let computed = if b.plan.lanes { b.volumes("matching_cost", 1) } else { paired[0].clone() };
+    let costs = cost::matching_cost(b, planes, &computed);
     for (i, pair) in pairs.iter().enumerate() {
         let (at, slot) = (i % PAIR_BUFFERS, (i / PAIR_BUFFERS) as u32);
         paths_across(b, pair, &costs, &penalties, &paired[at], slot, &carries[at]);

@@ -15,10 +15,10 @@ struct Columns {
 impl Columns {
     fn new(b: &mut Builder<'_>) -> Self {
         let most = b.sizes.chunks.iter().flatten().map(|chunk| chunk.count).max().unwrap_or(0);
-        Self { buffer: b.buffer("sad_columns", u64::from(most) * b.sizes.columns_row) }
+        Self { buffer: b.buffer("cost_columns", u64::from(most) * b.sizes.columns_row) }
     }
 
-    /// Stage `sad_columns` for the rows of `chunk`.
+    /// Stage `cost_columns` for the rows of `chunk`.
     fn compute(&self, b: &mut Builder<'_>, planes: &Planes, chunk: Rows) -> Pass {
         let pass = Pass { first_row: chunk.first, rows: chunk.count, ..Pass::default() };
         let quads = b.params.quads();
@@ -26,14 +26,14 @@ impl Columns {
         let segments = chunk.count.div_ceil(kernels::segment(&b.plan));
         let [left, right] = &planes.buffers;
         let storage = [Buffer(left), Buffer(right), Buffer(&self.buffer)];
-        b.step("sad_columns", &storage, pass, lanes, segments, Output::Columns { chunk });
+        b.step("cost_columns", &storage, pass, lanes, segments, Output::Columns { chunk });
         pass
     }
 }
 
-/// Stage `sad_cost` into `computed`, a buffer a band. Returns where the cost is read: there, or from a texture that it is
+/// Stage `matching_cost` into `computed`, a buffer a band. Returns where the cost is read: there, or from a texture that it is
 /// copied into.
-pub(super) fn sad_cost(b: &mut Builder<'_>, planes: &Planes, computed: &[wgpu::Buffer]) -> Vec<Cost> {
+pub(super) fn matching_cost(b: &mut Builder<'_>, planes: &Planes, computed: &[wgpu::Buffer]) -> Vec<Cost> {
     let Frame { width, .. } = b.sizes.frame;
     let columns = Columns::new(b);
     let quads = b.params.quads();
@@ -47,10 +47,10 @@ pub(super) fn sad_cost(b: &mut Builder<'_>, planes: &Planes, computed: &[wgpu::B
                 let [left, right] = &planes.buffers;
                 let storage = [Buffer(left), Buffer(right), Buffer(cost)];
                 let segments = rows.count.div_ceil(kernels::segment(&b.plan));
-                b.step("sad_cost_lanes", &storage, pass, width * quads, segments, output);
+                b.step("matching_cost_lanes", &storage, pass, width * quads, segments, output);
             } else {
                 let storage = [Texture(&planes.textures[0]), Texture(&planes.textures[1]), Buffer(cost)];
-                b.step("sad_cost_small", &storage, pass, rows.count.div_ceil(2) * quads, 1, output);
+                b.step("matching_cost_small", &storage, pass, rows.count.div_ceil(2) * quads, 1, output);
             }
         }
         for &chunk in chunks {
@@ -58,7 +58,7 @@ pub(super) fn sad_cost(b: &mut Builder<'_>, planes: &Planes, computed: &[wgpu::B
             let pass = Pass { volume_row, ..columns.compute(b, planes, chunk) };
             let output = Output::Cost { chunk, volume_row };
             let spans = width.div_ceil(kernels::span(&b.plan));
-            b.step("sad_cost", &[Buffer(&columns.buffer), Buffer(cost)], pass, chunk.count * quads, spans, output);
+            b.step("matching_cost", &[Buffer(&columns.buffer), Buffer(cost)], pass, chunk.count * quads, spans, output);
         }
         costs.push(if b.plan.lanes {
             Cost::Buffer(cost.clone())

@@ -46,7 +46,7 @@ pub(crate) fn chain(b: &mut Builder<'_>) -> Made {
 
 /// From the images to the winner of both views.
 fn winners(b: &mut Builder<'_>, sources: &[wgpu::Texture; 2], views: &Views) {
-    let planes = planes::prefiltered(b, sources);
+    let planes = planes::planes(b, sources);
     match b.params.method {
         Method::Bm => cost::block_match(b, &planes, views),
         Method::Sgm => aggregation::winner(b, &planes, views),

@@ -1,15 +1,25 @@
 //! From the uploaded images to the planes that the matching cost compares.
 
 use crate::buffers::{Frame, Pass, TEXELS, TEXTURE_ROW};
+use crate::kernels;
 use crate::steps::Bound::{Buffer, Texture};
 use crate::steps::{Builder, Output};
+use crate::{Cost, PixelFormat, Prefilter};
 
-/// The prefiltered images: in buffers, and in textures if the kernel that takes them wants those.
+/// What the cost compares of each image: in buffers, and in textures if the kernel that takes them wants those.
 pub(super) struct Planes {
     pub(super) buffers: [wgpu::Buffer; 2],
     pub(super) textures: Vec<wgpu::TextureView>,
-    /// The gray images.
+    /// The gray images in 8 bits.
     pub(super) grays: Vec<wgpu::TextureView>,
+}
+
+/// An image with a value a pixel: in a texture, of 8 or 16 bits.
+struct Picture {
+    side: usize,
+    channel: usize,
+    texels: wgpu::TextureView,
+    deep: bool,
 }
 
 /// The textures into which images are uploaded.
@@ -18,25 +28,137 @@ pub(super) fn sources(b: &mut Builder<'_>) -> [wgpu::Texture; 2] {
     ["source.left", "source.right"].map(|name| b.texture(name, TEXELS, rows, wgpu::TextureFormat::Rgba32Uint))
 }
 
-/// Stages `gray` and `prefilter` of both sides.
-pub(super) fn prefiltered(b: &mut Builder<'_>, sources: &[wgpu::Texture; 2]) -> Planes {
-    let Frame { height, gray_stride, left_stride, right_stride, .. } = b.sizes.frame;
-    let grays = [b.buffer("gray.left", b.sizes.gray), b.buffer("gray.right", b.sizes.gray)];
-    let buffers = [b.buffer("prefilter.left", b.sizes.left), b.buffer("prefilter.right", b.sizes.right)];
-    let (mut textures, mut texels) = (Vec::new(), Vec::new());
+/// Stages `gray`, `prefilter` and `features` of both sides.
+pub(super) fn planes(b: &mut Builder<'_>, sources: &[wgpu::Texture; 2]) -> Planes {
+    let Frame { width, height, min_disparity, block_radius, left_stride, right_stride, .. } = b.sizes.frame;
+    let buffers = [b.buffer("features.left", b.sizes.left), b.buffer("features.right", b.sizes.right)];
+    let scratch = Sums::new(b);
+    let (mut textures, mut grays) = (Vec::new(), Vec::new());
     for side in 0..2 {
-        let (i, pass) = (side as usize, Pass { side, mirrored: b.mirrored.into(), ..Pass::default() });
         // The pair is mirrored with its sides exchanged.
-        let source = sources[if b.mirrored { 1 - i } else { i }].create_view(&wgpu::TextureViewDescriptor::default());
-        b.step("gray", &[Texture(&source), Buffer(&grays[i])], pass, gray_stride, height, Output::Gray { side });
-        let gray = b.copy_to_texels();
-        let stride = [left_stride, right_stride][i];
-        let storage = [Texture(&gray), Buffer(&buffers[i])];
-        b.step("prefilter", &storage, pass, stride / 4, height, Output::Prefiltered { side });
-        texels.push(gray);
+        let source = &sources[if b.mirrored { 1 - side } else { side }];
+        let source = source.create_view(&wgpu::TextureViewDescriptor::default());
+        let radius = block_radius as i32;
+        let place = match side {
+            0 => Pass { lead: radius, stride: left_stride, ..Pass::default() },
+            _ => {
+                let lead = width as i32 - 1 + radius - min_disparity;
+                Pass { mirrored: 1, lead, stride: right_stride, ..Pass::default() }
+            }
+        };
+        let channels = b.params.channels();
+        let planes = b.params.planes() / channels;
+        let luma = gray(b, &source, side);
+        grays.push(luma.clone());
+        for channel in 0..channels {
+            let picture = match (b.params.color_cost, b.format) {
+                (false, PixelFormat::Gray8 | PixelFormat::Rgba8) => {
+                    Picture { side, channel: 0, texels: luma.clone(), deep: false }
+                }
+                _ => channel_of(b, &source, side, channel),
+            };
+            let first_plane = channel * planes;
+            let pass = Pass { first_plane, ..place };
+            let (first, count) = (first_plane as usize, planes as usize);
+            let output = Output::Features { side, first, count };
+            if b.params.compares_values() {
+                prefilter(b, &picture, &scratch, &buffers[side], pass, output);
+                continue;
+            }
+            let picture = match b.params.prefilter {
+                Prefilter::None => picture,
+                _ => prefiltered(b, &picture, &scratch),
+            };
+            let block = b.params.block;
+            if b.params.cost == Cost::ZeroMeanSad {
+                scratch.compute(
+                    b,
+                    &picture,
+                    block,
+                    Output::WindowSums { side, channel: 0, filtered: true, window: block },
+                );
+            }
+            let pass = Pass { deep: picture.deep.into(), ..pass };
+            let storage = [Texture(&picture.texels), Buffer(&scratch.sums), Buffer(&buffers[side])];
+            b.step("features", &storage, pass, pass.stride, height, output);
+        }
         if b.sizes.small_block && !b.plan.lanes {
-            textures.push(b.copy_to_texture(stride, height, wgpu::TextureFormat::R32Uint));
+            let rows = b.params.planes() * height;
+            textures.push(b.copy_to_texture(place.stride, rows, wgpu::TextureFormat::R32Uint));
         }
     }
-    Planes { buffers, textures, grays: texels }
+    Planes { buffers, textures, grays }
+}
+
+/// Stage `gray`: luma in 8 bits.
+fn gray(b: &mut Builder<'_>, source: &wgpu::TextureView, side: usize) -> wgpu::TextureView {
+    let Frame { height, gray_stride, .. } = b.sizes.frame;
+    let gray = b.buffer("gray", b.sizes.gray);
+    let output = Output::Gray { side, channel: 0, deep: false };
+    let pass = Pass { reversed: b.mirrored.into(), ..Pass::default() };
+    b.step("gray", &[Texture(source), Buffer(&gray)], pass, gray_stride, height, output);
+    b.copy_to_texels()
+}
+
+/// The image that the cost is to compare, at the depth of its samples: luma, or a colour.
+fn channel_of(b: &mut Builder<'_>, source: &wgpu::TextureView, side: usize, channel: u32) -> Picture {
+    let Frame { height, gray_stride, .. } = b.sizes.frame;
+    let deep = matches!(b.format, PixelFormat::Gray16 | PixelFormat::Rgba16);
+    let channel_number = if b.params.color_cost { channel + 1 } else { 0 };
+    let pass = Pass { channel: channel_number, reversed: b.mirrored.into(), ..Pass::default() };
+    let output = Output::Gray { side, channel: pass.channel as usize, deep };
+    let (name, bytes, stride) = match deep {
+        true => ("deep_gray", 2 * b.sizes.gray, 2 * gray_stride),
+        false => ("gray", b.sizes.gray, gray_stride),
+    };
+    let picture = b.buffer(name, bytes);
+    b.step(name, &[Texture(source), Buffer(&picture)], pass, stride, height, output);
+    Picture { side, channel: channel as usize, texels: b.copy_to_texels(), deep }
+}
+
+/// The prefiltered image, laid out like a gray one.
+fn prefiltered(b: &mut Builder<'_>, picture: &Picture, scratch: &Sums) -> Picture {
+    let (side, channel) = (picture.side, picture.channel);
+    let filtered = b.buffer("prefilter", b.sizes.gray);
+    let pass = Pass { lead: 16, stride: 4 * b.sizes.frame.gray_stride, ..Pass::default() };
+    let output = Output::Prefiltered { side, channel };
+    prefilter(b, picture, scratch, &filtered, pass, output);
+    Picture { side, channel, texels: b.copy_to_texels(), deep: false }
+}
+
+/// Stage `prefilter`, into a place of a plane.
+fn prefilter(b: &mut Builder<'_>, picture: &Picture, scratch: &Sums, to: &wgpu::Buffer, pass: Pass, output: Output) {
+    let (side, channel) = (picture.side, picture.channel);
+    if b.params.prefilter == Prefilter::Normalized {
+        let window = b.params.prefilter_window;
+        scratch.compute(b, picture, window, Output::WindowSums { side, channel, filtered: false, window });
+    }
+    let pass = Pass { deep: picture.deep.into(), ..pass };
+    let storage = [Texture(&picture.texels), Buffer(&scratch.sums), Buffer(to)];
+    b.step("prefilter", &storage, pass, pass.stride / 4, b.sizes.frame.height, output);
+}
+
+/// Stage `window_sums`: where it is computed, and what it is computed with. Two words if nothing needs it: the kernels
+/// that may read it are bound to it all the same.
+struct Sums {
+    columns: wgpu::Buffer,
+    sums: wgpu::Buffer,
+}
+
+impl Sums {
+    fn new(b: &mut Builder<'_>) -> Self {
+        let bytes = if b.params.sums_windows() { b.sizes.sums } else { 4 };
+        Self { columns: b.buffer("window_columns", bytes), sums: b.buffer("window_sums", bytes) }
+    }
+
+    /// The sums over the windows around all pixels of a picture.
+    fn compute(&self, b: &mut Builder<'_>, picture: &Picture, window: u32, output: Output) {
+        let Frame { width, height, .. } = b.sizes.frame;
+        let pass = Pass { window, deep: picture.deep.into(), ..Pass::default() };
+        let segments = |side: u32| side.div_ceil(kernels::segment(&b.plan));
+        let (across, down) = (segments(width), segments(height));
+        let storage = [Texture(&picture.texels), Buffer(&self.columns)];
+        b.step("window_columns", &storage, pass, width.div_ceil(4), down, Output::Part);
+        b.step("window_sums", &[Buffer(&self.columns), Buffer(&self.sums)], pass, height, across, output);
+    }
 }

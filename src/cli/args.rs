@@ -1,11 +1,22 @@
 //! Parse: the command line as it was typed, with no meaning given to it yet.
 
-use clap::{Parser, ValueEnum};
+use clap::builder::{PossibleValue, StringValueParser, TypedValueParser};
+use clap::error::{ContextKind, ErrorKind};
+use clap::{Arg, ArgMatches, Command, FromArgMatches, Parser, Subcommand, ValueEnum};
+use gpu_stereo::{Params, Preset};
+use std::ffi::OsStr;
 use std::path::PathBuf;
 use std::process::ExitCode;
 use std::str::FromStr;
 
-const USAGE: &str = "gpu-stereo <LEFT> <RIGHT> --disp <N> [OPTIONS]\n       gpu-stereo --list-adapters";
+const USAGE: &str = "\
+gpu-stereo <LEFT> <RIGHT> --disp <N> [OPTIONS]
+       gpu-stereo sweep|compare <LEFT> <RIGHT> --disp <N> [OPTIONS]
+       gpu-stereo --list-adapters";
+
+const PRESET: &str = "preset";
+const OUTPUT: &str = "Output";
+const DEVICE: &str = "Device";
 
 const EXAMPLES: &str = "\
 Examples:
@@ -17,6 +28,8 @@ Examples:
       compares every stage on the adapter with the CPU reference, bit for bit
   gpu-stereo left.png right.png --disp 64 --timings --repeat 20
       milliseconds a stage, median of 20 frames after one warm-up
+  gpu-stereo sweep left.png right.png --block 5,9,15,21 --disp 41,61,81 -o sweep.png
+      one sheet of colour maps, a row for each block and a column for each range, with times
   gpu-stereo --list-adapters
 
 Exit codes: 0 done, 1 a check found a mismatch, 2 could not run.
@@ -28,7 +41,12 @@ Vulkan, Metal and Direct3D 12 are searched for adapters; WGPU_BACKEND=gl in the 
 /// JPEG, PNM, TIFF, BMP, WebP and others. A disparity d at (x, y) says that LEFT(x, y) shows what RIGHT(x - d, y) shows.
 #[derive(Debug, Parser)]
 #[command(name = "gpu-stereo", version, override_usage = USAGE, after_help = EXAMPLES, max_term_width = 100)]
+#[command(args_conflicts_with_subcommands = true, subcommand_negates_reqs = true, disable_help_subcommand = true)]
 pub struct Args {
+    /// A study in place of a run
+    #[command(subcommand)]
+    pub study: Option<StudyCommand>,
+
     /// The left image
     #[arg(required_unless_present = "list_adapters")]
     pub left: Option<PathBuf>,
@@ -37,114 +55,149 @@ pub struct Args {
     #[arg(required_unless_present = "list_adapters")]
     pub right: Option<PathBuf>,
 
-    /// Number of disparities to search, in pixels
-    #[arg(long, value_name = "N", required_unless_present = "list_adapters", allow_negative_numbers = true)]
-    pub disp: Option<Whole>,
-
-    /// Smallest disparity to search, may be negative [default: 0]
-    #[arg(long, value_name = "M", allow_negative_numbers = true)]
-    pub min_disp: Option<Whole>,
-
-    /// How the disparity is found; each method has its own defaults
-    #[arg(long, value_enum, default_value_t = Method::Sgm)]
-    pub method: Method,
-
-    /// Directions along which sgm aggregates [default: 4]
-    #[arg(long, value_enum, value_name = "3|4|8")]
-    pub paths: Option<Paths>,
-
-    /// Side of the square block, odd [default: sgm 5, bm 15]
-    #[arg(long, value_name = "B", allow_negative_numbers = true)]
-    pub block: Option<Whole>,
-
-    /// The image on which costs are computed [default: xsobel]
-    #[arg(long, value_enum)]
-    pub prefilter: Option<Prefilter>,
-
-    /// Clip of the prefilter [default: 31]
-    #[arg(long, value_name = "C", allow_negative_numbers = true)]
-    pub prefilter_cap: Option<Whole>,
-
-    /// sgm: penalty of a disparity step of 1 [default: 16]
-    #[arg(long, value_name = "P1", allow_negative_numbers = true)]
-    pub p1: Option<Whole>,
-
-    /// sgm: penalty of a larger step, at least P1 [default: 96]
-    #[arg(long, value_name = "P2", allow_negative_numbers = true)]
-    pub p2: Option<Whole>,
-
-    /// The winner must cost this many per cent less than all others; off is 0 [default: sgm 10, bm 15]
-    #[arg(long, value_name = "PCT|off", allow_negative_numbers = true)]
-    pub uniqueness: Option<WholeOrOff>,
-
-    /// Largest difference in pixels between the left and the right view [default: 1]
-    #[arg(long, value_name = "PX|off", allow_negative_numbers = true)]
-    pub lr_check: Option<WholeOrOff>,
-
-    /// Median filter of 3x3 pixels at the end [default: 3]
-    #[arg(long, value_enum, value_name = "3|off")]
-    pub median: Option<Median>,
-
-    /// Refine to 1/16 pixel [default: on]
-    #[arg(long, value_enum, value_name = "on|off")]
-    pub subpixel: Option<OnOff>,
-
-    /// Compile the kernels with checks of every index and loop: slower, the same result [default: off]
-    #[arg(long, value_enum, value_name = "on|off")]
-    pub shader_checks: Option<OnOff>,
-
-    /// How the kernels are laid out; the same result. lines: a path an invocation, for CPU adapters; lanes: a path for
-    /// several, for GPUs; auto: as the adapter is
-    #[arg(long, value_enum, default_value_t = Schedule::Auto)]
-    pub schedule: Schedule,
+    /// The settings by name
+    #[command(flatten)]
+    pub settings: Settings,
 
     /// auto: the best GPU, else a CPU adapter, else the CPU reference; gpu: any adapter; cpu: the reference
-    #[arg(long, value_enum, default_value_t = Backend::Auto)]
+    #[arg(long, value_enum, default_value_t = Backend::Auto, help_heading = DEVICE)]
     pub backend: Backend,
 
     /// The adapter to use: its index or a part of its name, as --list-adapters tells them
-    #[arg(long, value_name = "NAME-OR-INDEX")]
+    #[arg(long, value_name = "NAME-OR-INDEX", help_heading = DEVICE)]
     pub adapter: Option<String>,
 
     /// List the adapters, best first, and stop
-    #[arg(long)]
+    #[arg(long, help_heading = DEVICE)]
     pub list_adapters: bool,
 
     /// Write the map: .png 16 bit (256 a pixel, 0 invalid), .pfm (+inf invalid), .npy, .tif (32-bit float, NaN
     /// invalid); may be given several times [default: disparity.png, disparity_color.png]
-    #[arg(short, long, value_name = "FILE")]
+    #[arg(short, long, value_name = "FILE", help_heading = OUTPUT)]
     pub output: Vec<PathBuf>,
 
     /// Write a picture of the map (PNG): turbo colours over the searched range, invalid black
-    #[arg(long, value_name = "FILE")]
+    #[arg(long, value_name = "FILE", help_heading = OUTPUT)]
     pub color: Option<PathBuf>,
 
+    /// Write where the map has a disparity (8-bit PNG): 255 where it has one, 0 where not
+    #[arg(long, value_name = "FILE", help_heading = OUTPUT)]
+    pub mask: Option<PathBuf>,
+
     /// Compare every stage with the CPU reference; on a mismatch exit with 1 and write no file
-    #[arg(long)]
+    #[arg(long, help_heading = OUTPUT)]
     pub check: bool,
 
     /// Print milliseconds a stage, the median over the frames; runs one warm-up first
-    #[arg(long)]
+    #[arg(long, help_heading = OUTPUT)]
     pub timings: bool,
 
     /// Run N frames on the same pair after one warm-up; without it and --timings the first frame is the only one
-    #[arg(long, value_name = "N", allow_negative_numbers = true)]
+    #[arg(long, value_name = "N", allow_negative_numbers = true, help_heading = OUTPUT)]
     pub repeat: Option<Whole>,
 
     /// Print one JSON object instead of the summary and the tables
-    #[arg(long)]
+    #[arg(long, help_heading = OUTPUT)]
     pub json: bool,
 
     /// Print no summary
-    #[arg(short, long)]
+    #[arg(short, long, help_heading = OUTPUT)]
     pub quiet: bool,
+}
+
+/// A study: maps with several settings on one sheet.
+#[derive(Debug, Subcommand)]
+pub enum StudyCommand {
+    /// Maps for every combination of values on one sheet, with times
+    #[command(after_help = SWEEP, max_term_width = 100)]
+    Sweep(StudyArgs),
+    /// Maps of several variants on one sheet, with times
+    #[command(after_help = COMPARE, max_term_width = 100)]
+    Compare(Compare),
+}
+
+const SWEEP: &str = "\
+Any setting takes several values, with commas between them. Two such options make rows and columns.
+
+Example:
+  gpu-stereo sweep left.png right.png --block 5,9,15,21 --disp 41,61,81 --method bm -o sweep.png";
+
+const COMPARE: &str = "\
+A variant is a preset, a method, a cost, an option that can be on, or OPTION=VALUE.
+Several are joined by +, and override what all have in common.
+
+Examples:
+  gpu-stereo compare left.png right.png --disp 64 --variants sad,ssd,census
+  gpu-stereo compare left.png right.png --disp 64 --variants bm+block=21 census+paths=8 dense";
+
+/// The command line of a study.
+#[derive(Debug, clap::Args)]
+pub struct StudyArgs {
+    /// The left image
+    pub left: PathBuf,
+
+    /// The right image
+    pub right: PathBuf,
+
+    /// The settings by name
+    #[command(flatten)]
+    pub settings: Settings,
+
+    /// auto: the best GPU, else a CPU adapter, else the CPU reference; gpu: any adapter; cpu: the reference
+    #[arg(long, value_enum, default_value_t = Backend::Auto, help_heading = DEVICE)]
+    pub backend: Backend,
+
+    /// The adapter to use: its index or a part of its name, as --list-adapters tells them
+    #[arg(long, value_name = "NAME-OR-INDEX", help_heading = DEVICE)]
+    pub adapter: Option<String>,
+
+    /// Write the sheet, .png or .jpg [default: sweep.png, compare.png]
+    #[arg(short, long, value_name = "FILE", help_heading = OUTPUT)]
+    pub output: Option<PathBuf>,
+
+    /// Width of a map on the sheet, 16 to 4096 [default: as the sheet can be read]
+    #[arg(long, value_name = "PX", allow_negative_numbers = true, help_heading = OUTPUT)]
+    pub tile_width: Option<Whole>,
+
+    /// Run N frames for each map after one warm-up [default: 5 on an adapter; on the reference one, without warm-up]
+    #[arg(long, value_name = "N", allow_negative_numbers = true, help_heading = OUTPUT)]
+    pub repeat: Option<Whole>,
+
+    /// Print one JSON object instead of the table
+    #[arg(long, help_heading = OUTPUT)]
+    pub json: bool,
+
+    /// Print no table and no progress
+    #[arg(short, long, help_heading = OUTPUT)]
+    pub quiet: bool,
+}
+
+/// The command line of `compare`.
+#[derive(Debug, clap::Args)]
+pub struct Compare {
+    /// What to compare, with commas or spaces between them
+    #[arg(long, required = true, num_args = 1.., value_delimiter = ',', value_name = "VARIANT")]
+    pub variants: Vec<String>,
+
+    /// What all have in common
+    #[command(flatten)]
+    pub study: StudyArgs,
 }
 
 /// The command line, or the exit code with which to stop.
 pub fn parse() -> Result<Args, ExitCode> {
     Args::try_parse().map_err(|error| {
         if error.use_stderr() {
-            crate::tell(&one_line_error(&error.render().to_string()));
+            let text = match error.get(ContextKind::InvalidSubcommand) {
+                // Clap takes every word too many for a study.
+                Some(word) if error.kind() == ErrorKind::ArgumentConflict => {
+                    format!(
+                        "error: unexpected argument '{word}' found; give two images, with sweep or compare before them"
+                    )
+                }
+                _ => error.render().to_string(),
+            };
+            crate::tell(&one_line_error(&text));
             ExitCode::from(2)
         } else {
             let _ = error.print(); // help or version, perhaps into a pipe that is closed
@@ -159,6 +212,84 @@ fn one_line_error(text: &str) -> String {
     let lines = text.lines().map(str::trim).filter(|line| !line.is_empty());
     let told: Vec<_> = lines.take_while(|line| !is_advice(line)).collect();
     format!("{}; see gpu-stereo --help", told.join(" "))
+}
+
+/// The options of [`Params::OPTIONS`] and `preset` that were given, as they were typed.
+#[derive(Clone, Debug)]
+pub struct Settings(Vec<(&'static str, String)>);
+
+impl Settings {
+    /// Name and value of each.
+    pub fn iter(&self) -> impl Iterator<Item = (&str, &str)> {
+        self.0.iter().map(|(name, value)| (*name, value.as_str()))
+    }
+}
+
+impl FromArgMatches for Settings {
+    fn from_arg_matches(matches: &ArgMatches) -> Result<Self, clap::Error> {
+        let names = Params::OPTIONS.iter().map(|option| option.name).chain([PRESET]);
+        let given = names.filter_map(|name| Some((name, matches.get_one::<String>(name)?.clone())));
+        let mut given: Vec<_> = given.collect();
+        given.sort_by_key(|(name, _)| matches.index_of(name)); // as they were typed
+        Ok(Self(given))
+    }
+
+    fn update_from_arg_matches(&mut self, matches: &ArgMatches) -> Result<(), clap::Error> {
+        *self = Self::from_arg_matches(matches)?;
+        Ok(())
+    }
+}
+
+impl clap::Args for Settings {
+    fn augment_args(command: Command) -> Command {
+        let preset = Arg::new(PRESET)
+            .long(PRESET)
+            .value_name("PRESET")
+            .value_parser(Words(Preset::NAMES))
+            .help(format!("Settings to start from; other options override them [default: {}]", Preset::default()));
+        // Both are known to be good.
+        let defaults = ["sgm", "bm"].map(|method| Params::from_options(64, [("method", method)]).ok());
+        let described = Params::OPTIONS.iter().map(|option| {
+            let [sgm, bm] = defaults.each_ref().map(|params| params.as_ref().map(|params| option.get(params)));
+            let default = match (option.name, sgm, bm) {
+                ("disp", ..) => String::new(),
+                (name, Some(sgm), Some(bm)) if sgm != bm && name != "method" => {
+                    format!(" [default: sgm {sgm}, bm {bm}]")
+                }
+                (_, sgm, _) => format!(" [default: {}]", sgm.unwrap_or_default()),
+            };
+            Arg::new(option.name)
+                .long(option.name)
+                .help_heading(option.heading)
+                .help(format!("{}{default}", option.help))
+                .value_name(option.placeholder)
+                .hide_possible_values(option.placeholder.contains('|'))
+                .value_parser(Words(option.values))
+                .allow_negative_numbers(true)
+        });
+        described.fold(command.arg(preset), Command::arg)
+    }
+
+    fn augment_args_for_update(command: Command) -> Command {
+        Self::augment_args(command)
+    }
+}
+
+/// Takes any text, since the library judges it, and tells the words that are allowed to the help.
+#[derive(Clone, Copy)]
+struct Words(&'static [(&'static str, &'static str)]);
+
+impl TypedValueParser for Words {
+    type Value = String;
+
+    fn parse_ref(&self, command: &Command, argument: Option<&Arg>, value: &OsStr) -> Result<String, clap::Error> {
+        StringValueParser::new().parse_ref(command, argument, value)
+    }
+
+    fn possible_values(&self) -> Option<Box<dyn Iterator<Item = PossibleValue> + '_>> {
+        let words = self.0.iter().map(|(word, help)| PossibleValue::new(*word).help(*help));
+        (!self.0.is_empty()).then(|| Box::new(words) as Box<_>)
+    }
 }
 
 /// A whole number, and the text that stood for it. A number too large for an `i64` is the largest one.
@@ -184,90 +315,6 @@ impl FromStr for Whole {
         let beyond = if negative { i64::MIN } else { i64::MAX };
         Ok(Self { text: text.into(), value: text.parse().unwrap_or(beyond) })
     }
-}
-
-/// A whole number or the word `off`.
-#[derive(Clone, Debug, PartialEq, Eq)]
-pub enum WholeOrOff {
-    /// The word.
-    Off,
-    /// The number.
-    Whole(Whole),
-}
-
-impl FromStr for WholeOrOff {
-    type Err = String;
-
-    fn from_str(text: &str) -> Result<Self, String> {
-        if text == "off" {
-            return Ok(Self::Off);
-        }
-        text.parse().map(Self::Whole).map_err(|_| "a whole number or off is needed".into())
-    }
-}
-
-/// `--method`.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
-pub enum Method {
-    /// Semi-global matching
-    Sgm,
-    /// Block matching
-    Bm,
-}
-
-/// `--paths`.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
-pub enum Paths {
-    /// Horizontal and downwards
-    #[value(name = "3")]
-    Three,
-    /// Horizontal and vertical
-    #[value(name = "4")]
-    Four,
-    /// Diagonal, too
-    #[value(name = "8")]
-    Eight,
-}
-
-/// `--prefilter`.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
-pub enum Prefilter {
-    /// Horizontal derivative, clipped
-    Xsobel,
-    /// Gradient magnitude, clipped
-    Sobel,
-    /// The gray image
-    None,
-}
-
-/// `--median`.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
-pub enum Median {
-    /// 3x3 pixels
-    #[value(name = "3")]
-    Three,
-    /// No filter
-    Off,
-}
-
-/// A switch.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
-pub enum OnOff {
-    /// With it
-    On,
-    /// Without it
-    Off,
-}
-
-/// `--schedule`.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
-pub enum Schedule {
-    /// As the adapter is
-    Auto,
-    /// A path an invocation
-    Lines,
-    /// A path for neighbouring invocations
-    Lanes,
 }
 
 /// `--backend`.

@@ -150,15 +150,16 @@ fn to_image(image: DynamicImage, colour: bool, deep: bool) -> Result<Image, gpu_
 #[cfg(test)]
 mod tests {
     use super::*;
-    use gpu_stereo::reference::gray;
+    use gpu_stereo::reference::{Channel, gray};
     use image::{GrayImage, Luma};
 
     #[test]
     fn promotion_changes_no_gray_value() {
         let image = GrayImage::from_fn(256, 1, |x, _| Luma([x as u8]));
-        let plain = gray(&to_image(image.clone().into(), false, false).unwrap());
+        let plain = gray(&to_image(image.clone().into(), false, false).unwrap(), Channel::Luma);
         for (colour, deep) in [(false, true), (true, false), (true, true)] {
-            assert_eq!(gray(&to_image(image.clone().into(), colour, deep).unwrap()), plain, "{colour} {deep}");
+            let promoted = to_image(image.clone().into(), colour, deep).unwrap();
+            assert_eq!(gray(&promoted, Channel::Luma), plain, "{colour} {deep}");
         }
     }
 }

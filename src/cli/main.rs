@@ -1,4 +1,4 @@
-//! The command `gpu-stereo`: parse -> resolve -> run -> report.
+//! The command `gpu-stereo`: parse -> resolve -> run -> report. A study does so for several settings.
 //!
 //! Exit codes: 0 done, 1 a check said no, 2 could not run. Data goes to stdout, messages to stderr.
 #![cfg_attr(test, allow(clippy::unwrap_used))]
@@ -10,7 +10,10 @@ mod output;
 mod report;
 mod resolve;
 mod run;
+mod sheet;
+mod study;
 
+use args::StudyCommand;
 use std::io::Write as _;
 use std::panic::{AssertUnwindSafe, catch_unwind, set_hook};
 use std::process::ExitCode;
@@ -36,7 +39,11 @@ fn main() -> ExitCode {
         Ok(args) => args,
         Err(code) => return code,
     };
-    if args.list_adapters || args.backend != args::Backend::Cpu {
+    let backend = match &args.study {
+        None => args.backend,
+        Some(StudyCommand::Sweep(args) | StudyCommand::Compare(args::Compare { study: args, .. })) => args.backend,
+    };
+    if args.list_adapters || backend != args::Backend::Cpu {
         adapter::quiet_drivers();
     }
     // Nothing that was in use when a panic struck is used again: the process ends here.
@@ -49,6 +56,13 @@ fn main() -> ExitCode {
 fn execute(args: args::Args) -> anyhow::Result<Outcome> {
     if args.list_adapters {
         return report::list_adapters(&adapter::ranked(), args.json).map(|()| Outcome::Done);
+    }
+    if let Some(command) = args.study {
+        let study = match command {
+            StudyCommand::Sweep(args) => study::resolve_sweep(args)?,
+            StudyCommand::Compare(args) => study::resolve_compare(args)?,
+        };
+        return study.print(&study.run()?).map(|()| Outcome::Done);
     }
     let job = resolve::resolve(args)?;
     let report = run::run(&job)?;

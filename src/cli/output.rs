@@ -2,8 +2,9 @@
 
 use anyhow::{Context as _, Result, bail, ensure};
 use gpu_stereo::{DisparityMap, Params};
+use image::codecs::jpeg::JpegEncoder;
 use image::codecs::png::PngEncoder;
-use image::{ExtendedColorType, ImageEncoder as _};
+use image::{ExtendedColorType, ImageEncoder as _, Rgb, RgbImage};
 use npyz::WriterBuilder as _;
 use std::fs;
 use std::io::{Cursor, ErrorKind, Write as _};
@@ -23,40 +24,72 @@ pub enum Format {
     Tiff,
     /// A picture: turbo colours over the searched range, invalid black.
     Color,
+    /// An 8-bit gray PNG: 255 where there is a disparity, 0 where not.
+    Mask,
+}
+
+/// What a file with a sheet holds.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum SheetFormat {
+    /// Without loss.
+    Png,
+    /// Small.
+    Jpeg,
 }
 
 /// A file to write.
 #[derive(Debug)]
-pub struct Output {
+pub struct Output<F = Format> {
     /// The path as it was given.
     pub path: PathBuf,
     /// What to write.
-    pub format: Format,
+    pub format: F,
     /// The file itself, symbolic links followed.
     place: PathBuf,
 }
 
 /// The files to write, each checked: its ending is known, its folder can be written, it is neither an input nor named
-/// twice. Without any, the default ones.
-pub fn resolve(maps: &[PathBuf], color: Option<&Path>, inputs: [&PathBuf; 2], params: &Params) -> Result<Vec<Output>> {
+/// twice. Pictures have an option of their own, each. Without any file, the default ones.
+pub fn resolve(
+    maps: &[PathBuf],
+    pictures: &[(&str, &Option<PathBuf>, Format)],
+    inputs: [&PathBuf; 2],
+    params: &Params,
+) -> Result<Vec<Output>> {
     let mut wanted = Vec::new();
     for path in maps {
         wanted.push((path.clone(), map_format(path)?));
     }
-    if let Some(path) = color {
+    for (option, path, format) in pictures {
+        let Some(path) = path else { continue };
         ensure!(
             ending(path) == "png",
-            "--color is {path:?}, but a picture is written as .png; give a name that ends in .png"
+            "--{option} is {path:?}, but a picture is written as .png; give a name that ends in .png"
         );
-        wanted.push((path.into(), Format::Color));
+        wanted.push((path.clone(), *format));
     }
     if wanted.is_empty() {
         wanted.push(default_map(params));
         wanted.push(("disparity_color.png".into(), Format::Color));
     }
 
+    places(wanted, inputs)
+}
+
+/// The sheet to write, checked as [`resolve`] does.
+pub fn resolve_sheet(path: &Path, inputs: [&PathBuf; 2]) -> Result<Vec<Output<SheetFormat>>> {
+    let format = match ending(path).as_str() {
+        "png" => SheetFormat::Png,
+        "jpg" | "jpeg" => SheetFormat::Jpeg,
+        _ => bail!("output {path:?} is a sheet, but a sheet is written as .png or .jpg; give a name that ends so"),
+    };
+    places(vec![(path.into(), format)], inputs)
+}
+
+/// Where to write, each place checked.
+fn places<F>(wanted: Vec<(PathBuf, F)>, inputs: [&PathBuf; 2]) -> Result<Vec<Output<F>>> {
     let inputs = inputs.map(|path| fs::canonicalize(path).ok());
-    let mut outputs: Vec<Output> = Vec::new();
+    let mut outputs: Vec<Output<F>> = Vec::new();
     for (path, format) in wanted {
         let place = writable_place(&path)?;
         ensure!(
@@ -84,7 +117,7 @@ fn default_map(params: &Params) -> (PathBuf, Format) {
 }
 
 /// The smallest and the largest disparity searched.
-fn searched(params: &Params) -> (i64, i64) {
+pub fn searched(params: &Params) -> (i64, i64) {
     let first = i64::from(params.min_disparity);
     (first, first + i64::from(params.disparities) - 1)
 }
@@ -157,12 +190,28 @@ fn temporary(folder: &Path) -> std::io::Result<NamedTempFile> {
     builder.tempfile_in(folder)
 }
 
-/// Writes every file, or, if one cannot be, none: names appear only when all contents are on disk.
+/// Writes a map to every file, or, if one cannot be written, to none.
 pub fn write(outputs: &[Output], map: &DisparityMap, params: &Params) -> Result<()> {
+    put(outputs, |format| encode(format, map, params))
+}
+
+/// Writes a sheet, or nothing.
+pub fn write_sheet(outputs: &[Output<SheetFormat>], sheet: &RgbImage) -> Result<()> {
+    put(outputs, |format| {
+        let mut bytes = Cursor::new(Vec::new());
+        match format {
+            SheetFormat::Png => sheet.write_with_encoder(PngEncoder::new(&mut bytes))?,
+            SheetFormat::Jpeg => JpegEncoder::new_with_quality(&mut bytes, 80).encode_image(sheet)?,
+        }
+        Ok(bytes.into_inner())
+    })
+}
+
+/// Writes every file, or, if one cannot be, none: names appear only when all contents are on disk.
+fn put<F: Copy>(outputs: &[Output<F>], contents: impl Fn(F) -> Result<Vec<u8>>) -> Result<()> {
     let mut written = Vec::new();
     for output in outputs {
-        let bytes = encode(output.format, map, params)
-            .with_context(|| format!("output {:?} cannot be written", output.path))?;
+        let bytes = contents(output.format).with_context(|| format!("output {:?} cannot be written", output.path))?;
         let stage = || -> std::io::Result<NamedTempFile> {
             let mut file = temporary(output.place.parent().unwrap_or(Path::new("/")))?;
             file.write_all(&bytes)?;
@@ -177,7 +226,7 @@ pub fn write(outputs: &[Output], map: &DisparityMap, params: &Params) -> Result<
     Ok(())
 }
 
-fn cannot_write(output: &Output) -> String {
+fn cannot_write<F>(output: &Output<F>) -> String {
     format!("output {:?} cannot be written; check the space and the permissions of its folder", output.path)
 }
 
@@ -213,8 +262,12 @@ fn encode(format: Format, map: &DisparityMap, params: &Params) -> Result<Vec<u8>
             tiff.write_image::<tiff::encoder::colortype::Gray32Float>(width, height, &samples)?;
         }
         Format::Color => {
-            let samples: Vec<u8> = map.data.iter().flat_map(|&value| color(value, params)).collect();
-            PngEncoder::new(&mut bytes).write_image(&samples, width, height, ExtendedColorType::Rgb8)?;
+            picture(map, searched(params)).write_with_encoder(PngEncoder::new(&mut bytes))?;
+        }
+        Format::Mask => {
+            let samples: Vec<u8> =
+                map.data.iter().map(|&value| if pixels(value).is_some() { 255 } else { 0 }).collect();
+            PngEncoder::new(&mut bytes).write_image(&samples, width, height, ExtendedColorType::L8)?;
         }
     }
     Ok(bytes.into_inner())
@@ -243,12 +296,18 @@ fn kitti(map: &DisparityMap) -> Result<Vec<u16>> {
     map.data.iter().enumerate().map(sample).collect()
 }
 
-fn color(value: i16, params: &Params) -> [u8; 3] {
-    let Some(disparity) = pixels(value) else {
-        return [0; 3];
+/// A map in turbo colours over the disparities `first` to `last`, invalid black.
+pub fn picture(map: &DisparityMap, (first, last): (i64, i64)) -> RgbImage {
+    let color = |value| match pixels(value) {
+        None => [0; 3],
+        Some(disparity) => turbo((f64::from(disparity) - first as f64) / (last - first).max(1) as f64),
     };
-    let (first, last) = searched(params);
-    let share = (f64::from(disparity) - first as f64) / (last - first).max(1) as f64;
+    let mut values = map.data.iter();
+    RgbImage::from_fn(map.width, map.height, |_, _| Rgb(values.next().map_or([0; 3], |&value| color(value))))
+}
+
+/// The colour of a share of the range, 0 to 1.
+pub fn turbo(share: f64) -> [u8; 3] {
     let color = colorous::TURBO.eval_continuous(share.clamp(0.0, 1.0));
     [color.r, color.g, color.b]
 }
@@ -275,15 +334,10 @@ mod tests {
     fn colors_span_the_searched_range() {
         let mut params = Params::sgm(17);
         params.min_disparity = -8;
-        let turbo = |share| {
-            let color = colorous::TURBO.eval_continuous(share);
-            [color.r, color.g, color.b]
-        };
-        assert_eq!(color(-8 * 16, &params), turbo(0.0));
-        assert_eq!(color(0, &params), turbo(0.5));
-        assert_eq!(color(8 * 16, &params), turbo(1.0));
-        assert_eq!(color(DisparityMap::INVALID, &params), [0; 3]);
-        color(0, &Params::sgm(1)); // a range of one disparity has no width
+        let colors = picture(&map(&[-8 * 16, 0, 8 * 16, DisparityMap::INVALID]), searched(&params));
+        let expected = [turbo(0.0), turbo(0.5), turbo(1.0), [0; 3]];
+        assert!(colors.pixels().map(|color| color.0).eq(expected));
+        picture(&map(&[0]), searched(&Params::sgm(1))); // a range of one disparity has no width
     }
 
     #[test]
@@ -291,7 +345,7 @@ mod tests {
         let folder = tempfile::tempdir().unwrap();
         let paths = [folder.path().join("a.npy"), folder.path().join("b.png")];
         let none = PathBuf::new();
-        let outputs = resolve(&paths, None, [&none, &none], &Params::sgm(8)).unwrap();
+        let outputs = resolve(&paths, &[], [&none, &none], &Params::sgm(8)).unwrap();
         assert!(write(&outputs, &map(&[-16]), &Params::sgm(8)).is_err());
         assert_eq!(fs::read_dir(folder.path()).unwrap().count(), 0);
     }

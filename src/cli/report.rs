@@ -103,7 +103,7 @@ fn stages<S: Serializer>(stages: &[StageTime], serializer: S) -> Result<S::Ok, S
 }
 
 /// Paths need not be Unicode, JSON must.
-fn paths<S: Serializer>(paths: &[PathBuf], serializer: S) -> Result<S::Ok, S::Error> {
+pub fn paths<S: Serializer>(paths: &[PathBuf], serializer: S) -> Result<S::Ok, S::Error> {
     serializer.collect_seq(paths.iter().map(|path| path.to_string_lossy()))
 }
 
@@ -212,7 +212,7 @@ pub fn list_adapters(adapters: &[wgpu::Adapter], json: bool) -> Result<()> {
 }
 
 /// A table whose columns in `numbers` are aligned to the right.
-fn table<const N: usize>(
+pub fn table<const N: usize>(
     header: [&str; N],
     rows: impl IntoIterator<Item = [String; N]>,
     numbers: std::ops::Range<usize>,
@@ -231,7 +231,7 @@ fn table<const N: usize>(
 }
 
 /// Prints. A reader that has seen enough, such as `head`, is no error.
-fn to_stdout(text: &str) -> Result<()> {
+pub fn to_stdout(text: &str) -> Result<()> {
     let mut stdout = std::io::stdout().lock();
     match stdout.write_all(text.as_bytes()).and_then(|()| stdout.flush()) {
         Err(error) if error.kind() != ErrorKind::BrokenPipe => {

@@ -1,9 +1,9 @@
 //! Resolve: what was typed becomes settings that are known to be good, before an image is decoded or a device opened.
 
-use crate::args::{self, Args, Whole, WholeOrOff};
-use crate::output::Output;
-use anyhow::{Result, anyhow, bail};
-use gpu_stereo::{Error, Median, Method, Params, Paths, Prefilter, Schedule, Subpixel};
+use crate::args::{self, Args, Whole};
+use crate::output::{Format, Output};
+use anyhow::{Result, anyhow, bail, ensure};
+use gpu_stereo::{Error, Params};
 use std::path::PathBuf;
 
 /// A run, ready to start.
@@ -35,26 +35,25 @@ pub struct Job {
 
 const MAX_REPEAT: u32 = 1_000_000;
 
+/// The number of disparities before `--disp`, which must be given, sets it.
+const DISPARITIES: u32 = 64;
+
 /// Checks everything that can be checked without the images and without a device.
 pub fn resolve(args: Args) -> Result<Job> {
-    let params = params(&args)?;
-    if args.backend == args::Backend::Cpu {
-        if args.check {
-            bail!("--check compares an adapter with the CPU reference, but --backend is cpu; take auto or gpu");
-        }
-        if let Some(adapter) = &args.adapter {
-            bail!("--adapter is {adapter:?}, but --backend cpu uses none; drop one of the two");
-        }
+    let given: Vec<_> = args.settings.iter().map(|(name, _)| name).collect();
+    ensure_disparities(&given)?;
+    let params = params(args.settings.iter())?;
+    tell_unused(&[(given, &params)]);
+    if args.check && args.backend == args::Backend::Cpu {
+        bail!("--check compares an adapter with the CPU reference, but --backend is cpu; take auto or gpu");
     }
-    let repeat = args.repeat.as_ref().map(|given| match u32::try_from(given.value) {
-        Ok(frames @ 1..=MAX_REPEAT) => Ok(frames),
-        _ => Err(anyhow!("--repeat is {}, but must be from 1 to {MAX_REPEAT}; 20 is usual", given.text)),
-    });
-    let repeat = repeat.transpose()?.or(args.timings.then_some(1));
+    ensure_adapter(args.backend, args.adapter.as_deref())?;
+    let repeat = args.repeat.as_ref().map(repeat).transpose()?.or(args.timings.then_some(1));
     let (Some(left), Some(right)) = (args.left, args.right) else {
         bail!("two images are needed, LEFT and RIGHT; see gpu-stereo --help");
     };
-    let outputs = crate::output::resolve(&args.output, args.color.as_deref(), [&left, &right], &params)?;
+    let pictures = [("color", &args.color, Format::Color), ("mask", &args.mask, Format::Mask)];
+    let outputs = crate::output::resolve(&args.output, &pictures, [&left, &right], &params)?;
     Ok(Job {
         left,
         right,
@@ -70,113 +69,51 @@ pub fn resolve(args: Args) -> Result<Job> {
     })
 }
 
-/// The method's defaults, changed by the options that were given.
-fn params(args: &Args) -> Result<Params> {
-    // A number outside the type's range is outside the parameter's range, too, so its nearest stand-in will be refused.
-    let natural = |whole: &Whole| u32::try_from(whole.value.max(-1)).unwrap_or(u32::MAX);
-    let Some(disp) = &args.disp else {
-        bail!("--disp is needed, the number of disparities to search; 64 is a start");
-    };
-    let mut params = match args.method {
-        args::Method::Sgm => Params::sgm(natural(disp)),
-        args::Method::Bm => Params::bm(natural(disp)),
-    };
-    if let Some(min) = &args.min_disp {
-        params.min_disparity = min.value.clamp(i32::MIN.into(), i32::MAX.into()) as i32;
-    }
-    if let Some(paths) = args.paths {
-        params.paths = match paths {
-            args::Paths::Three => Paths::Three,
-            args::Paths::Four => Paths::Four,
-            args::Paths::Eight => Paths::Eight,
-        };
-    }
-    if let Some(prefilter) = args.prefilter {
-        params.prefilter = match prefilter {
-            args::Prefilter::Xsobel => Prefilter::XSobel,
-            args::Prefilter::Sobel => Prefilter::Sobel,
-            args::Prefilter::None => Prefilter::None,
-        };
-    }
-    let numbers = [
-        (&args.block, &mut params.block),
-        (&args.prefilter_cap, &mut params.prefilter_cap),
-        (&args.p1, &mut params.p1),
-        (&args.p2, &mut params.p2),
-    ];
-    for (given, param) in numbers {
-        if let Some(whole) = given {
-            *param = natural(whole);
-        }
-    }
-    match &args.uniqueness {
-        None => {}
-        Some(WholeOrOff::Off) => params.uniqueness = 0,
-        Some(WholeOrOff::Whole(percent)) => params.uniqueness = natural(percent),
-    }
-    match &args.lr_check {
-        None => {}
-        Some(WholeOrOff::Off) => params.lr_check = None,
-        Some(WholeOrOff::Whole(px)) => params.lr_check = Some(natural(px)),
-    }
-    if let Some(median) = args.median {
-        params.median = match median {
-            args::Median::Three => Median::Three,
-            args::Median::Off => Median::Off,
-        };
-    }
-    if let Some(checks) = args.shader_checks {
-        params.shader_checks = checks == args::OnOff::On;
-    }
-    params.schedule = match args.schedule {
-        args::Schedule::Auto => Schedule::Auto,
-        args::Schedule::Lines => Schedule::Lines,
-        args::Schedule::Lanes => Schedule::Lanes,
-    };
-    if let Some(subpixel) = args.subpixel {
-        params.subpixel = if subpixel == args::OnOff::On { Subpixel::Parabola } else { Subpixel::Off };
-    }
-    params.validate().map_err(|error| as_typed(error, args))?;
-    tell_unused(&params, args);
-    Ok(params)
+/// There is no usual number of disparities.
+pub fn ensure_disparities(given: &[&str]) -> Result<()> {
+    ensure!(given.contains(&"disp"), "--disp <N> is needed, the number of disparities; see gpu-stereo --help");
+    Ok(())
 }
 
-/// The library's complaint about a parameter, with the option and the value as they were typed.
-fn as_typed(error: Error, args: &Args) -> anyhow::Error {
-    let Error::Parameter { name, given, allowed, remedy } = error else {
-        return error.into();
-    };
-    let number = |option: &Option<WholeOrOff>| match option {
-        Some(WholeOrOff::Whole(whole)) => Some(whole.clone()),
-        _ => None,
-    };
-    let typed = match name {
-        "disp" => args.disp.clone(),
-        "min-disp" => args.min_disp.clone(),
-        "block" => args.block.clone(),
-        "prefilter-cap" => args.prefilter_cap.clone(),
-        "p1" => args.p1.clone(),
-        "p2" => args.p2.clone(),
-        "uniqueness" => number(&args.uniqueness),
-        "lr-check" => number(&args.lr_check),
-        _ => None,
-    };
-    let given = typed.map_or(given, |whole| whole.text);
-    anyhow!("--{name} is {given}, but must be {allowed}; {remedy}")
+/// An adapter that was asked for is used.
+pub fn ensure_adapter(backend: args::Backend, adapter: Option<&str>) -> Result<()> {
+    match adapter {
+        Some(adapter) if backend == args::Backend::Cpu => {
+            bail!("--adapter is {adapter:?}, but --backend cpu uses none; drop one of the two")
+        }
+        _ => Ok(()),
+    }
 }
 
-/// Options that change nothing are told: nothing is ignored in silence.
-fn tell_unused(params: &Params, args: &Args) {
-    let unused = |option: &str, with: &str| crate::tell(&format!("note: {option} changes nothing with {with}"));
-    if params.method == Method::Bm {
-        let of_sgm = [("--paths", args.paths.is_some()), ("--p1", args.p1.is_some()), ("--p2", args.p2.is_some())];
-        for (option, given) in of_sgm {
-            if given {
-                unused(option, "--method bm");
-            }
-        }
+/// The frames after the warm-up.
+pub fn repeat(given: &Whole) -> Result<u32> {
+    match u32::try_from(given.value) {
+        Ok(frames @ 1..=MAX_REPEAT) => Ok(frames),
+        _ => bail!("--repeat is {}, but must be from 1 to {MAX_REPEAT}; 20 is usual", given.text),
     }
-    if params.prefilter == Prefilter::None && args.prefilter_cap.is_some() {
-        unused("--prefilter-cap", "--prefilter none");
+}
+
+/// The settings that the options make.
+pub fn params<'a>(settings: impl Iterator<Item = (&'a str, &'a str)>) -> Result<Params> {
+    Params::from_options(DISPARITIES, settings).map_err(|error| match error {
+        Error::Parameter { name: "option", given, allowed, remedy } => {
+            anyhow!("{given} is no option; {allowed} is; {remedy}")
+        }
+        Error::Parameter { name, given, allowed, remedy } => {
+            anyhow!("--{name} is {given}, but must be {allowed}; {remedy}")
+        }
+        other => other.into(),
+    })
+}
+
+/// Options that change nothing wherever they are given are told: nothing is ignored in silence.
+pub fn tell_unused(given: &[(Vec<&str>, &Params)]) {
+    for option in Params::OPTIONS {
+        let with = given.iter().filter(|(names, _)| names.contains(&option.name));
+        let others: Option<Vec<_>> = with.map(|(_, params)| Some((option.idle(params)?, params))).collect();
+        if let Some((other, params)) = others.and_then(|others| others.into_iter().next()) {
+            let value = other.get(params);
+            crate::tell(&format!("note: --{} changes nothing with --{} {value}", option.name, other.name));
+        }
     }
 }

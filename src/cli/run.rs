@@ -10,12 +10,12 @@ use gpu_stereo::{DisparityMap, Error, Image, Method, Params, StageCheck, StageTi
 use std::time::Instant;
 
 /// What computes.
-enum Engine {
+pub enum Engine {
     Adapter(Box<OnAdapter>),
     Reference,
 }
 
-struct OnAdapter {
+pub struct OnAdapter {
     opened: Opened,
     matcher: StereoMatcher,
 }
@@ -25,23 +25,11 @@ pub fn run(job: &Job) -> Result<Report> {
     let (left, right) = input::read_pair(&job.left, &job.right)?;
 
     let start = Instant::now();
-    let engine = Engine::open(job, &left)?;
+    let engine = Engine::open(job.backend, job.adapter.as_deref(), job.check, &left, &job.params)?;
     // Stage times come from the frames that are told, so that stages and transfers add up to the frame.
     let timed = job.timings || job.json;
-    let compute = || engine.compute(&left, &right, &job.params, timed);
-    let before_first = Instant::now();
-    let (mut map, stages) = compute()?;
-    let first_frame_ms = milliseconds(start);
-    let mut frames = vec![(milliseconds(before_first), stages)];
-    if let Some(repeat) = job.repeat {
-        frames.clear(); // the first frame was the warm-up
-        for _ in 0..repeat {
-            let before = Instant::now();
-            let (frame, stages) = compute()?;
-            frames.push((milliseconds(before), stages));
-            map = frame;
-        }
-    }
+    let Frames { map, first, times, stages } = engine.frames(&left, &right, &job.params, timed, job.repeat)?;
+    let first_frame_ms = (first - start).as_secs_f64() * 1e3;
 
     let check = if job.check {
         // Column sums of two bytes, the cost, every direction, and an aggregate of two bytes.
@@ -49,7 +37,7 @@ pub fn run(job: &Job) -> Result<Report> {
             Method::Sgm => job.params.paths.count().into(),
             _ => 0,
         };
-        ensure_memory(job, &left, 5 + directions)?;
+        ensure_memory(&job.params, &left, 5 + directions)?;
         Some(engine.check(&left, &right)?)
     } else {
         None
@@ -59,7 +47,6 @@ pub fn run(job: &Job) -> Result<Report> {
         output::write(&job.outputs, &map, &job.params)?;
     }
     let outputs = if passed { job.outputs.iter().map(|output| output.path.clone()).collect() } else { Vec::new() };
-    let (times, stages): (Vec<_>, Vec<_>) = frames.into_iter().unzip();
     let (adapter, backend, driver) = engine.names();
     Ok(Report {
         adapter,
@@ -70,35 +57,41 @@ pub fn run(job: &Job) -> Result<Report> {
         min_disparity: job.params.min_disparity,
         disparities: job.params.disparities,
         valid: map.valid_fraction(),
-        frame_ms: FrameMs { min: times.iter().copied().fold(f64::INFINITY, f64::min), median: median(times) },
+        frame_ms: times,
         first_frame_ms,
-        stages: median_stages(stages),
+        stages,
         peak_device_bytes: engine.device_bytes(),
         check: check.map(|stages| stages.into_iter().map(Into::into).collect()),
         outputs,
     })
 }
 
+/// What came of frames of one pair.
+pub struct Frames {
+    /// The map.
+    pub map: DisparityMap,
+    /// When the first frame was done.
+    pub first: Instant,
+    /// The time of a frame.
+    pub times: FrameMs,
+    /// The median time of each stage, where it was asked for.
+    pub stages: Vec<StageTime>,
+}
+
 impl Engine {
-    fn open(job: &Job, image: &Image) -> Result<Self> {
-        if job.backend == Backend::Cpu {
-            return Self::reference(job, image);
+    /// What computes with `params` maps of pairs that are as `image` is. `check`: it must be an adapter.
+    pub fn open(backend: Backend, wanted: Option<&str>, check: bool, image: &Image, params: &Params) -> Result<Self> {
+        if backend == Backend::Cpu {
+            return Self::reference(image, params);
         }
         let mut adapters = adapter::ranked();
-        if let Some(wanted) = &job.adapter {
+        if let Some(wanted) = wanted {
             let names: Vec<_> = adapters.iter().map(|adapter| adapter.get_info().name).collect();
             adapters = vec![adapters.swap_remove(adapter::choose(&names, wanted)?)];
         }
-        let only = adapters.len() == 1 && job.adapter.is_some();
+        let only = adapters.len() == 1 && wanted.is_some();
         for adapter in &adapters {
-            let opened = adapter::open(adapter).and_then(|opened| {
-                let (width, height) = (image.width(), image.height());
-                let matcher =
-                    StereoMatcher::new(&opened.device, &opened.queue, width, height, image.format(), &job.params);
-                opened.fault()?;
-                let matcher = matcher?;
-                Ok(Self::Adapter(Box::new(OnAdapter { opened, matcher })))
-            });
+            let opened = adapter::open(adapter).and_then(|opened| Self::on(opened, image, params));
             match opened {
                 Ok(engine) => return Ok(engine),
                 // An adapter that cannot run the kernels at all is passed over, but not in silence.
@@ -108,23 +101,70 @@ impl Engine {
                 Err(error) => return Err(error.into()),
             }
         }
-        if job.backend == Backend::Gpu {
+        if backend == Backend::Gpu {
             bail!("--backend is gpu, but there is no usable adapter; install a Vulkan driver, or take auto or cpu");
         }
-        if job.check {
+        if check {
             bail!(
                 "--check compares an adapter with the CPU reference, but there is no usable adapter; install a Vulkan driver"
             );
         }
         crate::tell("note: no usable GPU or CPU adapter; computing with the CPU reference");
-        Self::reference(job, image)
+        Self::reference(image, params)
+    }
+
+    /// The same with other settings.
+    pub fn again(self, image: &Image, params: &Params) -> Result<Self> {
+        match self {
+            Self::Adapter(on) => {
+                let OnAdapter { opened, matcher } = *on;
+                drop(matcher); // its memory goes to the next one
+                Ok(Self::on(opened, image, params)?)
+            }
+            Self::Reference => Self::reference(image, params),
+        }
+    }
+
+    fn on(opened: Opened, image: &Image, params: &Params) -> Result<Self, Error> {
+        let (width, height) = (image.width(), image.height());
+        let matcher = StereoMatcher::new(&opened.device, &opened.queue, width, height, image.format(), params);
+        opened.fault()?;
+        let matcher = matcher?;
+        Ok(Self::Adapter(Box::new(OnAdapter { opened, matcher })))
     }
 
     /// The reference, if its volumes fit.
-    fn reference(job: &Job, image: &Image) -> Result<Self> {
+    fn reference(image: &Image, params: &Params) -> Result<Self> {
         // At the peak, in the aggregation: 8-bit costs, an 8-bit path and a 16-bit sum.
-        ensure_memory(job, image, 4)?;
+        ensure_memory(params, image, 4)?;
         Ok(Self::Reference)
+    }
+
+    /// `repeat` frames after a warm-up; `None`: the first frame is the only one.
+    pub fn frames(
+        &self,
+        left: &Image,
+        right: &Image,
+        params: &Params,
+        timed: bool,
+        repeat: Option<u32>,
+    ) -> Result<Frames, Error> {
+        let before_first = Instant::now();
+        let (mut map, stages) = self.compute(left, right, params, timed)?;
+        let first = Instant::now();
+        let mut frames = vec![(milliseconds(before_first), stages)];
+        if let Some(repeat) = repeat {
+            frames.clear(); // the first frame was the warm-up
+            for _ in 0..repeat {
+                let before = Instant::now();
+                let (frame, stages) = self.compute(left, right, params, timed)?;
+                frames.push((milliseconds(before), stages));
+                map = frame;
+            }
+        }
+        let (times, stages): (Vec<_>, Vec<_>) = frames.into_iter().unzip();
+        let times = FrameMs { min: times.iter().copied().fold(f64::INFINITY, f64::min), median: median(times) };
+        Ok(Frames { map, first, times, stages: median_stages(stages) })
     }
 
     fn compute(
@@ -163,7 +203,7 @@ impl Engine {
     }
 
     /// Adapter, backend and driver.
-    fn names(&self) -> (String, String, String) {
+    pub fn names(&self) -> (String, String, String) {
         match self {
             Self::Adapter(on) => {
                 let info = &on.opened.info;
@@ -176,7 +216,7 @@ impl Engine {
         }
     }
 
-    fn device_bytes(&self) -> u64 {
+    pub fn device_bytes(&self) -> u64 {
         match self {
             Self::Adapter(on) => on.matcher.device_bytes(),
             Self::Reference => 0,
@@ -186,9 +226,9 @@ impl Engine {
 
 /// Refuses what the host's memory cannot hold, volumes of `bytes` a pixel and disparity: a failed allocation inside the
 /// reference would abort the process without a word.
-fn ensure_memory(job: &Job, image: &Image, bytes: u64) -> Result<()> {
-    let columns = u64::from(image.width()) + u64::from(job.params.block) - 1;
-    let needed = bytes * columns * u64::from(image.height()) * u64::from(job.params.disparities);
+fn ensure_memory(params: &Params, image: &Image, bytes: u64) -> Result<()> {
+    let columns = u64::from(image.width()) + u64::from(params.block) - 1;
+    let needed = bytes * columns * u64::from(image.height()) * u64::from(params.disparities);
     let mut trial = Vec::<u8>::new();
     let given = usize::try_from(needed).is_ok_and(|needed| trial.try_reserve_exact(needed).is_ok());
     std::hint::black_box(&trial); // or the compiler drops the trial and takes it for granted
@@ -197,7 +237,7 @@ fn ensure_memory(job: &Job, image: &Image, bytes: u64) -> Result<()> {
         "{}x{} pixels at {} disparities need {needed} bytes, but the memory allows less; lower --disp, crop or scale",
         image.width(),
         image.height(),
-        job.params.disparities
+        params.disparities
     );
     Ok(())
 }

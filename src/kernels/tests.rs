@@ -37,6 +37,18 @@ fn plans(params: &Params) -> BTreeSet<Plan> {
     devices.iter().map(of).collect()
 }
 
+/// All costs.
+const COSTS: [Cost; 8] = [
+    Cost::Sad,
+    Cost::Ssd,
+    Cost::ZeroMeanSad,
+    Cost::BirchfieldTomasi,
+    Cost::SadXy,
+    Cost::Census,
+    Cost::CensusSobel,
+    Cost::AdCensus,
+];
+
 /// Settings that between them give every constant of [`constants`] every kind of value.
 fn specialisations() -> Vec<(Params, PixelFormat, Plan)> {
     let formats = [PixelFormat::Gray8, PixelFormat::Gray16, PixelFormat::Rgba8, PixelFormat::Rgba16];
@@ -58,14 +70,37 @@ fn specialisations() -> Vec<(Params, PixelFormat, Plan)> {
             }
         }
     }
+    for cost in COSTS {
+        for (block, census, color_cost) in [
+            (1, Census::NineBySeven, false),
+            (5, Census::CentreSymmetric, true),
+            (5, Census::Five, false),
+            (21, Census::Seven, false),
+        ] {
+            let base = Params { cost, block, census, prefilter: Prefilter::None, ..Params::sgm(40) };
+            for prefilter in [Prefilter::Normalized, Prefilter::None] {
+                let takes_colour = matches!(cost, Cost::Sad | Cost::BirchfieldTomasi);
+                let params = Params { prefilter, color_cost: color_cost && takes_colour, ..base.clone() };
+                all.extend(plans(&params).into_iter().map(|plan| (params.clone(), formats[1], plan)));
+            }
+        }
+    }
     all
 }
 
-/// The different texts of a kernel over all [`specialisations`] that it is for.
+/// The [`specialisations`] that a kernel is for.
+fn specialisations_of(kernel: &Kernel) -> impl Iterator<Item = (Params, PixelFormat, Plan)> {
+    let name = kernel.name;
+    specialisations().into_iter().filter(move |(params, ..)| match name {
+        "block_match_small" => params.block <= Params::SMALL_BLOCK && params.cost == Cost::Sad,
+        "matching_cost_small" | "matching_cost_lanes" => params.sums_small_blocks(),
+        _ => true,
+    })
+}
+
+/// The different texts of a kernel over all of them.
 fn texts(kernel: &Kernel) -> BTreeSet<String> {
-    let takes = |params: &Params| !kernel.name.ends_with("_small") || params.block <= crate::buffers::SMALL_BLOCK;
-    let chosen = specialisations().into_iter().filter(|(params, ..)| takes(params));
-    chosen.map(|(params, format, plan)| source(kernel, &params, format, &plan)).collect()
+    specialisations_of(kernel).map(|(params, format, plan)| source(kernel, &params, format, &plan)).collect()
 }
 
 fn parse(kernel: &Kernel, text: &str) -> naga::Module {
@@ -116,10 +151,9 @@ fn the_table_and_the_folders_name_the_same_kernels() {
     assert_eq!(names.len(), KERNELS.len(), "two kernels have one name");
 
     let shaders = files("shaders", "wgsl");
-    let plans: BTreeSet<Plan> = specialisations().into_iter().map(|(_, _, plan)| plan).collect();
+    let all = specialisations();
     for (file, text) in &shaders {
-        let used =
-            plans.iter().any(|plan| KERNELS.iter().any(|kernel| kernel.fragments(plan).contains(&text.as_str())));
+        let used = all.iter().any(|(p, _, plan)| KERNELS.iter().any(|k| k.fragments(p, plan).contains(&text.as_str())));
         assert!(used, "shaders/{file}.wgsl is in no row of the table");
         let has_entry = text.contains("@compute");
         assert_eq!(has_entry, names.contains(file.as_str()), "shaders/{file}.wgsl: entry points and rows differ");
@@ -228,8 +262,14 @@ fn pass_layout() -> (Vec<(String, u32, String)>, u32) {
         dy,
         carried,
         accumulate,
-        side,
+        channel,
         mirrored,
+        lead,
+        stride,
+        first_plane,
+        deep,
+        window,
+        reversed,
         entry,
         carry_from,
         carry_to,
@@ -267,7 +307,7 @@ fn a_changed_uniform_block_is_noticed() {
 #[test]
 fn bindings_agree_with_the_table() {
     for kernel in KERNELS {
-        for (params, format, plan) in specialisations().into_iter().step_by(5) {
+        for (params, format, plan) in specialisations_of(kernel).step_by(5) {
             let module = parse(kernel, &source(kernel, &params, format, &plan));
             let mut bindings: Vec<(u32, String)> = Vec::new();
             for (_, variable) in module.global_variables.iter() {
@@ -307,7 +347,7 @@ fn webgpu_default_limits_suffice() {
     assert!(check_limits(&limits).is_ok());
     for kernel in KERNELS {
         let name = kernel.name;
-        let storage = kernel.storage.iter().filter(|access| matches!(access, Read | Write | Cost)).count() as u32;
+        let storage = kernel.storage.iter().filter(|access| matches!(access, Read | Write | Costs)).count() as u32;
         assert!(storage <= limits.max_storage_buffers_per_shader_stage, "{name} has {storage} storage buffers");
         for text in texts(kernel) {
             let module = parse(kernel, &text);
@@ -342,7 +382,7 @@ fn pipelines_and_matchers_are_made_without_a_driver() {
     let (device, queue) = noop_device();
     for kernel in KERNELS {
         let mut seen = BTreeSet::new();
-        for (params, format, plan) in specialisations() {
+        for (params, format, plan) in specialisations_of(kernel) {
             if seen.insert(source(kernel, &params, format, &plan)) {
                 let made = crate::readback::guarded(&device, || {
                     compile(&device, kernel, &source(kernel, &params, format, &plan), false, &plan)
@@ -450,35 +490,59 @@ const MUTANTS: &[Mutant] = &[
     mutant("prefilter", "low_bytes(-x)", "low_bytes(-x - 1)", |_| ()),
     mutant("prefilter", "low_bytes(last - x)", "low_bytes(last - x + 2)", |_| ()),
     mutant("prefilter", "frame.height) - 1)", "frame.height) - 2)", |_| ()),
-    mutant("prefilter", "frame.min_disparity", "(frame.min_disparity + 1)", |_| ()),
+    mutant("prefilter", "pass_.lead", "(pass_.lead + 1)", |_| ()),
+    mutant("prefilter", "257 * n", "256 * n", |params| params.prefilter = Prefilter::Normalized),
+    mutant("prefilter", "4 * centre", "3 * centre", |params| params.prefilter = Prefilter::Normalized),
+    mutant("deep_gray", "vec4(x < 0)", "vec4(x < -8)", |_| ()),
+    mutant("window_columns", "dy < radius", "dy < radius - 1", |params| params.prefilter = Prefilter::Normalized),
+    mutant("window_columns", "frame.height) - 1)", "frame.height) - 2)", |params| {
+        params.prefilter = Prefilter::Normalized
+    }),
+    mutant("window_sums", "frame.width) - 1)", "frame.width) - 2)", |params| params.prefilter = Prefilter::Normalized),
+    mutant("features", "row[k] < other[k]", "row[k] <= other[k]", |params| params.cost = Cost::Census),
+    mutant("features", "opposite(other)", "other", |params| {
+        params.cost = Cost::Census;
+        params.census = Census::CentreSymmetric;
+    }),
+    mutant("features", "min(last - x, 3)", "3", |params| params.cost = Cost::CensusSobel),
+    mutant("features", "vec4(half)", "vec4(0)", |params| params.cost = Cost::ZeroMeanSad),
+    mutant("features", "min(before, after)", "before", |params| params.cost = Cost::BirchfieldTomasi),
     mutant("prefilter", "2 * cap", "2 * cap - 1", |params| params.prefilter = Prefilter::Sobel),
     mutant("prefilter", "return root;", "return root + 1u;", |params| params.prefilter = Prefilter::Sobel),
-    mutant("sad_columns", "frame.height) - 1)", "frame.height))", wide),
-    mutant("sad_columns", "here + r)", "here + r - 1)", wide),
-    mutant("sad_cost", "1u << 23u", "1u << 22u", wide),
-    mutant("sad_cost", "frame.cost_scale", "(frame.cost_scale + 9000u)", wide),
-    mutant("sad_cost", "c < begin + reach", "c < begin + reach - 1u", wide),
-    mutant("sad_cost", "min(begin + SPAN,", "min(begin + SPAN - 1u,", |params| {
+    mutant("cost_columns", "frame.height) - 1)", "frame.height))", wide),
+    mutant("cost_columns", "here + r)", "here + r - 1)", wide),
+    mutant("cost_columns", "low * low", "low * low + 1u", |params| params.cost = Cost::Ssd),
+    mutant("matching_cost", "1u << 23u", "1u << 22u", wide),
+    mutant("matching_cost", "frame.cost_scale", "(frame.cost_scale + 9000u)", wide),
+    mutant("matching_cost", "c < begin + reach", "c < begin + reach - 1u", wide),
+    mutant("matching_cost", "min(begin + SPAN,", "min(begin + SPAN - 1u,", |params| {
         wide(params);
         lanes(params);
     }),
-    mutant("sad_cost_small", "1u << 23u", "1u << 22u", |_| ()),
-    mutant("sad_cost_small", "frame.height) - 1)", "frame.height) - 2)", |_| ()),
-    mutant("sad_cost_small", "start - four,", "start - four + 1u,", |_| ()),
-    mutant("sad_cost_small", "window(start + 1u,", "window(start,", |params| params.min_disparity = -12),
-    mutant("sad_cost_small", "values[j] >>= 8u", "values[j] >>= 16u", |_| ()),
-    mutant("sad_cost_small", "c < columns", "c + 1u < columns", |_| ()),
-    mutant("sad_cost_small", "- kept[0]", "- kept[1]", |_| ()),
-    mutant("sad_cost_small", "j % SUMMABLE == 0u", "j % (SUMMABLE + 3u) == 0u", |params| params.prefilter_cap = 63),
-    mutant("sad_cost_lanes", "1u << 23u", "1u << 22u", lanes),
-    mutant("sad_cost_lanes", "frame.height) - 1)", "frame.height) - 2)", lanes),
-    mutant("sad_cost_lanes", "- kept[0]", "- kept[1]", lanes),
-    mutant("sad_cost_lanes", "values[c >> 2u], (c & 3u)", "values[c >> 2u], (i & 3u)", lanes),
-    mutant("sad_cost_lanes", "% SUMMABLE == 0u", "% (SUMMABLE + 3u) == 0u", |params| {
+    mutant("matching_cost_small", "1u << 23u", "1u << 22u", |_| ()),
+    mutant("matching_cost_small", "frame.height) - 1)", "frame.height) - 2)", |_| ()),
+    mutant("matching_cost_small", "start - four,", "start - four + 1u,", |_| ()),
+    mutant("matching_cost_small", "window(start + 1u,", "window(start,", |params| params.min_disparity = -12),
+    mutant("matching_cost_small", "values[j][p] >>= 8u", "values[j][p] >>= 16u", |_| ()),
+    mutant("matching_cost_small", "c < columns", "c + 1u < columns", |_| ()),
+    mutant("matching_cost_small", "- kept[0]", "- kept[1]", |_| ()),
+    mutant("matching_cost_small", "(a ^ b) & c", "(a ^ b) | c", |params| params.cost = Cost::Census),
+    mutant("matching_cost_small", "2u * bits", "bits", |params| params.cost = Cost::CensusSobel),
+    mutant("matching_cost_small", "+ vec4(8u)", "+ vec4(7u)", |params| params.cost = Cost::AdCensus),
+    mutant("matching_cost_small", "there - above(there, back)", "there", |params| params.cost = Cost::BirchfieldTomasi),
+    mutant("matching_cost_small", "((a ^ b) >> vec4(1u))", "((a | b) >> vec4(1u))", |params| params.color_cost = true),
+    mutant("matching_cost_small", "j % SUMMABLE == 0u", "j % (SUMMABLE + 3u) == 0u", |params| {
+        params.prefilter_cap = 63
+    }),
+    mutant("matching_cost_lanes", "1u << 23u", "1u << 22u", lanes),
+    mutant("matching_cost_lanes", "frame.height) - 1)", "frame.height) - 2)", lanes),
+    mutant("matching_cost_lanes", "- kept[0]", "- kept[1]", lanes),
+    mutant("matching_cost_lanes", "values[c >> 2u], (c & 3u)", "values[c >> 2u], (i & 3u)", lanes),
+    mutant("matching_cost_lanes", "% SUMMABLE == 0u", "% (SUMMABLE + 3u) == 0u", |params| {
         lanes(params);
         params.prefilter_cap = 63;
     }),
-    mutant("sad_cost_lanes", "+ REACH;", "+ REACH - 1u;", lanes),
+    mutant("matching_cost_lanes", "+ REACH;", "+ REACH - 1u;", lanes),
     mutant("sgm_aggregate", "frame.p1", "frame.p2", |_| ()),
     mutant("sgm_aggregate", "frame.p2", "frame.p1", |_| ()),
     mutant("sgm_aggregate", "frame.p2", "frame.p1", eight),

@@ -5,50 +5,62 @@
 //! accepts, and each other's results: they check neither again.
 
 mod block_match;
+mod cost_columns;
+mod features;
 mod gray;
 mod lr_check;
+mod matching_cost;
 mod median;
 mod mirror;
 mod penalties;
 mod prefilter;
-mod sad_columns;
-mod sad_cost;
 mod sgm_aggregate;
+mod window_sums;
 mod winner;
 
 pub use block_match::{block_match, block_sums};
-pub use gray::gray;
+pub use cost_columns::{cost_columns, pixel_cost};
+pub use features::{Features, features};
+pub use gray::{Channel, deep_gray, depth_unit, gray};
 pub use lr_check::lr_check;
+pub use matching_cost::{matching_cost, matching_cost_scale};
 pub use median::median;
 pub use mirror::{mirror, mirrored};
 pub use penalties::penalties;
 pub use prefilter::prefilter;
-pub use sad_columns::sad_columns;
-pub use sad_cost::{sad_cost, sad_cost_scale};
 pub use sgm_aggregate::{Direction, aggregate_direction, sgm_aggregate};
+pub use window_sums::window_sum;
 pub use winner::{Views, points_inside, winner};
 
+use rayon::prelude::*;
 use std::time::Instant;
 
-use crate::{DisparityMap, Error, Image, Median, Method, Params, StageTime};
+use crate::{DisparityMap, Error, Image, Median, Method, Params, Prefilter, StageTime};
 
-/// An 8-bit image, row by row from the top.
+/// An image, row by row from the top.
 #[derive(Clone, Debug, PartialEq, Eq)]
-pub struct Plane {
+pub struct Plane<T> {
     /// Pixels a row.
     pub width: usize,
     /// Rows.
     pub height: usize,
     /// `data[y * width + x]`.
-    pub data: Vec<u8>,
+    pub data: Vec<T>,
 }
 
-impl Plane {
+impl<T: Copy + Into<i32> + Sync> Plane<T> {
     /// The pixel nearest to (x, y) that lies in the image: the image is continued by its border.
     pub fn clamped(&self, x: i64, y: i64) -> i32 {
         let x = x.clamp(0, self.width as i64 - 1) as usize;
         let y = y.clamp(0, self.height as i64 - 1) as usize;
-        i32::from(self.data[y * self.width + x])
+        self.data[y * self.width + x].into()
+    }
+
+    /// An image of the same size, from a function of x and y.
+    pub fn map<U: Send>(&self, value: impl Fn(i64, i64) -> U + Sync) -> Plane<U> {
+        let pixel = |i: usize| value((i % self.width) as i64, (i / self.width) as i64);
+        let data = (0..self.data.len()).into_par_iter().with_min_len(1 << 12).map(pixel).collect();
+        Plane { width: self.width, height: self.height, data }
     }
 }
 
@@ -113,19 +125,52 @@ pub fn compute_timed(left: &Image, right: &Image, params: &Params) -> Result<(Di
 
 /// From the images to the winner of both views.
 fn views(left: &Image, right: &Image, params: &Params, clock: &mut Clock) -> Views {
-    let (left, right) = clock.stage("gray", (gray(left), gray(right)));
     let adaptive = params.adaptive_p2 && params.method == Method::Sgm;
-    let penalties = adaptive.then(|| clock.stage("penalties", penalties(&left, params)));
-    let (left, right) = clock.stage("prefilter", (prefilter(&left, params), prefilter(&right, params)));
-    let columns = clock.stage("sad_columns", sad_columns(&left, &right, params));
+    let luma = adaptive.then(|| gray(left, Channel::Luma));
+    let (left, right) = clock.stage("gray", (images(left, params), images(right, params)));
+    let penalties = luma.map(|luma| clock.stage("penalties", penalties(&luma, params)));
+    let (left, right) = clock.stage("prefilter", (left.prefiltered(params), right.prefiltered(params)));
+    let (left, right) = clock.stage("features", (left.features(params), right.features(params)));
+    let columns = clock.stage("cost_columns", cost_columns(&left, &right, params));
     match params.method {
         Method::Bm => clock.stage("block_match", block_match(&columns, params)),
         Method::Sgm => {
-            let cost = clock.stage("sad_cost", sad_cost(&columns, params));
+            let cost = clock.stage("matching_cost", matching_cost(&columns, params));
             drop(columns);
             let sum = clock.stage("sgm_aggregate", sgm_aggregate(&cost, penalties.as_ref(), params));
             clock.stage("winner", winner(&sum, params))
         }
+    }
+}
+
+/// An image as the chain takes it: luma, or with [`Params::color_cost`] red, green and blue.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Images {
+    /// One, or three of one size.
+    pub channels: Vec<Plane<u16>>,
+    /// How much of a value stands for one of 256 levels.
+    pub unit: i32,
+}
+
+/// The images that are prefiltered.
+pub fn images(image: &Image, params: &Params) -> Images {
+    let channels = match params.color_cost {
+        true => [0, 1, 2].map(|sample| deep_gray(image, Channel::Sample(sample))).into(),
+        false => vec![deep_gray(image, Channel::Luma)],
+    };
+    Images { channels, unit: depth_unit(image) }
+}
+
+impl Images {
+    /// All of them prefiltered.
+    pub fn prefiltered(&self, params: &Params) -> Self {
+        let unit = if params.prefilter == Prefilter::None { self.unit } else { 1 };
+        Self { channels: self.channels.iter().map(|image| prefilter(image, self.unit, params)).collect(), unit }
+    }
+
+    /// What the cost compares of them.
+    pub fn features(&self, params: &Params) -> Features {
+        features(&self.channels, self.unit, params)
     }
 }
 

@@ -9,7 +9,7 @@ use rayon::prelude::*;
 /// P2'(delta) = min(P2, max(floor(10 P2 / max(delta, 10)), P1 + floor(P1 / 2))), delta = |I(p) - I(q)| of the left gray
 /// image in 8 bits: P2 where the intensity changes by at most 10 levels, and in inverse proportion to the change above
 /// (Hirschmüller 2008, section 2.3), but not below one and a half times P1.
-pub fn penalties(gray: &Plane, params: &Params) -> Volume<u8> {
+pub fn penalties(gray: &Plane<u8>, params: &Params) -> Volume<u8> {
     let directions = &Direction::FORWARD[..if params.paths == crate::Paths::Sixteen { 8 } else { 4 }];
     let mut penalties = Volume::new(gray.width, gray.height, directions.len());
     let row_len = penalties.row_len();

@@ -107,7 +107,8 @@ pub fn random_params(random: &mut ChaCha8Rng) -> Params {
     params.min_disparity = *[0, 0, 0, 1, 5, -1, -7, -40, 30].get(random.random_range(0..9)).unwrap();
     params.paths = [Paths::Three, Paths::Four, Paths::Five, Paths::Eight, Paths::Sixteen][random.random_range(0..5)];
     params.block = 2 * random.random_range(0..10) + 1;
-    params.prefilter = [Prefilter::XSobel, Prefilter::Sobel, Prefilter::None][random.random_range(0..3)];
+    params.prefilter =
+        [Prefilter::XSobel, Prefilter::Sobel, Prefilter::Normalized, Prefilter::None][random.random_range(0..4)];
     params.prefilter_cap = random.random_range(1..=127);
     params.p2 = random.random_range(0..=127);
     params.p1 = random.random_range(0..=params.p2);
@@ -116,6 +117,26 @@ pub fn random_params(random: &mut ChaCha8Rng) -> Params {
     params.median = if random.random_bool(0.3) { Median::Off } else { Median::Three };
     params.subpixel = if random.random_bool(0.7) { Subpixel::Parabola } else { Subpixel::Off };
     params.shader_checks = random.random_bool(0.3);
+    use gpu_stereo::{Census, Cost};
+    const COSTS: [Cost; 8] = [
+        Cost::Sad,
+        Cost::Ssd,
+        Cost::ZeroMeanSad,
+        Cost::BirchfieldTomasi,
+        Cost::SadXy,
+        Cost::Census,
+        Cost::CensusSobel,
+        Cost::AdCensus,
+    ];
+    const WINDOWS: [Census; 4] = [Census::Five, Census::Seven, Census::NineBySeven, Census::CentreSymmetric];
+    if random.random_bool(0.7) {
+        params.cost = COSTS[random.random_range(0..8)];
+        params.census = WINDOWS[random.random_range(0..4)];
+        params.prefilter_cap = random.random_range(1..=32);
+        params.color_cost = matches!(params.cost, Cost::Sad | Cost::BirchfieldTomasi) && random.random();
+        (params.ad_weight, params.census_weight) = (random.random_range(1..=64), random.random_range(0..=64));
+    }
+    params.prefilter_window = 2 * random.random_range(1..=25) + 1;
     params.schedule = [Schedule::Auto, Schedule::Lines, Schedule::Lanes][random.random_range(0..3)];
     params.adaptive_p2 = random.random_bool(0.4);
     params.right_view = if random.random_bool(0.3) { RightView::Match } else { RightView::Diagonal };

@@ -1,10 +1,10 @@
-// sad_cost_lanes: sad_cost for blocks of up to 15 pixels, without column sums in memory, by as many invocations as can be.
-// left, right (prefiltered planes) -> cost (u8, [y][x][d], four disparities a word)
+// matching_cost_lanes: matching_cost for small blocks, without column sums in memory, by as many invocations as can be.
+// left, right (planes of features) -> cost (u8, [y][x][d], four disparities a word)
 // One invocation: sixteen disparities of one column of pixels, SEGMENT rows downwards; the last BLOCK row sums are kept,
 //   so that a row leaves the block without being computed again. Neighbouring invocations: the disparities of one pixel,
 //   then the next pixel, so that they write neighbouring words.
 // Border: rows are clamped into the image, columns by the planes.
-// Reference: src/reference/sad_cost.rs
+// Reference: src/reference/matching_cost.rs
 
 @group(0) @binding(2) var<storage, read> left: array<u32>;
 @group(0) @binding(3) var<storage, read> right: array<u32>;
@@ -28,31 +28,43 @@ fn aligned(words: vec4<u32>, next: u32, shift: u32) -> vec4<u32> {
     return (words >> vec4(shift)) | ((vec4(words.yzw, next) << vec4(1u)) << vec4(31u - shift));
 }
 
-// The sums of the differences over a row of the block whose first column is `column`, for the vector q of disparities.
+// The sums of the costs over a row of the block whose first column is `column`, for the vector q of disparities.
 fn row_sums(column: u32, q: u32, row: u32) -> Sums {
     let l = column >> 2u;
-    let values = aligned(vec4(left_word(row, l), left_word(row, l + 1u), left_word(row, l + 2u), left_word(row, l + 3u)),
-        left_word(row, l + 4u), (column & 3u) * 8u);
     // The right pixels of the last column of the block; a column to the left, they lie one byte further on.
     let j = frame.width - 1u - column + 16u * q;
     let r = j >> 2u;
     let shift = (j & 3u) * 8u;
-    let middle = vec4(right_word(row, r + 4u), right_word(row, r + 5u), right_word(row, r + 6u), right_word(row, r + 7u));
-    var window = aligned(vec4(right_word(row, r), right_word(row, r + 1u), right_word(row, r + 2u), right_word(row, r + 3u)),
-        middle.x, shift);
-    var beyond = aligned(middle, right_word(row, r + 8u), shift);
+    var values: Window;
+    var window: Window;
+    var beyond: Window;
+    for (var p = 0u; p < PLANES; p++) {
+        let y = p * frame.height + row;
+        values[p] = aligned(vec4(left_word(y, l), left_word(y, l + 1u), left_word(y, l + 2u), left_word(y, l + 3u)),
+            left_word(y, l + 4u), (column & 3u) * 8u);
+        let middle = vec4(right_word(y, r + 4u), right_word(y, r + 5u), right_word(y, r + 6u), right_word(y, r + 7u));
+        window[p] = aligned(vec4(right_word(y, r), right_word(y, r + 1u), right_word(y, r + 2u), right_word(y, r + 3u)),
+            middle.x, shift);
+        beyond[p] = aligned(middle, right_word(y, r + 8u), shift);
+    }
     var sums: Sums;
     var bytes = vec4(0u);
     for (var i = 0u; i < BLOCK; i++) {
         let c = REACH - i;
-        bytes += differences(extractBits(values[c >> 2u], (c & 3u) * 8u, 8u) * 0x01010101u, window);
-        if (i + 1u) % SUMMABLE == 0u || i == REACH { // SUMMABLE differences fit a byte
+        var pixel: Pixel;
+        for (var p = 0u; p < PLANES; p++) {
+            pixel[p] = extractBits(values[p][c >> 2u], (c & 3u) * 8u, 8u) * 0x01010101u;
+        }
+        bytes += pixel_costs(pixel, window);
+        if (i + 1u) % SUMMABLE == 0u || i == REACH { // SUMMABLE costs fit a byte
             sums[0] += low_pairs(bytes);
             sums[1] += high_pairs(bytes);
             bytes = vec4(0u);
         }
-        window = (window >> vec4(8u)) | (vec4(window.yzw, beyond.x) << vec4(24u));
-        beyond = (beyond >> vec4(8u)) | (vec4(beyond.yzw, 0u) << vec4(24u));
+        for (var p = 0u; p < PLANES; p++) {
+            window[p] = (window[p] >> vec4(8u)) | (vec4(window[p].yzw, beyond[p].x) << vec4(24u));
+            beyond[p] = (beyond[p] >> vec4(8u)) | (vec4(beyond[p].yzw, 0u) << vec4(24u));
+        }
     }
     return sums;
 }

@@ -1,0 +1,331 @@
+//! Study: maps of one pair with several settings, on one sheet and in one table: `sweep` and `compare`.
+
+use crate::args::{self, Compare, StudyArgs};
+use crate::output::{self, Output, SheetFormat};
+use crate::report::{self, FrameMs};
+use crate::resolve;
+use crate::run::{Engine, Frames};
+use crate::sheet::{Layout, Order, Sheet};
+use crate::{input, tell};
+use anyhow::{Context as _, Result, bail, ensure};
+use gpu_stereo::reference::{self, Channel};
+use gpu_stereo::{Image, Params, Preset};
+use image::{Rgb, RgbImage};
+use indicatif::{ProgressBar, ProgressFinish, ProgressStyle};
+use serde::{Serialize, Serializer};
+use std::path::PathBuf;
+
+/// Frames of a map on an adapter, after a warm-up. The reference computes one: its time is no one's concern.
+const REPEAT: u32 = 5;
+/// The most maps of a sheet.
+const MAX_MAPS: usize = 1000;
+const TILE_WIDTHS: std::ops::RangeInclusive<i64> = 16..=4096;
+
+/// A study, ready to start.
+pub struct Study {
+    left: PathBuf,
+    right: PathBuf,
+    variants: Vec<Variant>,
+    /// The settings that all have in common.
+    common: String,
+    order: Order,
+    tile_width: Option<u32>,
+    backend: args::Backend,
+    adapter: Option<String>,
+    repeat: Option<u32>,
+    outputs: Vec<Output<SheetFormat>>,
+    json: bool,
+    quiet: bool,
+}
+
+/// One of the settings that are compared.
+struct Variant {
+    label: String,
+    /// As they were given, in the order in which they count.
+    settings: Vec<(String, String)>,
+    params: Params,
+}
+
+/// A combination of every value of the options that were given several.
+pub fn resolve_sweep(args: StudyArgs) -> Result<Study> {
+    let given: Vec<(&str, Vec<&str>)> =
+        args.settings.iter().map(|(name, values)| (name, values.split(',').collect())).collect();
+    let count = given.iter().try_fold(1_usize, |count, (_, values)| count.checked_mul(values.len()));
+    ensure!(
+        count.is_some_and(|count| count <= MAX_MAPS),
+        "the values make {} combinations, but at most {MAX_MAPS} are computed; give fewer values",
+        count.map_or("countless".into(), |count| count.to_string())
+    );
+    let mut combinations: Vec<Vec<(&str, &str)>> = vec![Vec::new()];
+    for (name, values) in &given {
+        let with = |combination: &Vec<_>, value| [&combination[..], &[(*name, value)]].concat();
+        combinations = combinations.iter().flat_map(|c| values.iter().map(|value| with(c, *value))).collect();
+    }
+    let axes: Vec<_> = given.iter().filter(|(_, values)| values.len() > 1).collect();
+    let order = match axes[..] {
+        [_, (_, columns)] => Order::Columns(columns.len() as u32),
+        _ => Order::Wrapped,
+    };
+    let variants = combinations.into_iter().map(|settings| {
+        let on_axes = settings.iter().filter(|(name, _)| axes.is_empty() || axes.iter().any(|(axis, _)| axis == name));
+        let label = told(on_axes.copied());
+        let params = resolve::params(settings.iter().copied())?;
+        let settings = settings.into_iter().map(|(name, value)| (name.into(), value.into())).collect();
+        Ok(Variant { label, settings, params })
+    });
+    let variants = variants.collect::<Result<_>>()?;
+    let common = given.iter().filter(|(_, values)| values.len() == 1 && !axes.is_empty());
+    let common = told(common.map(|(name, values)| (*name, values[0])));
+    resolve(&args, variants, common, order, "sweep.png")
+}
+
+/// The variants that were named.
+pub fn resolve_compare(args: Compare) -> Result<Study> {
+    let Compare { variants, study } = args;
+    ensure!(
+        variants.len() <= MAX_MAPS,
+        "--variants has {} variants, but at most {MAX_MAPS} are computed; give fewer",
+        variants.len()
+    );
+    let common: Vec<_> = study.settings.iter().collect();
+    let variants = variants.iter().map(|text| {
+        let context = || format!("--variants has {text:?}");
+        let own = text.split('+').map(setting).collect::<Result<Vec<_>>>().with_context(context)?;
+        let label = told(own.iter().map(|(name, value)| (*name, value.as_str())));
+        let common = common.iter().map(|(name, value)| (*name, (*value).to_owned()));
+        let settings: Vec<_> = common.chain(own).map(|(name, value)| (name.to_owned(), value)).collect();
+        let params = resolve::params(settings.iter().map(|(name, value)| (name.as_str(), value.as_str())));
+        Ok(Variant { label, params: params.with_context(context)?, settings })
+    });
+    let variants = variants.collect::<Result<_>>()?;
+    resolve(&study, variants, told(common.into_iter()), Order::Wrapped, "compare.png")
+}
+
+/// A part of a variant: `option=value`, or a word that tells its option.
+fn setting(part: &str) -> Result<(&str, String)> {
+    if let Some((name, value)) = part.split_once('=') {
+        return Ok((name, value.into()));
+    }
+    let has = |words: &[(&str, &str)], word| words.iter().any(|(known, _)| *known == word);
+    if has(Preset::NAMES, part) {
+        return Ok(("preset", part.into()));
+    }
+    for option in Params::OPTIONS {
+        if ["method", "cost"].contains(&option.name) && has(option.values, part) {
+            return Ok((option.name, part.into()));
+        }
+        if option.name == part && has(option.values, "on") {
+            return Ok((part, "on".into()));
+        }
+    }
+    bail!(
+        "{part:?} is neither a preset, a method or a cost nor an option that can be on; give OPTION=VALUE, several \
+         joined by +, and see gpu-stereo --help"
+    )
+}
+
+/// Settings in words.
+fn told<'a>(settings: impl Iterator<Item = (&'a str, &'a str)>) -> String {
+    settings.map(|(name, value)| format!("{name} {value}")).collect::<Vec<_>>().join(", ")
+}
+
+/// What both have in common.
+fn resolve(args: &StudyArgs, variants: Vec<Variant>, common: String, order: Order, name: &str) -> Result<Study> {
+    let given = variants.iter().map(|Variant { settings, params, .. }| {
+        let names: Vec<_> = settings.iter().map(|(name, _)| name.as_str()).collect();
+        (names, params)
+    });
+    let given: Vec<_> = given.collect();
+    given.iter().try_for_each(|(given, _)| resolve::ensure_disparities(given))?;
+    resolve::ensure_adapter(args.backend, args.adapter.as_deref())?;
+    let repeat = args.repeat.as_ref().map(resolve::repeat).transpose()?;
+    let tile_width = args.tile_width.as_ref().map(|given| {
+        let allowed = TILE_WIDTHS.contains(&given.value).then_some(given.value as u32);
+        allowed.with_context(|| {
+            let (least, most) = (TILE_WIDTHS.start(), TILE_WIDTHS.end());
+            format!("--tile-width is {}, but must be from {least} to {most} px; 320 is usual", given.text)
+        })
+    });
+    let tile_width = tile_width.transpose()?;
+    let outputs = output::resolve_sheet(args.output.as_deref().unwrap_or(name.as_ref()), [&args.left, &args.right])?;
+    resolve::tell_unused(&given);
+    Ok(Study {
+        left: args.left.clone(),
+        right: args.right.clone(),
+        variants,
+        common,
+        order,
+        tile_width,
+        backend: args.backend,
+        adapter: args.adapter.clone(),
+        repeat,
+        outputs,
+        json: args.json,
+        quiet: args.quiet,
+    })
+}
+
+/// What a study found; `--json` prints it as it is.
+#[derive(Serialize)]
+pub struct StudyReport {
+    adapter: String,
+    backend: String,
+    driver: String,
+    width: u32,
+    height: u32,
+    variants: Vec<Found>,
+    #[serde(serialize_with = "report::paths")]
+    outputs: Vec<PathBuf>,
+}
+
+/// What was found of a variant.
+#[derive(Serialize)]
+struct Found {
+    label: String,
+    #[serde(serialize_with = "settings")]
+    settings: Vec<(String, String)>,
+    min_disparity: i32,
+    disparities: u32,
+    valid: f64,
+    frame_ms: FrameMs,
+    peak_device_bytes: u64,
+}
+
+/// Options and values as an object; of an option given twice the last counts.
+fn settings<S: Serializer>(settings: &[(String, String)], serializer: S) -> Result<S::Ok, S::Error> {
+    let map: serde_json::Map<_, _> =
+        settings.iter().map(|(name, value)| (name.clone(), value.as_str().into())).collect();
+    map.serialize(serializer)
+}
+
+impl Found {
+    fn ms(&self) -> String {
+        format!("{:.1}", self.frame_ms.median)
+    }
+
+    fn percent(&self) -> String {
+        format!("{:.1} %", 100.0 * self.valid)
+    }
+
+    /// What stands below the map.
+    fn note(&self) -> String {
+        format!("{} ms, {:.0} % valid", self.ms(), 100.0 * self.valid)
+    }
+}
+
+impl Study {
+    /// Computes every map and writes the sheet.
+    pub fn run(&self) -> Result<StudyReport> {
+        let (left, right) = input::read_pair(&self.left, &self.right)?;
+        let mut engine: Option<Engine> = None;
+        let mut sheet = None;
+        let mut variants = Vec::new();
+        let (first, last) = self.range();
+        let progress = Progress::new(self.variants.len(), self.quiet);
+        for (place, Variant { label, settings, params }) in (1..).zip(&self.variants) {
+            progress.begin(label);
+            let context = || label.clone();
+            let ready = match engine.take() {
+                None => Engine::open(self.backend, self.adapter.as_deref(), false, &left, params),
+                Some(engine) => engine.again(&left, params),
+            };
+            let ready = engine.insert(ready.with_context(context)?);
+            let repeat = self.repeat.or_else(|| (ready.device_bytes() > 0).then_some(REPEAT));
+            if sheet.is_none() {
+                sheet = Some(self.blank(ready, &left, repeat, (first, last))?);
+            }
+            let Frames { map, times, .. } = ready.frames(&left, &right, params, false, repeat).with_context(context)?;
+            let found = Found {
+                label: label.clone(),
+                settings: settings.clone(),
+                min_disparity: params.min_disparity,
+                disparities: params.disparities,
+                valid: map.valid_fraction(),
+                frame_ms: times,
+                peak_device_bytes: ready.device_bytes(),
+            };
+            if let Some(sheet) = &mut sheet {
+                sheet.tile(place, &output::picture(&map, (first, last)), &found.note());
+            }
+            progress.done(&found);
+            variants.push(found);
+        }
+        let (Some(engine), Some(sheet)) = (engine, sheet) else {
+            bail!("there is nothing to compute; give a setting");
+        };
+        output::write_sheet(&self.outputs, &sheet.finish())?;
+        let (adapter, backend, driver) = engine.names();
+        let outputs = self.outputs.iter().map(|output| output.path.clone()).collect();
+        Ok(StudyReport { adapter, backend, driver, width: left.width(), height: left.height(), variants, outputs })
+    }
+
+    /// The range of colours: every disparity that any variant searches.
+    fn range(&self) -> (i64, i64) {
+        let ranges = self.variants.iter().map(|variant| output::searched(&variant.params));
+        ranges.reduce(|a, b| (a.0.min(b.0), a.1.max(b.1))).unwrap_or_default()
+    }
+
+    /// The sheet without maps.
+    fn blank(&self, engine: &Engine, left: &Image, repeat: Option<u32>, range: (i64, i64)) -> Result<Sheet> {
+        let (adapter, ..) = engine.names();
+        let name = self.left.file_name().unwrap_or_default().to_string_lossy();
+        let captions: Vec<_> = [name.into()].into_iter().chain(self.variants.iter().map(|v| v.label.clone())).collect();
+        let times = match repeat {
+            Some(frames @ 2..) => format!("times: median of {frames} frames after a warm-up, {adapter}"),
+            Some(_) => format!("times: one frame after a warm-up, {adapter}"),
+            None => format!("times: one frame, {adapter}"),
+        };
+        let legend = ["black: no disparity".to_owned(), self.common.clone(), times];
+        let legend: Vec<_> = legend.into_iter().filter(|line| !line.is_empty()).collect();
+        let layout = Layout::new((left.width(), left.height()), &captions, &legend, self.order, self.tile_width)?;
+        Ok(Sheet::new(layout, &drawn(left), range))
+    }
+
+    /// Prints what was found.
+    pub fn print(&self, found: &StudyReport) -> Result<()> {
+        if self.json {
+            return report::to_stdout(&(serde_json::to_string(found)? + "\n"));
+        }
+        if self.quiet {
+            return Ok(());
+        }
+        let rows = found.variants.iter().map(|v| [v.label.clone(), v.ms(), v.percent()]);
+        report::to_stdout(&report::table(["settings", "ms", "valid"], rows, 1..3))
+    }
+}
+
+/// An image in 8 bits a channel.
+fn drawn(image: &Image) -> RgbImage {
+    let channels = [0, 1, 2].map(|sample| reference::gray(image, Channel::Sample(sample)).data);
+    let mut pixels = 0..;
+    let color = |i: usize| channels.each_ref().map(|channel| channel[i]);
+    RgbImage::from_fn(image.width(), image.height(), |_, _| Rgb(pixels.next().map_or([0; 3], color)))
+}
+
+/// A bar on a terminal, a line for each map elsewhere, both on stderr.
+struct Progress {
+    bar: ProgressBar,
+    lines: bool,
+}
+
+impl Progress {
+    fn new(maps: usize, quiet: bool) -> Self {
+        let bar = if quiet { ProgressBar::hidden() } else { ProgressBar::new(maps as u64) };
+        let style = ProgressStyle::with_template("{bar:24} {pos}/{len}  {wide_msg}");
+        let bar = bar.with_finish(ProgressFinish::AndClear).with_style(style.unwrap_or(ProgressStyle::default_bar()));
+        let lines = bar.is_hidden() && !quiet;
+        Self { bar, lines }
+    }
+
+    fn begin(&self, label: &str) {
+        self.bar.set_message(label.to_owned());
+    }
+
+    fn done(&self, found: &Found) {
+        self.bar.inc(1);
+        if self.lines {
+            let (done, all) = (self.bar.position(), self.bar.length().unwrap_or_default());
+            tell(&format!("{done}/{all}  {}: {}", found.label, found.note()));
+        }
+    }
+}
