@@ -60,8 +60,12 @@ pub(crate) enum Output {
     },
     /// The right view of a second match.
     Mirrored,
+    Textured,
     Checked,
     Median,
+    WeightedMedian,
+    Wls,
+    Confidence,
 }
 
 /// One dispatch, and what is copied after it.
@@ -159,6 +163,7 @@ pub(crate) struct Builder<'a> {
     shared: Option<(Shared<wgpu::Buffer>, Shared<wgpu::Texture>)>,
     compiled: HashMap<(usize, String), Compiled>,
     planned: Vec<Planned>,
+    tables: Vec<(wgpu::Buffer, Vec<u32>)>,
     pub(crate) device_bytes: u64,
 }
 
@@ -170,7 +175,7 @@ impl<'a> Builder<'a> {
         format: PixelFormat,
         sizes: &'a Sizes,
     ) -> Self {
-        let (compiled, planned) = (HashMap::new(), Vec::new());
+        let (compiled, planned, tables) = (HashMap::new(), Vec::new(), Vec::new());
         Self {
             device,
             params: params.clone(),
@@ -181,6 +186,7 @@ impl<'a> Builder<'a> {
             shared: None,
             compiled,
             planned,
+            tables,
             device_bytes: 0,
         }
     }
@@ -212,6 +218,13 @@ impl<'a> Builder<'a> {
         if let Some((buffers, _)) = &mut self.shared {
             buffers.keep(key, &buffer);
         }
+        buffer
+    }
+
+    /// A buffer of numbers that the kernels only read.
+    pub(crate) fn table(&mut self, name: &str, contents: Vec<u32>) -> wgpu::Buffer {
+        let buffer = self.buffer(name, 4 * contents.len() as u64);
+        self.tables.push((buffer.clone(), contents));
         buffer
     }
 
@@ -329,6 +342,9 @@ impl<'a> Builder<'a> {
             queue.write_buffer(&buffer, 0, contents);
             buffer
         };
+        for (buffer, contents) in &self.tables {
+            queue.write_buffer(buffer, 0, bytemuck::cast_slice(contents));
+        }
         let mut blocks = vec![0u8; self.planned.len() * PASS_STRIDE as usize];
         for (block, step) in blocks.chunks_exact_mut(PASS_STRIDE as usize).zip(&self.planned) {
             block[..size_of::<Pass>()].copy_from_slice(bytemuck::bytes_of(&step.pass));

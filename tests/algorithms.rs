@@ -35,6 +35,15 @@ fn python(argument: &str) -> Option<String> {
     Some(String::from_utf8(output.stdout).unwrap())
 }
 
+fn median_side(params: &Params) -> Option<usize> {
+    match params.median {
+        Median::Off => None,
+        Median::Three => Some(3),
+        Median::Five => Some(5),
+        other => panic!("no side of {other:?}"),
+    }
+}
+
 /// The settings by the page's names.
 fn settings(params: &Params) -> Vec<(&'static str, String)> {
     let number = |n: u32| n.to_string();
@@ -49,11 +58,15 @@ fn settings(params: &Params) -> Vec<(&'static str, String)> {
         ("p1", number(params.p1)),
         ("p2", number(params.p2)),
         ("adaptive_p2", if params.adaptive_p2 { "on" } else { "off" }.into()),
+        ("texture", number(params.texture)),
         ("uniqueness", number(params.uniqueness)),
         ("lr_check", params.lr_check.map_or("off".into(), number)),
         ("right_view", format!("{:?}", params.right_view).to_lowercase()),
-        ("median", if params.median == Median::Off { "off" } else { "3" }.into()),
-        ("subpixel", if params.subpixel == Subpixel::Off { "off" } else { "on" }.into()),
+        ("median", median_side(params).map_or("off".into(), |side| side.to_string())),
+        ("subpixel", format!("{:?}", params.subpixel).to_lowercase()),
+        ("weighted_median", params.weighted_median.map_or("off".into(), number)),
+        ("weighted_median_sigma", number(params.weighted_median_sigma)),
+        ("wls", params.wls.map_or("off".into(), |wls| format!("{},{}", f64::from(wls.lambda), f64::from(wls.sigma)))),
     ]
 }
 
@@ -71,11 +84,7 @@ fn json(image: &Image, params: &Params) -> String {
         format!("\"format\": \"{format}\""),
     ];
     for (name, value) in settings(params) {
-        let value = match (name, value.as_str()) {
-            ("subpixel" | "adaptive_p2", value) => (value == "on").to_string(),
-            (_, value) if value.parse::<i64>().is_ok() => value.to_string(),
-            (_, value) => format!("\"{value}\""),
-        };
+        let value = if value.parse::<i64>().is_ok() { value } else { format!("\"{value}\"") };
         fields.push(format!("\"{name}\": {value}"));
     }
     format!("{{{}}}\n", fields.join(", "))
@@ -130,21 +139,41 @@ fn stages(left: &Image, right: &Image, params: &Params) -> Vec<(&'static str, us
     };
     stages.push(("winner_left", 2, map_bytes(&views.left)));
     stages.push(("winner_right", 2, map_bytes(&views.right)));
-    let checked = match params.lr_check {
-        Some(px) if params.right_view == RightView::Match => {
-            let mut second = params.clone();
-            (second.subpixel, second.uniqueness) = (Subpixel::Off, 0);
-            (second.lr_check, second.median) = (None, Median::Off); // so the map is the left view
-            let (left, right) = (reference::mirrored(left).unwrap(), reference::mirrored(right).unwrap());
-            let matched = reference::mirror(&reference::compute(&right, &left, &second).unwrap());
-            stages.push(("mirror", 2, map_bytes(&matched)));
-            reference::lr_check(&views.left, &matched, px)
-        }
-        Some(px) => reference::lr_check(&views.left, &views.right, px),
-        None => views.left,
+    let mut right_view = views.right;
+    if params.right_view == RightView::Match && params.lr_check.is_some() {
+        let mut second = params.clone();
+        (second.subpixel, second.uniqueness, second.texture) = (Subpixel::Off, 0, 0);
+        // So the map is the left view.
+        (second.lr_check, second.median) = (None, Median::Off);
+        (second.weighted_median, second.wls) = (None, None);
+        let (left, right) = (reference::mirrored(left).unwrap(), reference::mirrored(right).unwrap());
+        right_view = reference::mirror(&reference::compute(&right, &left, &second).unwrap());
+        stages.push(("mirror", 2, map_bytes(&right_view)));
+    }
+    let mut map = match params.texture {
+        0 => views.left,
+        _ => reference::texture(&views.left, &gray[0], params),
     };
-    stages.push(("lr_check", 2, map_bytes(&checked)));
-    stages.push(("median", 2, map_bytes(&reference::compute(left, right, params).unwrap())));
+    stages.push(("texture", 2, map_bytes(&map)));
+    if let Some(px) = params.lr_check {
+        map = reference::lr_check(&map, &right_view, px);
+    }
+    stages.push(("lr_check", 2, map_bytes(&map)));
+    if let Some(side) = median_side(params) {
+        map = reference::median(&map, side);
+    }
+    stages.push(("median", 2, map_bytes(&map)));
+    if let Some(radius) = params.weighted_median {
+        map = reference::weighted_median(&map, &gray[0], radius, params);
+    }
+    stages.push(("weighted_median", 2, map_bytes(&map)));
+    let mut with_confidence = params.clone();
+    with_confidence.confidence = true;
+    let matched = reference::compute_all(left, right, &with_confidence).unwrap();
+    assert!(params.wls.is_some() || map == matched.map);
+    stages.push(("wls", 2, map_bytes(&matched.map)));
+    stages.push(("margins", 1, views.margins.data));
+    stages.push(("confidence", 1, matched.confidence.unwrap().data));
     stages
 }
 

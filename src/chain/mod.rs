@@ -16,9 +16,12 @@ pub(crate) struct Made {
     pub(crate) right_map: wgpu::Buffer,
     /// The map that is read back.
     pub(crate) output: wgpu::Buffer,
+    /// The confidence of that map, if it is wanted.
+    pub(crate) confidence: Option<wgpu::Buffer>,
 }
 
-/// The maps of both views.
+/// The maps of both views, and behind the right one, if a confidence is wanted, the margins of the left one's winners:
+/// `winner` has no room for one more buffer.
 pub(crate) struct Views {
     left: wgpu::Buffer,
     right: wgpu::Buffer,
@@ -27,28 +30,32 @@ pub(crate) struct Views {
 /// All stages, from the uploaded images to the map.
 pub(crate) fn chain(b: &mut Builder<'_>) -> Made {
     let sources = planes::sources(b);
-    let mut views = Views { left: b.buffer("winner.left", b.sizes.map), right: b.buffer("winner.right", b.sizes.map) };
-    let right_map = views.right.clone();
+    let right_map = b.buffer("winner.right", b.sizes.right_map);
+    let views = Views { left: b.buffer("winner.left", b.sizes.map), right: right_map.clone() };
+    let mut right = None;
     if let Some(second) = b.params.second_match() {
         let params = std::mem::replace(&mut b.params, second);
         b.mirrored = true;
         b.share();
         winners(b, &sources, &views);
         b.share();
-        views.right = filters::mirror(b, &views.left);
+        right = Some(filters::mirror(b, &views.left));
         (b.params, b.mirrored) = (params, false);
     }
-    winners(b, &sources, &Views { left: views.left.clone(), right: right_map.clone() });
+    let planes = winners(b, &sources, &views);
     b.share_no_more();
-    let output = filters::filtered(b, &views);
-    Made { sources, right_map, output }
+    let compared = Views { left: views.left.clone(), right: right.unwrap_or_else(|| views.right.clone()) };
+    let output = filters::filtered(b, &compared, &planes.grays[0]);
+    let confidence = b.params.confidence.then(|| filters::confidence(b, &views, &output));
+    Made { sources, right_map, output, confidence }
 }
 
-/// From the images to the winner of both views.
-fn winners(b: &mut Builder<'_>, sources: &[wgpu::Texture; 2], views: &Views) {
+/// From the images to the winner of both views. Returns the planes.
+fn winners(b: &mut Builder<'_>, sources: &[wgpu::Texture; 2], views: &Views) -> planes::Planes {
     let planes = planes::planes(b, sources);
     match b.params.method {
         Method::Bm => cost::block_match(b, &planes, views),
         Method::Sgm => aggregation::winner(b, &planes, views),
     }
+    planes
 }
