@@ -105,6 +105,14 @@ impl Expected {
         &self.paths[i].1
     }
 
+    /// The right view that the filters read.
+    fn right_view(&mut self) -> DisparityMap {
+        match &self.matched {
+            Some(matched) => matched.clone(),
+            None => self.views().right.clone(),
+        }
+    }
+
     fn views(&mut self) -> &Views {
         if self.views.is_none() {
             let params = &self.params.clone();
@@ -366,11 +374,15 @@ impl StereoMatcher {
             Output::Checked => {
                 if let Some(map) = expected.checked.take() {
                     let max_difference = self.params.lr_check.unwrap_or(0);
-                    let matched = expected.matched.take();
-                    let right = matched.as_ref().unwrap_or(&expected.views().right);
-                    let checked = reference::lr_check(&map, right, max_difference);
+                    let checked = reference::lr_check(&map, &expected.right_view(), max_difference);
                     compare_maps(stage, &checked, &self.map(&bytes));
                     expected.checked = Some(checked);
+                }
+            }
+            Output::Speckle => {
+                if let Some(checked) = &mut expected.checked {
+                    *checked = reference::speckle(checked, self.params.speckle_window, self.params.speckle_range);
+                    compare_maps(stage, checked, &self.map(&bytes));
                 }
             }
             Output::Median => {
@@ -378,6 +390,13 @@ impl StereoMatcher {
                     let filtered = reference::median(&map, side);
                     compare_maps(stage, &filtered, &self.map(&bytes));
                     expected.checked = Some(filtered);
+                }
+            }
+            Output::Fill => {
+                let right = expected.right_view();
+                if let Some(checked) = &mut expected.checked {
+                    *checked = reference::fill(checked, &right, &self.params);
+                    compare_maps(stage, checked, &self.map(&bytes));
                 }
             }
             Output::Wls => {

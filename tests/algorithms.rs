@@ -5,7 +5,8 @@
 mod support;
 
 use gpu_stereo::{
-    DisparityMap, Image, Median, Method, Params, Paths, PixelFormat, Pixels, Prefilter, RightView, Subpixel, reference,
+    DisparityMap, Fill, Image, Median, Method, Params, Paths, PixelFormat, Pixels, Prefilter, RightView, Subpixel,
+    reference,
 };
 use rand::{Rng, SeedableRng};
 use rand_chacha::ChaCha8Rng;
@@ -62,7 +63,10 @@ fn settings(params: &Params) -> Vec<(&'static str, String)> {
         ("uniqueness", number(params.uniqueness)),
         ("lr_check", params.lr_check.map_or("off".into(), number)),
         ("right_view", format!("{:?}", params.right_view).to_lowercase()),
+        ("speckle_window", number(params.speckle_window)),
+        ("speckle_range", number(params.speckle_range)),
         ("median", median_side(params).map_or("off".into(), |side| side.to_string())),
+        ("fill", format!("{:?}", params.fill).to_lowercase()),
         ("subpixel", format!("{:?}", params.subpixel).to_lowercase()),
         ("weighted_median", params.weighted_median.map_or("off".into(), number)),
         ("weighted_median_sigma", number(params.weighted_median_sigma)),
@@ -140,12 +144,15 @@ fn stages(left: &Image, right: &Image, params: &Params) -> Vec<(&'static str, us
     stages.push(("winner_left", 2, map_bytes(&views.left)));
     stages.push(("winner_right", 2, map_bytes(&views.right)));
     let mut right_view = views.right;
-    if params.right_view == RightView::Match && params.lr_check.is_some() {
+    if params.right_view == RightView::Match
+        && (params.lr_check.is_some() || matches!(params.fill, Fill::Rays | Fill::Hirschmuller))
+    {
         let mut second = params.clone();
         (second.subpixel, second.uniqueness, second.texture) = (Subpixel::Off, 0, 0);
         // So the map is the left view.
         (second.lr_check, second.median) = (None, Median::Off);
         (second.weighted_median, second.wls) = (None, None);
+        (second.fill, second.speckle_window) = (Fill::None, 0);
         let (left, right) = (reference::mirrored(left).unwrap(), reference::mirrored(right).unwrap());
         right_view = reference::mirror(&reference::compute(&right, &left, &second).unwrap());
         stages.push(("mirror", 2, map_bytes(&right_view)));
@@ -159,10 +166,18 @@ fn stages(left: &Image, right: &Image, params: &Params) -> Vec<(&'static str, us
         map = reference::lr_check(&map, &right_view, px);
     }
     stages.push(("lr_check", 2, map_bytes(&map)));
+    if params.speckle_window > 0 {
+        map = reference::speckle(&map, params.speckle_window, params.speckle_range);
+    }
+    stages.push(("speckle", 2, map_bytes(&map)));
     if let Some(side) = median_side(params) {
         map = reference::median(&map, side);
     }
     stages.push(("median", 2, map_bytes(&map)));
+    if params.fill != gpu_stereo::Fill::None {
+        map = reference::fill(&map, &right_view, params);
+    }
+    stages.push(("fill", 2, map_bytes(&map)));
     if let Some(radius) = params.weighted_median {
         map = reference::weighted_median(&map, &gray[0], radius, params);
     }
@@ -327,7 +342,7 @@ fn a_second_implementation_from_the_page_gives_the_same_bits() {
         refined += map.data.iter().filter(|&&v| v % 16 != 0).count();
     }
     // The cases say something: maps are neither empty nor full, and not of whole pixels only.
-    assert!(valid > 2000 && invalid > 2000 && refined > 500, "{valid} valid, {invalid} invalid, {refined} refined");
+    assert!(valid > 2000 && invalid > 2000 && refined > 300, "{valid} valid, {invalid} invalid, {refined} refined");
 }
 
 fn compare(folder: &Path, stage: &str, size: usize, expected: &[u8], case: &str) {
