@@ -283,7 +283,6 @@ fn pass_layout() -> (Vec<(String, u32, String)>, u32) {
         lead,
         stride,
         first_plane,
-        deep,
         window,
         row_step,
         occlusions,
