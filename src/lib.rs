@@ -10,11 +10,11 @@
 //!    ([`Census`]) and others.
 //! 4. `cost_columns`, `matching_cost`: the sum of the costs of pixels over a block for each disparity, quantised to
 //!    0..=89.
-//! 5. `sgm_aggregate`: semi-global matching along several directions ([`Paths`]).
+//! 5. `penalties`, `sgm_aggregate`: semi-global matching along 3 to 16 directions ([`Paths`]).
 //! 6. `winner`: the disparity of the smallest aggregate, the uniqueness test, 1/16 px ([`Subpixel`]), the right view.
 //!    With [`Method::Bm`], `block_match` does this on the block sums, in place of `matching_cost`, 5 and 6.
 //! 7. `texture`: what a block that holds too little says is dropped.
-//! 8. `lr_check`: a left pixel keeps its disparity if the right view agrees.
+//! 8. `lr_check`: a left pixel keeps its disparity if the right view agrees ([`RightView`]).
 //! 9. `speckle`, `median` ([`Median`]), `fill` ([`Fill`]), `weighted_median`, `wls` ([`Wls`]): filters of the map,
 //!    those that are asked for; `confidence`.
 //!
