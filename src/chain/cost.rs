@@ -48,6 +48,9 @@ pub(super) fn matching_cost(b: &mut Builder<'_>, planes: &Planes, computed: &[wg
                 let storage = [Buffer(left), Buffer(right), Buffer(cost)];
                 let segments = rows.count.div_ceil(kernels::segment(&b.plan));
                 b.step("matching_cost_lanes", &storage, pass, width * quads, segments, output);
+            } else if b.params.block == 1 {
+                let storage = [Texture(&planes.textures[0]), Texture(&planes.textures[1]), Buffer(cost)];
+                b.step("matching_cost_pixels", &storage, pass, rows.count * quads, 1, output);
             } else {
                 let storage = [Texture(&planes.textures[0]), Texture(&planes.textures[1]), Buffer(cost)];
                 b.step("matching_cost_small", &storage, pass, rows.count.div_ceil(2) * quads, 1, output);
