@@ -1,9 +1,9 @@
 //! The comparison of every stage's buffer with the reference.
 
 use crate::buffers::{Frame, Rows};
-use crate::reference::{self, Channel, Direction, Features, Images, Plane, Views, Volume};
+use crate::reference::{self, BlockStatistics, Channel, Direction, Features, Images, Plane, Views, Volume};
 use crate::steps::{Output, Step};
-use crate::{DisparityMap, Error, Image, Method, StereoMatcher, readback};
+use crate::{Cost, DisparityMap, Error, Image, Method, StereoMatcher, readback};
 
 /// The first element of a stage that differs from the reference.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -55,6 +55,7 @@ struct Expected<'a> {
     prefiltered: [Images; 2],
     features: [Features; 2],
     columns: Volume<u32>,
+    statistics: Option<[BlockStatistics; 2]>,
     cost: Volume<u8>,
     paths: Vec<(Direction, Volume<u8>)>,
     views: Option<Views>,
@@ -69,12 +70,14 @@ impl<'a> Expected<'a> {
         let prefiltered = [0, 1].map(|side: usize| images[side].prefiltered(params));
         let features = [0, 1].map(|side: usize| prefiltered[side].features(params));
         let columns = reference::cost_columns(&features[0], &features[1], params);
+        let correlates = params.cost == Cost::Ncc;
+        let statistics = correlates.then(|| reference::block_statistics(&features[0], &features[1], params));
         let cost = match params.method {
             Method::Sgm => reference::matching_cost(&columns, params),
             Method::Bm => Volume::new(0, 0, 0),
         };
         let (paths, views, checked) = (Vec::new(), None, None);
-        Self { matcher, luma, images, prefiltered, features, columns, cost, paths, views, checked }
+        Self { matcher, luma, images, prefiltered, features, columns, statistics, cost, paths, views, checked }
     }
 
     fn path(&mut self, direction: Direction) -> &Volume<u8> {
@@ -91,7 +94,7 @@ impl<'a> Expected<'a> {
         if self.views.is_none() {
             let params = &self.matcher.params;
             let views = match params.method {
-                Method::Bm => reference::block_match(&self.columns, params),
+                Method::Bm => reference::block_match(&self.columns, self.statistics.as_ref(), params),
                 Method::Sgm => {
                     let cost = &self.cost;
                     let mut sum = Volume::<u16>::new(cost.width, cost.height, cost.disparities);
@@ -147,6 +150,7 @@ impl StereoMatcher {
                 Output::Paths { first, .. } => *first,
                 Output::Views { .. } => std::mem::take(&mut first_views),
                 Output::Cost { volume_row, .. } => *volume_row == 0,
+                Output::BlockStatistics { side, .. } => *side == 0,
                 Output::Features { first, .. } => *first == 0,
                 _ => true,
             };
@@ -263,6 +267,22 @@ impl StereoMatcher {
                                 false => u16::from_le_bytes([values[at], values[at + 1]]).into(),
                             };
                             stage.compare(c, y, Some(d), expected.into(), got.into());
+                        }
+                    }
+                }
+            }
+            Output::BlockStatistics { side, chunk } => {
+                let Some(statistics) = &expected.statistics else { return Ok(()) };
+                let numbers = bytemuck::pod_collect_to_vec::<u8, u32>(&bytes);
+                let columns = &statistics[*side].columns;
+                let count = (columns.end - columns.start) as usize;
+                let row_numbers = self.sizes.statistics_row as usize / 4;
+                for (row, y) in (chunk.first..chunk.first + chunk.count).enumerate() {
+                    let found = &numbers[row * row_numbers + 2 * side * width..][..2 * count];
+                    for (i, found) in found.chunks_exact(2).enumerate() {
+                        let x = if *side == 0 { i as i64 } else { columns.end - 1 - i as i64 };
+                        for (&expected, &got) in statistics[*side].at(x, y as usize).iter().zip(found) {
+                            stage.compare(i, y as usize, None, expected.into(), got.into());
                         }
                     }
                 }

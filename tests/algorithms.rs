@@ -5,7 +5,7 @@
 mod support;
 
 use gpu_stereo::{
-    DisparityMap, Image, Median, Method, Params, Paths, PixelFormat, Pixels, Prefilter, Subpixel, reference,
+    Cost, DisparityMap, Image, Median, Method, Params, Paths, PixelFormat, Pixels, Prefilter, Subpixel, reference,
 };
 use rand::{Rng, SeedableRng};
 use rand_chacha::ChaCha8Rng;
@@ -119,7 +119,15 @@ fn stages(left: &Image, right: &Image, params: &Params) -> Vec<(&'static str, us
         stages.push(("sgm_aggregate", 2, bytes16(&aggregate.data)));
         reference::winner(&aggregate, params)
     } else {
-        reference::block_match(&columns, params)
+        let statistics = (params.cost == Cost::Ncc).then(|| {
+            let statistics = reference::block_statistics(&features[0], &features[1], params);
+            for (name, side) in [("block_statistics_left", &statistics[0]), ("block_statistics_right", &statistics[1])]
+            {
+                stages.push((name, 4, side.data.iter().flatten().flat_map(|v| v.to_le_bytes()).collect()));
+            }
+            statistics
+        });
+        reference::block_match(&columns, statistics.as_ref(), params)
     };
     stages.push(("winner_left", 2, map_bytes(&views.left)));
     stages.push(("winner_right", 2, map_bytes(&views.right)));

@@ -36,7 +36,7 @@ fn plans(params: &Params) -> BTreeSet<Plan> {
 }
 
 /// All costs.
-const COSTS: [Cost; 8] = [
+const COSTS: [Cost; 9] = [
     Cost::Sad,
     Cost::Ssd,
     Cost::ZeroMeanSad,
@@ -45,6 +45,7 @@ const COSTS: [Cost; 8] = [
     Cost::Census,
     Cost::CensusSobel,
     Cost::AdCensus,
+    Cost::Ncc,
 ];
 
 /// Settings that between them give every constant of [`constants`] every kind of value.
@@ -74,7 +75,9 @@ fn specialisations() -> Vec<(Params, PixelFormat, Plan)> {
             (5, Census::Five, false),
             (21, Census::Seven, false),
         ] {
-            let base = Params { cost, block, census, prefilter: Prefilter::None, ..Params::sgm(40) };
+            let base = if cost == Cost::Ncc { Params::bm(40) } else { Params::sgm(40) };
+            let block = if cost == Cost::Ncc { block.clamp(3, 19) } else { block };
+            let base = Params { cost, block, census, prefilter: Prefilter::None, ..base };
             for prefilter in [Prefilter::Normalized, Prefilter::None] {
                 let takes_colour = matches!(cost, Cost::Sad | Cost::BirchfieldTomasi);
                 let params = Params { prefilter, color_cost: color_cost && takes_colour, ..base.clone() };
@@ -418,6 +421,12 @@ fn bm_columns(params: &mut Params) {
     params.shader_checks = true;
 }
 
+/// Block matching by normalised cross correlation.
+fn ncc(params: &mut Params) {
+    bm(params);
+    (params.cost, params.block) = (Cost::Ncc, 7);
+}
+
 /// A range whose last disparities win, and those beyond it would.
 fn bm_far(params: &mut Params) {
     bm(params);
@@ -540,6 +549,17 @@ const MUTANTS: &[Mutant] = &[
     }),
     mutant("block_match", "2u * frame.block_radius", "2u * frame.block_radius - 1u", bm_columns),
     mutant("block_match", "curvature - 1u", "curvature", bm_columns),
+    mutant("block_statistics", "+ vec4(BLOCK)", "+ vec4(BLOCK - 1u)", ncc),
+    mutant("block_statistics", "return root;", "return root + 1u;", ncc),
+    mutant("block_statistics", "frame.height) - 1)", "frame.height))", ncc),
+    mutant("block_statistics", "BLOCK * BLOCK * sums.squares", "(BLOCK * BLOCK - 1u) * sums.squares", ncc),
+    mutant("block_match", "left.x * right_sums", "left.y * right_sums", ncc),
+    mutant("block_match", "vec4(0.015625)", "vec4(1.5)", ncc),
+    mutant("block_match", "vec4(4096u) + part", "vec4(4096u)", ncc),
+    mutant("block_match", "frame.width - 1u - u32(x)", "frame.width - u32(x)", ncc),
+    mutant("block_match", "max(place, 1u) - 1u", "place", ncc),
+    mutant("block_match", "OWN_QUADS - 1u)][0].x, entering.y,", "OWN_QUADS - 1u)][0].x, 0u,", ncc),
+    mutant("block_match", "root_above);", "sum_above);", ncc),
     mutant("block_match_small", "frame.height) - 1)", "frame.height) - 2)", bm),
     mutant("block_match_small", "best * 100u", "best * 110u", bm),
     mutant("block_match_small", "7u << u32(clamp", "6u << u32(clamp", bm),

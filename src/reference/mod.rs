@@ -5,6 +5,7 @@
 //! accepts, and each other's results: they check neither again.
 
 mod block_match;
+mod block_statistics;
 mod cost_columns;
 mod features;
 mod gray;
@@ -17,6 +18,7 @@ mod window_sums;
 mod winner;
 
 pub use block_match::{block_match, block_sums};
+pub use block_statistics::{BlockStatistics, block_statistics};
 pub use cost_columns::{cost_columns, pixel_cost};
 pub use features::{Features, features};
 pub use gray::{Channel, deep_gray, depth_unit, gray};
@@ -31,7 +33,7 @@ pub use winner::{Views, points_inside, winner};
 use rayon::prelude::*;
 use std::time::Instant;
 
-use crate::{DisparityMap, Error, Image, Median, Method, Params, Prefilter, StageTime};
+use crate::{Cost, DisparityMap, Error, Image, Median, Method, Params, Prefilter, StageTime};
 
 /// An image, row by row from the top.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -106,7 +108,12 @@ pub fn compute_timed(left: &Image, right: &Image, params: &Params) -> Result<(Di
     let (left, right) = clock.stage("features", (left.features(params), right.features(params)));
     let columns = clock.stage("cost_columns", cost_columns(&left, &right, params));
     let Views { left, right } = match params.method {
-        Method::Bm => clock.stage("block_match", block_match(&columns, params)),
+        Method::Bm => {
+            let correlates = params.cost == Cost::Ncc;
+            let statistics =
+                correlates.then(|| clock.stage("block_statistics", block_statistics(&left, &right, params)));
+            clock.stage("block_match", block_match(&columns, statistics.as_ref(), params))
+        }
         Method::Sgm => {
             let cost = clock.stage("matching_cost", matching_cost(&columns, params));
             drop(columns);

@@ -138,5 +138,9 @@ pub fn random_params(random: &mut ChaCha8Rng) -> Params {
     }
     params.prefilter_window = 2 * random.random_range(1..=25) + 1;
     params.schedule = [Schedule::Auto, Schedule::Lines, Schedule::Lanes][random.random_range(0..3)];
+    if params.method == gpu_stereo::Method::Bm && random.random_bool(0.2) {
+        (params.cost, params.color_cost) = (Cost::Ncc, false);
+        params.block = 2 * random.random_range(1..10) + 1;
+    }
     params
 }
