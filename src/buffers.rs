@@ -21,6 +21,8 @@ pub(crate) struct Frame {
     pub(crate) right_stride: u32,
     pub(crate) map_stride: u32,
     pub(crate) volume_stride: u32,
+    pub(crate) map_words: u32,
+    pub(crate) texture: u32,
 }
 
 /// The WGSL block `Pass`: what differs between dispatches.
@@ -42,7 +44,6 @@ pub(crate) struct Pass {
     pub(crate) lead: i32,
     pub(crate) stride: u32,
     pub(crate) first_plane: u32,
-    pub(crate) deep: u32,
     pub(crate) window: u32,
 }
 
@@ -88,6 +89,10 @@ pub(crate) struct Sizes {
     pub(crate) right: u64,
     /// Bytes of one disparity map.
     pub(crate) map: u64,
+    /// Bytes of the right view's map, and of the margins behind it if a confidence is wanted.
+    pub(crate) right_map: u64,
+    /// Bytes of the confidence.
+    pub(crate) confidence: u64,
     /// Bytes of a row of a volume with a byte a disparity.
     pub(crate) volume_row: u64,
     /// Bytes of a row of column sums.
@@ -135,7 +140,9 @@ impl Sizes {
             )));
         }
         // With checks some loops over a state stay loops.
-        let rounds = if plan.own_quads <= 4 { 5 } else { 5 * plan.own_quads };
+        let loops = 5 * plan.own_quads;
+        let rounds = if plan.own_quads <= 4 { 5 } else { loops } + 8 * u32::from(params.confidence);
+        let rounds = rounds + if params.cost == Cost::Ncc { loops } else { 0 };
         let most = ROUNDS / rounds;
         if params.shader_checks && !plan.lanes && width + params.min_disparity.unsigned_abs() > most {
             return Err(Error::Image(format!(
@@ -184,6 +191,12 @@ impl Sizes {
                 return Err(Error::TooLarge { what: what.into(), needed, allowed, remedy: smaller });
             }
         }
+        let map = texels(map_stride);
+        let right_map = if params.confidence { 2 * map } else { map };
+        fits("a disparity map with its confidence", right_map, smaller)?;
+        if params.wls.is_some() {
+            fits("a map of two numbers a pixel", 8 * u64::from(volume_stride) * u64::from(height), smaller)?;
+        }
         let fewer = "use fewer disparities or narrower images";
         let volume_needs = volume_row.next_multiple_of(TEXTURE_ROW);
         if params.method == Method::Sgm && volume_needs > volume_allowed {
@@ -217,6 +230,7 @@ impl Sizes {
                     && params.cost == Cost::Sad
                     && params.planes() == 1
                     && params.prefiltered_max() < 128
+                    && !params.confidence
             }
         };
         let small_block = small_method
@@ -245,13 +259,17 @@ impl Sizes {
                 right_stride,
                 map_stride,
                 volume_stride,
+                map_words: (map / 4) as u32,
+                texture: params.texture,
             },
             source,
             gray: texels(4 * gray_stride),
             sums: 4 * pixels,
             left: planes * rows(left_stride),
             right: planes * rows(right_stride),
-            map: texels(map_stride),
+            map,
+            right_map,
+            confidence: map / 2,
             volume_row,
             columns_row,
             statistics_row,

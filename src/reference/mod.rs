@@ -6,6 +6,7 @@
 
 mod block_match;
 mod block_statistics;
+mod confidence;
 mod cost_columns;
 mod features;
 mod gray;
@@ -14,11 +15,15 @@ mod matching_cost;
 mod median;
 mod prefilter;
 mod sgm_aggregate;
+mod texture;
+mod weighted_median;
 mod window_sums;
 mod winner;
+mod wls;
 
 pub use block_match::{block_match, block_sums};
 pub use block_statistics::{BlockStatistics, block_statistics};
+pub use confidence::{confidence, margin};
 pub use cost_columns::{cost_columns, pixel_cost};
 pub use features::{Features, features};
 pub use gray::{Channel, deep_gray, depth_unit, gray};
@@ -27,13 +32,18 @@ pub use matching_cost::{matching_cost, matching_cost_scale};
 pub use median::median;
 pub use prefilter::prefilter;
 pub use sgm_aggregate::{Direction, aggregate_direction, sgm_aggregate};
+pub use texture::texture;
+pub(crate) use weighted_median::{median_decay, median_spacing};
+pub use weighted_median::{median_weight, weighted_median};
 pub use window_sums::window_sum;
 pub use winner::{Views, points_inside, winner};
+pub(crate) use wls::wls_bits;
+pub use wls::{wls, wls_couplings};
 
 use rayon::prelude::*;
 use std::time::Instant;
 
-use crate::{Cost, DisparityMap, Error, Image, Median, Method, Params, Prefilter, StageTime};
+use crate::{Cost, DisparityMap, Error, Image, Matched, Method, Params, Prefilter, StageTime};
 
 /// An image, row by row from the top.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -92,7 +102,15 @@ impl<T: Copy + Default> Volume<T> {
 /// # Errors
 /// As [`Params::validate`], and [`Error::Image`] if the two sizes differ.
 pub fn compute(left: &Image, right: &Image, params: &Params) -> Result<DisparityMap, Error> {
-    Ok(compute_timed(left, right, params)?.0)
+    Ok(compute_all(left, right, params)?.map)
+}
+
+/// As [`compute`], with the confidence if [`Params::confidence`] asks for it.
+///
+/// # Errors
+/// As [`compute`].
+pub fn compute_all(left: &Image, right: &Image, params: &Params) -> Result<Matched, Error> {
+    Ok(compute_all_timed(left, right, params)?.0)
 }
 
 /// As [`compute`], with the time of each stage.
@@ -100,14 +118,24 @@ pub fn compute(left: &Image, right: &Image, params: &Params) -> Result<Disparity
 /// # Errors
 /// As [`compute`].
 pub fn compute_timed(left: &Image, right: &Image, params: &Params) -> Result<(DisparityMap, Vec<StageTime>), Error> {
+    let (matched, times) = compute_all_timed(left, right, params)?;
+    Ok((matched.map, times))
+}
+
+/// As [`compute_all`], with the time of each stage.
+///
+/// # Errors
+/// As [`compute`].
+pub fn compute_all_timed(left: &Image, right: &Image, params: &Params) -> Result<(Matched, Vec<StageTime>), Error> {
     params.validate()?;
     crate::matcher::check_pair(left, right)?;
     let mut clock = Clock { last: Instant::now(), times: Vec::new() };
+    let luma = gray(left, Channel::Luma);
     let (left, right) = clock.stage("gray", (images(left, params), images(right, params)));
     let (left, right) = clock.stage("prefilter", (left.prefiltered(params), right.prefiltered(params)));
     let (left, right) = clock.stage("features", (left.features(params), right.features(params)));
     let columns = clock.stage("cost_columns", cost_columns(&left, &right, params));
-    let Views { left, right } = match params.method {
+    let Views { left, right, margins } = match params.method {
         Method::Bm => {
             let correlates = params.cost == Cost::Ncc;
             let statistics =
@@ -122,13 +150,23 @@ pub fn compute_timed(left: &Image, right: &Image, params: &Params) -> Result<(Di
         }
     };
     let mut map = left;
+    if params.texture > 0 {
+        map = clock.stage("texture", texture(&map, &luma, params));
+    }
     if let Some(max_difference) = params.lr_check {
         map = clock.stage("lr_check", lr_check(&map, &right, max_difference));
     }
-    if params.median == Median::Three {
-        map = clock.stage("median", median(&map));
+    if let Some(side) = params.median.side() {
+        map = clock.stage("median", median(&map, side));
     }
-    Ok((map, clock.times))
+    if let Some(radius) = params.weighted_median {
+        map = clock.stage("weighted_median", weighted_median(&map, &luma, radius, params));
+    }
+    if let Some(settings) = &params.wls {
+        map = clock.stage("wls", wls(&map, &luma, settings, params));
+    }
+    let confidence = params.confidence.then(|| clock.stage("confidence", confidence(&map, &margins)));
+    Ok((Matched { map, confidence }, clock.times))
 }
 
 /// An image as the chain takes it: luma, or with [`Params::color_cost`] red, green and blue.

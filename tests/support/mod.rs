@@ -115,7 +115,7 @@ pub fn random_params(random: &mut ChaCha8Rng) -> Params {
     params.uniqueness = if random.random() { 0 } else { random.random_range(1..=99) };
     params.lr_check = if random.random_bool(0.3) { None } else { Some(random.random_range(0..4)) };
     params.median = if random.random_bool(0.3) { Median::Off } else { Median::Three };
-    params.subpixel = if random.random_bool(0.7) { Subpixel::Parabola } else { Subpixel::Off };
+    params.subpixel = [Subpixel::Off, Subpixel::Parabola, Subpixel::Equiangular][random.random_range(0..3)];
     params.shader_checks = random.random_bool(0.3);
     use gpu_stereo::{Census, Cost};
     const COSTS: [Cost; 8] = [
@@ -138,6 +138,22 @@ pub fn random_params(random: &mut ChaCha8Rng) -> Params {
     }
     params.prefilter_window = 2 * random.random_range(1..=25) + 1;
     params.schedule = [Schedule::Auto, Schedule::Lines, Schedule::Lanes][random.random_range(0..3)];
+    params.confidence = random.random();
+    if random.random_bool(0.3) {
+        params.texture = random.random_range(0..=params.block * params.block * params.prefilter_cap / 2);
+    }
+    if random.random_bool(0.3) {
+        params.median = Median::Five;
+    }
+    if random.random_bool(0.4) {
+        params.weighted_median = Some(random.random_range(1..=15));
+        params.weighted_median_sigma = random.random_range(1..=255);
+    }
+    if random.random_bool(0.3) {
+        let lambda = *[0.0, 0.7, 50.0, 8000.0, 1e6].get(random.random_range(0..5)).unwrap();
+        params.wls =
+            Some(gpu_stereo::Wls { lambda, sigma: *[0.1, 1.5, 1000.0].get(random.random_range(0..3)).unwrap() });
+    }
     if params.method == gpu_stereo::Method::Bm && random.random_bool(0.2) {
         (params.cost, params.color_cost) = (Cost::Ncc, false);
         params.block = 2 * random.random_range(1..10) + 1;
