@@ -18,6 +18,9 @@ struct Frame {
     volume_stride: u32,   // pixels a row of a volume
     map_words: u32,       // words from the right map to the margins behind it
     texture: u32,         // that a block needs
+    speckle_window: u32,
+    speckle_range: i32,   // 1/16 px
+    fill_max_difference: i32, // px
 }
 
 // What differs between dispatches.
@@ -38,6 +41,8 @@ struct Pass {
     stride: u32,          // words a row of the planes
     first_plane: u32,     // the plane that is written, or the first one
     window: u32,          // side of the window that is summed
+    row_step: u32,        // rows from one border of two bands to the next
+    occlusions: u32,      // 1: occlusions are filled in another way than mismatches
 }
 
 @group(0) @binding(0) var<uniform> frame: Frame;

@@ -1,7 +1,7 @@
 //! Sizes, strides and usages of every buffer, computed in one place before anything is created.
 
 use crate::schedule::Plan;
-use crate::{Cost, Error, Method, Params, PixelFormat, reference};
+use crate::{Cost, Error, Fill, Method, Params, PixelFormat, reference};
 
 /// The WGSL block `Frame`: what stays the same for all dispatches of a frame.
 #[repr(C)]
@@ -23,6 +23,9 @@ pub(crate) struct Frame {
     pub(crate) volume_stride: u32,
     pub(crate) map_words: u32,
     pub(crate) texture: u32,
+    pub(crate) speckle_window: u32,
+    pub(crate) speckle_range: i32,
+    pub(crate) fill_max_difference: i32,
 }
 
 /// The WGSL block `Pass`: what differs between dispatches.
@@ -45,6 +48,8 @@ pub(crate) struct Pass {
     pub(crate) stride: u32,
     pub(crate) first_plane: u32,
     pub(crate) window: u32,
+    pub(crate) row_step: u32,
+    pub(crate) occlusions: u32,
 }
 
 /// Neighbouring rows that are worked on together.
@@ -61,6 +66,12 @@ const ROUNDS: u32 = 65_535;
 /// one more for two pixels of the right view that no left pixel sees.
 const MOST_SIDE: u32 = 60_000;
 const MOST_SIDE_IN_FOURS: u32 = 40_000;
+
+/// Groups of eight columns that are joined across a border of two bands at a time. Only roots get other parents, and only
+/// roots of the upper band become them. So a way to a root has at most 8 * 128 of those, and what it had before in each
+/// band: one pixel for each segment of each border so far, 59 * 16. `speckle_flatten` walks eight times a way from above,
+/// to look for the root, and one from above and one from below: 8 * (3 * 1024 + 4 * 944) rounds, fewer than [`ROUNDS`].
+pub(crate) const SEGMENT_GROUPS: u32 = 128;
 
 /// Bytes a buffer of column sums may take. They live only until the cost is computed from them, so more of them than
 /// keeps a device busy is a waste of memory.
@@ -93,6 +104,10 @@ pub(crate) struct Sizes {
     pub(crate) right_map: u64,
     /// Bytes of the confidence.
     pub(crate) confidence: u64,
+    /// Bytes of one number a pixel of a map.
+    pub(crate) regions: u64,
+    /// Bytes of the nearest values on both sides of each pixel.
+    pub(crate) nearest: u64,
     /// Bytes of a row of a volume with a byte a disparity.
     pub(crate) volume_row: u64,
     /// Bytes of a row of column sums.
@@ -197,6 +212,14 @@ impl Sizes {
         if params.wls.is_some() {
             fits("a map of two numbers a pixel", 8 * u64::from(volume_stride) * u64::from(height), smaller)?;
         }
+        let regions = 2 * texels(map_stride);
+        if params.speckle_window > 0 {
+            fits("the regions of the speckle filter", regions, "make the images smaller or switch the filter off")?;
+        }
+        let nearest = 32 * u64::from(map_stride / 4 + 1) * u64::from(height);
+        if params.fill != Fill::None {
+            fits("what the holes are filled with", nearest, "make the images smaller or leave the holes")?;
+        }
         let fewer = "use fewer disparities or narrower images";
         let volume_needs = volume_row.next_multiple_of(TEXTURE_ROW);
         if params.method == Method::Sgm && volume_needs > volume_allowed {
@@ -261,6 +284,9 @@ impl Sizes {
                 volume_stride,
                 map_words: (map / 4) as u32,
                 texture: params.texture,
+                speckle_window: params.speckle_window,
+                speckle_range: 16 * params.speckle_range as i32,
+                fill_max_difference: params.lr_check.unwrap_or(1) as i32,
             },
             source,
             gray: texels(4 * gray_stride),
@@ -270,6 +296,8 @@ impl Sizes {
             map,
             right_map,
             confidence: map / 2,
+            regions,
+            nearest,
             volume_row,
             columns_row,
             statistics_row,

@@ -348,11 +348,24 @@ impl StereoMatcher {
                     expected.checked = Some(checked);
                 }
             }
+            Output::Speckle => {
+                if let Some(checked) = &mut expected.checked {
+                    *checked = reference::speckle(checked, self.params.speckle_window, self.params.speckle_range);
+                    compare_maps(stage, checked, &self.map(&bytes));
+                }
+            }
             Output::Median => {
                 if let (Some(map), Some(side)) = (expected.checked.take(), self.params.median.side()) {
                     let filtered = reference::median(&map, side);
                     compare_maps(stage, &filtered, &self.map(&bytes));
                     expected.checked = Some(filtered);
+                }
+            }
+            Output::Fill => {
+                let right = expected.views().right.clone();
+                if let Some(checked) = &mut expected.checked {
+                    *checked = reference::fill(checked, &right, &self.params);
+                    compare_maps(stage, checked, &self.map(&bytes));
                 }
             }
             Output::Wls => {

@@ -84,6 +84,16 @@ pub(crate) const KERNELS: &[Kernel] = &[
     Kernel { name: "texture_columns", stage: "texture", lanes: 32, sources: wgsl!("texture_columns", "common"), choices: &[], storage: &[QUAD, Write] },
     Kernel { name: "texture", stage: "texture", lanes: 64, sources: wgsl!("texture", "common"), choices: &[], storage: &[Read, Read, Write] },
     Kernel { name: "lr_check", stage: "lr_check", lanes: 32, sources: wgsl!("lr_check", "common"), choices: &[], storage: &[Read, Read, Write] },
+    Kernel { name: "speckle_rows", stage: "speckle", lanes: 8, sources: wgsl!("speckle_rows", "speckle_joins", "eight", "common"), choices: &[], storage: &[QUAD, Write, Write] },
+    Kernel { name: "speckle_link", stage: "speckle", lanes: 32, sources: wgsl!("speckle_link", "speckle_joins", "eight", "common"), choices: &[], storage: &[QUAD, Write] },
+    Kernel { name: "speckle_flatten", stage: "speckle", lanes: 32, sources: wgsl!("speckle_flatten", "speckle_root", "speckle_joins", "eight", "common"), choices: &[], storage: &[QUAD, Write] },
+    Kernel { name: "speckle_count", stage: "speckle", lanes: 32, sources: wgsl!("speckle_count", "speckle_root", "speckle_joins", "eight", "common"), choices: &[], storage: &[QUAD, Write, Write] },
+    Kernel { name: "speckle", stage: "speckle", lanes: 32, sources: wgsl!("speckle", "speckle_joins", "eight", "common"), choices: &[], storage: &[QUAD, Read, Read, Write] },
+    Kernel { name: "fill_rows", stage: "fill", lanes: 8, sources: wgsl!("fill_rows", "eight", "common"), choices: &[], storage: &[QUAD, Write, Write] },
+    Kernel { name: "fill_lines", stage: "fill", lanes: 8, sources: wgsl!("fill_lines", "bytes", "eight", "common"), choices: &[], storage: &[QUAD, Write] },
+    Kernel { name: "fill_seen", stage: "fill", lanes: 32, sources: wgsl!("fill_seen", "common"), choices: &[], storage: &[Read, Write] },
+    Kernel { name: "fill_between", stage: "fill", lanes: 32, sources: wgsl!("fill_between", "eight", "common"), choices: &[], storage: &[QUAD, Read, Read, Write] },
+    Kernel { name: "fill_rays", stage: "fill", lanes: 32, sources: wgsl!("fill_rays", "eight", "common"), choices: &[], storage: &[QUAD, Read, Read, Read, Read, Read, Write] },
     Kernel { name: "confidence", stage: "confidence", lanes: 64, sources: wgsl!("confidence", "common"), choices: &[], storage: &[Read, Read, Write] },
     Kernel { name: "median", stage: "median", lanes: 64, sources: wgsl!("median", "map_texels", "pointing", "common"), choices: &[], storage: &[QUAD, Write] },
     Kernel { name: "median_five", stage: "median", lanes: 64, sources: wgsl!("median_five", "map_texels", "pointing", "common"), choices: &[], storage: &[QUAD, Write] },
@@ -386,4 +396,4 @@ pub(crate) fn check_limits(limits: &wgpu::Limits) -> Result<(), Error> {
 }
 
 #[cfg(test)]
-mod tests;
+pub(crate) mod tests;

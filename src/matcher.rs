@@ -212,7 +212,14 @@ impl StereoMatcher {
             pass.dispatch_workgroups(step.workgroups[0], step.workgroups[1], 1);
         }
         drop(pass);
-        if let Some((step, texture)) = steps.last().and_then(|step| Some((step, step.copy_to.as_ref()?))) {
+        if let Some(step) = steps.last() {
+            self.copy_of(encoder, step);
+        }
+    }
+
+    /// Records the copy of what a step left, if there is one.
+    pub(crate) fn copy_of(&self, encoder: &mut wgpu::CommandEncoder, step: &Step) {
+        if let Some(texture) = &step.copy_to {
             let bytes_per_row = Some(row_bytes(texture.format(), texture.width()));
             let layout = wgpu::TexelCopyBufferLayout { offset: 0, bytes_per_row, rows_per_image: None };
             let source = wgpu::TexelCopyBufferInfo { buffer: &step.buffer, layout };

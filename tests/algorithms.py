@@ -188,6 +188,29 @@ class Chain:
 
         return self.over_pixels(checked)
 
+    def speckle(self, disparities):
+        window, step = self.case["speckle_window"], 16 * self.case["speckle_range"]
+        result = [row[:] for row in disparities]
+        done = set()
+        for y in range(self.height):
+            for x in range(self.width):
+                if disparities[y][x] == INVALID or (x, y) in done:
+                    continue
+                region, waiting = {(x, y)}, [(x, y)]
+                while waiting:
+                    i, j = waiting.pop()
+                    for k, l in ((i - 1, j), (i + 1, j), (i, j - 1), (i, j + 1)):
+                        if self.inside(k) and 0 <= l < self.height and (k, l) not in region:
+                            v, w = disparities[j][i], disparities[l][k]
+                            if w != INVALID and abs(v - w) <= step:
+                                region.add((k, l))
+                                waiting.append((k, l))
+                done |= region
+                if len(region) <= window:
+                    for i, j in region:
+                        result[j][i] = INVALID
+        return result
+
     def median(self, disparities):
         if self.case["median"] == "off":
             return disparities
@@ -280,6 +303,47 @@ class Chain:
     def confidence(self, disparities, margins):
         return self.over_pixels(lambda x, y: 0 if disparities[y][x] == INVALID else max(margins[y][x], 1))
 
+    def nearest(self, disparities, x, y, directions):
+        found = []
+        for dx, dy in directions:
+            i, j = x + dx, y + dy
+            while self.inside(i) and 0 <= j < self.height:
+                if disparities[j][i] != INVALID:
+                    found.append(disparities[j][i])
+                    break
+                i, j = i + dx, j + dy
+        return sorted(found)
+
+    def fill(self, disparities, right):
+        limit = 1 if self.case["lr_check"] == "off" else self.case["lr_check"]
+
+        def mismatch(x, y):
+            for d in range(self.smallest, self.smallest + self.count):
+                if self.inside(x - d) and right[y][x - d] != INVALID and abs(right[y][x - d] // 16 - d) <= limit:
+                    return True
+            return False
+
+        def step(m, directions, choose):
+            def value(x, y):
+                values = self.nearest(m, x, y, directions) if m[y][x] == INVALID else []
+                return choose(x, y, values) if values else m[y][x]
+
+            return self.over_pixels(value)
+
+        row, column = [(-1, 0), (1, 0)], [(0, -1), (0, 1)]
+        smallest = lambda x, y, values: values[0]
+        median = lambda x, y, values: values[(len(values) - 1) // 2]
+        second = lambda x, y, values: values[min(1, len(values) - 1)]
+        kind = self.case["fill"]
+        if kind == "none":
+            return disparities
+        if kind == "rays":
+            disparities = step(disparities, row, lambda x, y, v: INVALID if mismatch(x, y) else smallest(x, y, v))
+            disparities = step(disparities, EIGHT, median)
+        if kind == "hirschmuller":
+            disparities = step(disparities, EIGHT, lambda *a: median(*a) if mismatch(*a[:2]) else second(*a))
+        return step(step(disparities, row, smallest), column, smallest)
+
     def run(self, left, right):
         """All stages in the order of the chain: (name, C type, values)."""
         sides, grays = [], []
@@ -308,8 +372,12 @@ class Chain:
         yield "texture", "h", view
         view = self.lr_check(view, other)
         yield "lr_check", "h", view
+        view = self.speckle(view)
+        yield "speckle", "h", view
         view = self.median(view)
         yield "median", "h", view
+        view = self.fill(view, other)
+        yield "fill", "h", view
         view = self.weighted_median(view, grays[0])
         yield "weighted_median", "h", view
         view = self.wls(view, grays[0])
@@ -349,8 +417,8 @@ def run_case(folder):
 
 EXAMPLE = dict(
     width=6, height=1, format="gray8", method="sgm", paths=4, min_disparity=0, disparities=3, block=3, prefilter="none",
-    prefilter_cap=31, p1=2, p2=6, texture=0, uniqueness=0, lr_check=0, median=3, subpixel="parabola",
-    weighted_median="off", wls="off",
+    prefilter_cap=31, p1=2, p2=6, texture=0, uniqueness=0, lr_check=0, speckle_window=0, speckle_range=2, median=3,
+    fill="none", subpixel="parabola", weighted_median="off", wls="off",
 )
 EXAMPLE_PAIR = [10, 40, 70, 60, 200, 90], [40, 66, 190, 210, 90, 90]
 

@@ -58,7 +58,10 @@ fn settings(params: &Params) -> Vec<(&'static str, String)> {
         ("texture", number(params.texture)),
         ("uniqueness", number(params.uniqueness)),
         ("lr_check", params.lr_check.map_or("off".into(), number)),
+        ("speckle_window", number(params.speckle_window)),
+        ("speckle_range", number(params.speckle_range)),
         ("median", median_side(params).map_or("off".into(), |side| side.to_string())),
+        ("fill", format!("{:?}", params.fill).to_lowercase()),
         ("subpixel", format!("{:?}", params.subpixel).to_lowercase()),
         ("weighted_median", params.weighted_median.map_or("off".into(), number)),
         ("weighted_median_sigma", number(params.weighted_median_sigma)),
@@ -147,10 +150,18 @@ fn stages(left: &Image, right: &Image, params: &Params) -> Vec<(&'static str, us
         map = reference::lr_check(&map, &views.right, px);
     }
     stages.push(("lr_check", 2, map_bytes(&map)));
+    if params.speckle_window > 0 {
+        map = reference::speckle(&map, params.speckle_window, params.speckle_range);
+    }
+    stages.push(("speckle", 2, map_bytes(&map)));
     if let Some(side) = median_side(params) {
         map = reference::median(&map, side);
     }
     stages.push(("median", 2, map_bytes(&map)));
+    if params.fill != gpu_stereo::Fill::None {
+        map = reference::fill(&map, &views.right, params);
+    }
+    stages.push(("fill", 2, map_bytes(&map)));
     if let Some(radius) = params.weighted_median {
         map = reference::weighted_median(&map, &gray[0], radius, params);
     }
@@ -315,7 +326,7 @@ fn a_second_implementation_from_the_page_gives_the_same_bits() {
         refined += map.data.iter().filter(|&&v| v % 16 != 0).count();
     }
     // The cases say something: maps are neither empty nor full, and not of whole pixels only.
-    assert!(valid > 2000 && invalid > 2000 && refined > 500, "{valid} valid, {invalid} invalid, {refined} refined");
+    assert!(valid > 2000 && invalid > 2000 && refined > 300, "{valid} valid, {invalid} invalid, {refined} refined");
 }
 
 fn compare(folder: &Path, stage: &str, size: usize, expected: &[u8], case: &str) {

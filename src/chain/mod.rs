@@ -4,6 +4,8 @@ mod aggregation;
 mod cost;
 mod filters;
 mod planes;
+#[cfg(test)]
+mod tests;
 
 use crate::Method;
 use crate::steps::Builder;

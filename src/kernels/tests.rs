@@ -8,11 +8,11 @@ use std::path::{Path, PathBuf};
 
 use super::*;
 use crate::buffers::{Frame, Pass};
-use crate::{Median, Schedule, StereoMatcher, Wls};
+use crate::{Fill, Median, Schedule, StereoMatcher, Wls};
 use wgpu::naga;
 
 #[path = "../../tests/support/mod.rs"]
-mod support;
+pub(crate) mod support;
 mod unrolling;
 
 thread_local! {
@@ -252,6 +252,9 @@ fn frame_layout() -> (Vec<(String, u32, String)>, u32) {
         volume_stride,
         map_words,
         texture,
+        speckle_window,
+        speckle_range,
+        fill_max_difference,
     })
 }
 
@@ -272,7 +275,9 @@ fn pass_layout() -> (Vec<(String, u32, String)>, u32) {
         lead,
         stride,
         first_plane,
-        window
+        window,
+        row_step,
+        occlusions
     })
 }
 
@@ -490,12 +495,23 @@ fn confidence(params: &mut Params) {
     params.confidence = true;
 }
 
+/// Holes of many sizes, most of them mismatches.
+fn rays(params: &mut Params) {
+    (params.p1, params.p2, params.fill) = (2, 9, Fill::Rays);
+}
+
+/// Small regions of many sizes.
+fn speckle(params: &mut Params) {
+    (params.p1, params.p2, params.lr_check) = (0, 3, None);
+    (params.speckle_window, params.speckle_range) = (6, 1);
+}
+
 /// Invocations that share a pixel's disparities.
 fn lanes(params: &mut Params) {
     (params.schedule, params.disparities) = (Schedule::Lanes, 50);
 }
 
-type Setup = (wgpu::Adapter, wgpu::Device, wgpu::Queue);
+pub(crate) type Setup = (wgpu::Adapter, wgpu::Device, wgpu::Queue);
 
 /// One rule a row: a weight, a rounding, a border, a tie, a penalty, a test of the winner.
 const MUTANTS: &[Mutant] = &[
@@ -632,6 +648,38 @@ const MUTANTS: &[Mutant] = &[
     }),
     mutant("confidence", "frame.map_words / 4u", "0u", confidence),
     mutant("confidence", "vec4(0u), values ==", "vec4(1u), values ==", confidence),
+    mutant("speckle_rows", "(bits & 4u)", "(bits & 2u)", speckle),
+    mutant("speckle_rows", "vec4(p.before, p.odd.xyz)", "vec4(INVALID, p.odd.xyz)", speckle),
+    mutant("speckle_link", "low = first + firstTrailingBit(rest)", "low = first", speckle),
+    mutant("speckle_link", "vec4(frame.speckle_range)", "vec4(frame.speckle_range + 40)", speckle),
+    mutant("speckle_flatten", "atomicStore(&parents[at], root)", "atomicStore(&parents[at], at)", speckle),
+    mutant("speckle_count", "1u + firstTrailingBit(~(along >> (start + 1u)))", "1u", speckle),
+    mutant("speckle", "<= frame.speckle_window", "< frame.speckle_window", speckle),
+    mutant(
+        "speckle_flatten",
+        "pixel + 2u * frame.map_stride, root",
+        "pixel + 2u * frame.map_stride + 1u, root",
+        speckle,
+    ),
+    mutant("speckle", "vec4(2u, 8u, 32u, 128u))", "vec4(2u, 8u, 32u, 64u))", speckle),
+    mutant("fill_rows", "last = odd.w", "last = even.w", |params| params.fill = Fill::Background),
+    mutant("fill_rows", "odd.y = after(even.z, odd.y)", "odd.y = after(odd.z, odd.y)", rays),
+    mutant("fill_lines", "first + n, last - n", "first + n, first + n", rays),
+    mutant("fill_lines", "-7 - 8 * group", "1 - 8 * group", rays),
+    mutant("fill_lines", "8 * group + 7", "8 * group", rays),
+    mutant("fill_lines", "u32(x & 7)", "u32(x & 6)", rays),
+    mutant("fill_seen", "(value >> 4u) + frame.fill_max_difference", "(value >> 4u)", rays),
+    mutant("fill_seen", "31u - to_bit", "32u - to_bit", rays),
+    mutant("fill_between", "select(min(a, b), max(a, b)", "select(max(a, b), max(a, b)", |params| {
+        params.fill = Fill::Background
+    }),
+    mutant("fill_between", "pass_.occlusions == 1u", "false", rays),
+    mutant("fill_rays", "(valid - 1u) / 2u", "valid / 2u", rays),
+    mutant("fill_rays", "min(valid - 1u, 1u)", "min(valid - 1u, 2u)", |params| {
+        rays(params);
+        params.fill = Fill::Hirschmuller;
+    }),
+    mutant("fill_rays", "place(x, y, -1)", "place(x, y, 0)", rays),
     mutant("median", "7) == beyond", "7) == beyond + 9", |_| ()),
     mutant("median", "select(before, even.x, i == 0u)", "before", |params| params.min_disparity = -20),
     mutant("median", "min(id.y + 1u, frame.height - 1u)", "id.y", |_| ()),

@@ -9,12 +9,14 @@ mod block_statistics;
 mod confidence;
 mod cost_columns;
 mod features;
+mod fill;
 mod gray;
 mod lr_check;
 mod matching_cost;
 mod median;
 mod prefilter;
 mod sgm_aggregate;
+mod speckle;
 mod texture;
 mod weighted_median;
 mod window_sums;
@@ -26,12 +28,14 @@ pub use block_statistics::{BlockStatistics, block_statistics};
 pub use confidence::{confidence, margin};
 pub use cost_columns::{cost_columns, pixel_cost};
 pub use features::{Features, features};
+pub use fill::fill;
 pub use gray::{Channel, deep_gray, depth_unit, gray};
 pub use lr_check::lr_check;
 pub use matching_cost::{matching_cost, matching_cost_scale};
 pub use median::median;
 pub use prefilter::prefilter;
 pub use sgm_aggregate::{Direction, aggregate_direction, sgm_aggregate};
+pub use speckle::speckle;
 pub use texture::texture;
 pub(crate) use weighted_median::{median_decay, median_spacing};
 pub use weighted_median::{median_weight, weighted_median};
@@ -43,7 +47,7 @@ pub use wls::{wls, wls_couplings};
 use rayon::prelude::*;
 use std::time::Instant;
 
-use crate::{Cost, DisparityMap, Error, Image, Matched, Method, Params, Prefilter, StageTime};
+use crate::{Cost, DisparityMap, Error, Fill, Image, Matched, Method, Params, Prefilter, StageTime};
 
 /// An image, row by row from the top.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -156,8 +160,14 @@ pub fn compute_all_timed(left: &Image, right: &Image, params: &Params) -> Result
     if let Some(max_difference) = params.lr_check {
         map = clock.stage("lr_check", lr_check(&map, &right, max_difference));
     }
+    if params.speckle_window > 0 {
+        map = clock.stage("speckle", speckle(&map, params.speckle_window, params.speckle_range));
+    }
     if let Some(side) = params.median.side() {
         map = clock.stage("median", median(&map, side));
+    }
+    if params.fill != Fill::None {
+        map = clock.stage("fill", fill(&map, &right, params));
     }
     if let Some(radius) = params.weighted_median {
         map = clock.stage("weighted_median", weighted_median(&map, &luma, radius, params));

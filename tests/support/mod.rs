@@ -101,7 +101,7 @@ pub fn assert_equal(checks: &[StageCheck], adapter: &wgpu::Adapter, case: &dyn s
 
 /// Parameters from a seed: every setting, every range.
 pub fn random_params(random: &mut ChaCha8Rng) -> Params {
-    use gpu_stereo::{Median, Paths, Prefilter, Schedule, Subpixel};
+    use gpu_stereo::{Fill, Median, Paths, Prefilter, Schedule, Subpixel};
     let disparities = *[1, 2, 3, 7, 15, 16, 17, 31, 33, 48, 64, 65, 97, 130].get(random.random_range(0..14)).unwrap();
     let mut params = if random.random_bool(0.3) { Params::bm(disparities) } else { Params::sgm(disparities) };
     params.min_disparity = *[0, 0, 0, 1, 5, -1, -7, -40, 30].get(random.random_range(0..9)).unwrap();
@@ -154,6 +154,14 @@ pub fn random_params(random: &mut ChaCha8Rng) -> Params {
         params.wls =
             Some(gpu_stereo::Wls { lambda, sigma: *[0.1, 1.5, 1000.0].get(random.random_range(0..3)).unwrap() });
     }
+    params.speckle_window = if random.random_bool(0.7) { 0 } else { random.random_range(1..20) };
+    params.speckle_range = random.random_range(0..4);
+    params.fill = match random.random_range(0..10) {
+        0..6 => Fill::None,
+        6 => Fill::Background,
+        7 | 8 => Fill::Rays,
+        _ => Fill::Hirschmuller,
+    };
     if params.method == gpu_stereo::Method::Bm && random.random_bool(0.2) {
         (params.cost, params.color_cost) = (Cost::Ncc, false);
         params.block = 2 * random.random_range(1..10) + 1;
