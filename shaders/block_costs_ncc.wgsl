@@ -35,16 +35,21 @@ fn block_costs(costs: ptr<function, Costs>, sums: ptr<function, Costs>, seen: pt
     let left = statistics[row * (2u * frame.width + DISPARITIES - 1u) + u32(x)];
     let entering = right_block(row, frame.width - 1u - u32(x) + (member + 1u) * OWN - 1u);
     for (var q = 0u; q < OWN_QUADS; q++) {
-        let sum_after = select((*seen).sums[min(q + 1u, OWN_QUADS - 1u)][0].x, entering.x, q + 1u == OWN_QUADS);
-        let root_after = select((*seen).roots[min(q + 1u, OWN_QUADS - 1u)][0].x, entering.y, q + 1u == OWN_QUADS);
-        for (var i = 0u; i < 4u; i++) {
-            let sum_above = select((*seen).sums[q][min(i + 1u, 3u)].x, sum_after, i == 3u);
-            let root_above = select((*seen).roots[q][min(i + 1u, 3u)].x, root_after, i == 3u);
-            (*seen).sums[q][i] = vec4((*seen).sums[q][i].yzw, sum_above);
-            (*seen).roots[q][i] = vec4((*seen).roots[q][i].yzw, root_above);
-            (*costs)[q][i] = correlation_cost((*sums)[q][i], left, (*seen).sums[q][i], (*seen).roots[q][i]);
-        }
+        let last = q + 1u == OWN_QUADS;
+        let next = min(q + 1u, OWN_QUADS - 1u);
+        let s = moved_down((*seen).sums[q], select((*seen).sums[next][0].x, entering.x, last));
+        let r = moved_down((*seen).roots[q], select((*seen).roots[next][0].x, entering.y, last));
+        let products = (*sums)[q];
+        (*seen).sums[q] = s;
+        (*seen).roots[q] = r;
+        (*costs)[q] = array(
+            correlation_cost(products[0], left, s[0], r[0]), correlation_cost(products[1], left, s[1], r[1]),
+            correlation_cost(products[2], left, s[2], r[2]), correlation_cost(products[3], left, s[3], r[3]));
     }
+}
+
+fn moved_down(v: array<vec4<u32>, 4>, above: u32) -> array<vec4<u32>, 4> {
+    return array(vec4(v[0].yzw, v[1].x), vec4(v[1].yzw, v[2].x), vec4(v[2].yzw, v[3].x), vec4(v[3].yzw, above));
 }
 
 // Products modulo 2^32; the covariance itself is below 2^31.

@@ -155,9 +155,8 @@ impl Sizes {
             )));
         }
         // With checks some loops over a state stay loops.
-        let loops = 5 * plan.own_quads;
-        let rounds = if plan.own_quads <= 4 { 5 } else { loops } + 8 * u32::from(params.confidence);
-        let rounds = rounds + if params.cost == Cost::Ncc { loops } else { 0 };
+        let rounds = if plan.own_quads <= 4 { 5 } else { 5 * plan.own_quads } + 8 * u32::from(params.confidence);
+        let rounds = rounds + if params.cost == Cost::Ncc { 2 * plan.own_quads } else { 0 };
         let most = ROUNDS / rounds;
         if params.shader_checks && !plan.lanes && width + params.min_disparity.unsigned_abs() > most {
             return Err(Error::Image(format!(

@@ -32,7 +32,7 @@ type Choice = (usize, usize);
 
 /// The values of the options that take numbers. What an option takes in words is taken from the table of options.
 const NUMBERS: &[(&str, &[&str])] = &[
-    ("disp", &["21", "7", "50"]),
+    ("disp", &["21", "7", "37"]),
     ("min-disp", &["0", "-4", "3"]),
     ("ad-weight", &["8", "40"]),
     ("census-weight", &["32", "5"]),

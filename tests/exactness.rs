@@ -160,8 +160,8 @@ fn longest_rows() {
         (13_000, Params::sgm(17), Schedule::Lanes, true),
         (1638, Params::sgm(2000), Schedule::Lines, false),
         (2184, Params::bm(90), Schedule::Lines, true),
-        (2600, ncc(64), Schedule::Lines, true),
-        (1092, ncc(90), Schedule::Lines, true),
+        (5000, ncc(64), Schedule::Lines, true),
+        (1560, ncc(90), Schedule::Lines, true),
         (13_000, ncc(64), Schedule::Lanes, true),
     ] {
         (params.shader_checks, params.schedule, params.block) = (true, schedule, 15);
