@@ -3,7 +3,7 @@
 use crate::buffers::{Frame, Rows};
 use crate::reference::{self, BlockStatistics, Channel, Direction, Features, Images, Plane, Views, Volume};
 use crate::steps::{Output, Step};
-use crate::{Cost, DisparityMap, Error, Image, Method, StereoMatcher, readback};
+use crate::{Cost, DisparityMap, Error, Image, Method, Params, StereoMatcher, readback};
 
 /// The first element of a stage that differs from the reference.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -48,12 +48,15 @@ impl StageCheck {
 const SENTINEL: u8 = 0xa5;
 
 /// The reference's buffers, each computed when a step asks for it.
-struct Expected<'a> {
-    matcher: &'a StereoMatcher,
+struct Expected {
+    params: Params,
+    /// The left view of the mirrored pair, mirrored, if it was matched before.
+    matched: Option<DisparityMap>,
     luma: [Plane<u8>; 2],
     images: [Images; 2],
     prefiltered: [Images; 2],
     features: [Features; 2],
+    penalties: Option<Volume<u8>>,
     columns: Volume<u32>,
     statistics: Option<[BlockStatistics; 2]>,
     cost: Volume<u8>,
@@ -63,13 +66,14 @@ struct Expected<'a> {
     checked: Option<DisparityMap>,
 }
 
-impl<'a> Expected<'a> {
-    fn new(matcher: &'a StereoMatcher, left: &Image, right: &Image) -> Self {
-        let params = &matcher.params;
+impl Expected {
+    fn new(params: &Params, left: &Image, right: &Image) -> Self {
         let luma = [left, right].map(|image| reference::gray(image, Channel::Luma));
         let images = [left, right].map(|image| reference::images(image, params));
         let prefiltered = [0, 1].map(|side: usize| images[side].prefiltered(params));
         let features = [0, 1].map(|side: usize| prefiltered[side].features(params));
+        let adaptive = params.adaptive_p2 && params.method == Method::Sgm;
+        let penalties = adaptive.then(|| reference::penalties(&luma[0], params));
         let columns = reference::cost_columns(&features[0], &features[1], params);
         let correlates = params.cost == Cost::Ncc;
         let statistics = correlates.then(|| reference::block_statistics(&features[0], &features[1], params));
@@ -77,29 +81,51 @@ impl<'a> Expected<'a> {
             Method::Sgm => reference::matching_cost(&columns, params),
             Method::Bm => Volume::new(0, 0, 0),
         };
-        let (paths, views, checked) = (Vec::new(), None, None);
-        Self { matcher, luma, images, prefiltered, features, columns, statistics, cost, paths, views, checked }
+        let params = params.clone();
+        Self {
+            params,
+            matched: None,
+            luma,
+            images,
+            prefiltered,
+            features,
+            penalties,
+            columns,
+            statistics,
+            cost,
+            paths: Vec::new(),
+            views: None,
+            checked: None,
+        }
     }
 
     fn path(&mut self, direction: Direction) -> &Volume<u8> {
         let known = self.paths.iter().position(|(known, _)| *known == direction);
         let i = known.unwrap_or_else(|| {
-            let volume = reference::aggregate_direction(&self.cost, direction, &self.matcher.params);
+            let volume = reference::aggregate_direction(&self.cost, self.penalties.as_ref(), direction, &self.params);
             self.paths.push((direction, volume));
             self.paths.len() - 1
         });
         &self.paths[i].1
     }
 
+    /// The right view that the filters read.
+    fn right_view(&mut self) -> DisparityMap {
+        match &self.matched {
+            Some(matched) => matched.clone(),
+            None => self.views().right.clone(),
+        }
+    }
+
     fn views(&mut self) -> &Views {
         if self.views.is_none() {
-            let params = &self.matcher.params;
+            let params = &self.params.clone();
             let views = match params.method {
                 Method::Bm => reference::block_match(&self.columns, self.statistics.as_ref(), params),
                 Method::Sgm => {
                     let cost = &self.cost;
                     let mut sum = Volume::<u16>::new(cost.width, cost.height, cost.disparities);
-                    for &direction in Direction::all(params.paths) {
+                    for direction in Direction::all(params.paths) {
                         for (sum, &path) in sum.data.iter_mut().zip(&self.path(direction).data) {
                             *sum += u16::from(path);
                         }
@@ -143,10 +169,18 @@ impl StereoMatcher {
         mut spoil: impl FnMut(&str, &mut [u8]),
     ) -> Result<Vec<StageCheck>, Error> {
         readback::guarded(&self.device, || self.upload(left, right))??;
-        let mut expected = Expected::new(self, left, right);
+        let mut mirrored = self.steps.first().is_some_and(|step| step.mirrored);
+        let mut expected = match self.params.second_match() {
+            Some(second) => Expected::new(&second, &reference::mirrored(right)?, &reference::mirrored(left)?),
+            None => Expected::new(&self.params, left, right),
+        };
         let mut stages: Vec<StageCheck> = Vec::new();
         let mut first_views = true;
         for step in &self.steps {
+            if mirrored && !step.mirrored {
+                expected = Expected { matched: expected.matched, ..Expected::new(&self.params, left, right) };
+                (mirrored, first_views) = (false, true);
+            }
             let fresh = match &step.output {
                 Output::Paths { first, .. } => *first,
                 Output::Views { .. } => std::mem::take(&mut first_views),
@@ -196,7 +230,7 @@ impl StereoMatcher {
     fn compare(
         &self,
         step: &Step,
-        expected: &mut Expected<'_>,
+        expected: &mut Expected,
         stage: &mut StageCheck,
         spoil: &mut impl FnMut(&str, &mut [u8]),
     ) -> Result<(), Error> {
@@ -289,6 +323,17 @@ impl StereoMatcher {
                     }
                 }
             }
+            Output::Penalties { first } => {
+                let Some(penalties) = &expected.penalties else { return Ok(()) };
+                for (y, row) in each_row(whole, &bytes, 64 * u64::from(width.div_ceil(16) as u32)) {
+                    for (x, values) in row.chunks_exact(4).take(width).enumerate() {
+                        for (k, &got) in values.iter().enumerate() {
+                            let expected = penalties.data[(y * width + x) * penalties.disparities + first + k];
+                            stage.compare(x, y, Some(first + k), expected.into(), got.into());
+                        }
+                    }
+                }
+            }
             Output::Cost { chunk, volume_row } => {
                 let first = u64::from(*volume_row) * self.sizes.volume_row;
                 for (y, row) in each_row(*chunk, &bytes[first as usize..], self.sizes.volume_row) {
@@ -300,14 +345,15 @@ impl StereoMatcher {
                     }
                 }
             }
-            Output::Paths { directions, band, .. } => {
+            Output::Paths { directions, band, volume_row, .. } => {
+                let first = u64::from(*volume_row) * self.sizes.volume_row;
                 // The device keeps T = L - C, summed over the directions so far.
                 for &direction in directions {
                     expected.path(direction);
                 }
                 let volumes: Vec<&Volume<u8>> =
                     expected.paths.iter().filter(|(d, _)| directions.contains(d)).map(|(_, volume)| volume).collect();
-                for (y, row) in each_row(*band, &bytes, self.sizes.volume_row) {
+                for (y, row) in each_row(*band, &bytes[first as usize..], self.sizes.volume_row) {
                     for (x, values) in row.chunks_exact(padded).take(width).enumerate() {
                         let at = (y * width + x) * disparities;
                         for (d, &got) in values[..disparities].iter().enumerate() {
@@ -322,16 +368,22 @@ impl StereoMatcher {
                 let left = self.map(&bytes);
                 let behind = self.fetch(step, &self.right_map, spoil)?;
                 let right = self.map(&behind);
+                let wanted = expected.params.confidence;
                 let views = expected.views();
                 compare_maps(stage, &views.left, &left);
                 compare_maps(stage, &views.right, &right);
-                if self.params.confidence {
+                if wanted {
                     let margins = self.map(&behind[self.sizes.map as usize..]);
                     for (i, (&expected, &got)) in views.margins.data.iter().zip(&margins.data).enumerate() {
                         stage.compare(i % width, i / width, None, expected.into(), got.into());
                     }
                 }
                 expected.checked = Some(views.left.clone());
+            }
+            Output::Mirrored => {
+                let matched = reference::mirror(&expected.views().left);
+                compare_maps(stage, &matched, &self.map(&bytes));
+                expected.matched = Some(matched);
             }
             Output::Textured => {
                 if let Some(map) = &expected.checked {
@@ -343,7 +395,7 @@ impl StereoMatcher {
             Output::Checked => {
                 if let Some(map) = expected.checked.take() {
                     let max_difference = self.params.lr_check.unwrap_or(0);
-                    let checked = reference::lr_check(&map, &expected.views().right, max_difference);
+                    let checked = reference::lr_check(&map, &expected.right_view(), max_difference);
                     compare_maps(stage, &checked, &self.map(&bytes));
                     expected.checked = Some(checked);
                 }
@@ -362,7 +414,7 @@ impl StereoMatcher {
                 }
             }
             Output::Fill => {
-                let right = expected.views().right.clone();
+                let right = expected.right_view();
                 if let Some(checked) = &mut expected.checked {
                     *checked = reference::fill(checked, &right, &self.params);
                     compare_maps(stage, checked, &self.map(&bytes));

@@ -548,6 +548,21 @@ impl Params {
         )
     }
 
+    /// The settings of a second match of the mirrored pair for the right view, if that is wanted and something reads it:
+    /// whole pixels, and all of them.
+    pub(crate) fn second_match(&self) -> Option<Self> {
+        let read = self.lr_check.is_some() || matches!(self.fill, Fill::Rays | Fill::Hirschmuller);
+        let wanted = self.right_view == RightView::Match && read;
+        wanted.then(|| Self {
+            subpixel: Subpixel::Off,
+            uniqueness: 0,
+            texture: 0,
+            confidence: false,
+            right_view: RightView::Diagonal,
+            ..self.clone()
+        })
+    }
+
     /// Rows and columns by which a block reaches beyond its centre.
     pub(crate) fn radius(&self) -> u32 {
         self.block / 2

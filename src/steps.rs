@@ -40,6 +40,9 @@ pub(crate) enum Output {
     Columns {
         chunk: Rows,
     },
+    Penalties {
+        first: usize,
+    },
     Cost {
         chunk: Rows,
         volume_row: u32,
@@ -53,12 +56,15 @@ pub(crate) enum Output {
     Paths {
         directions: Vec<Direction>,
         band: Rows,
+        volume_row: u32,
         first: bool,
         last: bool,
     },
     Views {
         last: bool,
     },
+    /// The right view of a second match.
+    Mirrored,
     Textured,
     Checked,
     Speckle,
@@ -80,6 +86,8 @@ pub(crate) struct Step {
     pub(crate) workgroups: [u32; 2],
     pub(crate) output: Output,
     pub(crate) buffer: wgpu::Buffer,
+    /// Whether this is of the mirrored pair.
+    pub(crate) mirrored: bool,
     /// The texture that `buffer` is copied into when it is complete, row by row.
     pub(crate) copy_to: Option<wgpu::Texture>,
 }
@@ -114,12 +122,39 @@ struct Planned {
     workgroups: [u32; 2],
     output: Output,
     buffer: wgpu::Buffer,
+    mirrored: bool,
     copy_to: Option<wgpu::Texture>,
 }
 
 enum Resource {
     Buffer(wgpu::Buffer),
     Texture(wgpu::TextureView),
+}
+
+/// What is made once and asked for twice.
+struct Shared<T> {
+    made: HashMap<String, Vec<T>>,
+    taken: HashMap<String, usize>,
+}
+
+impl<T> Default for Shared<T> {
+    fn default() -> Self {
+        Self { made: HashMap::new(), taken: HashMap::new() }
+    }
+}
+
+impl<T: Clone> Shared<T> {
+    fn next(&mut self, key: &str) -> Option<T> {
+        let taken = self.taken.entry(key.into()).or_default();
+        let next = self.made.get(key)?.get(*taken)?.clone();
+        *taken += 1;
+        Some(next)
+    }
+
+    fn keep(&mut self, key: String, made: &T) {
+        *self.taken.entry(key.clone()).or_default() += 1;
+        self.made.entry(key).or_default().push(made.clone());
+    }
 }
 
 /// Makes buffers and steps.
@@ -130,6 +165,9 @@ pub(crate) struct Builder<'a> {
     pub(crate) plan: Plan,
     pub(crate) format: PixelFormat,
     pub(crate) sizes: &'a Sizes,
+    /// Whether the steps that are made next are of the mirrored pair.
+    pub(crate) mirrored: bool,
+    shared: Option<(Shared<wgpu::Buffer>, Shared<wgpu::Texture>)>,
     compiled: HashMap<(usize, String), Compiled>,
     planned: Vec<Planned>,
     tables: Vec<(wgpu::Buffer, Vec<u32>)>,
@@ -145,17 +183,49 @@ impl<'a> Builder<'a> {
         sizes: &'a Sizes,
     ) -> Self {
         let (compiled, planned, tables) = (HashMap::new(), Vec::new(), Vec::new());
-        Self { device, params: params.clone(), plan, format, sizes, compiled, planned, tables, device_bytes: 0 }
+        Self {
+            device,
+            params: params.clone(),
+            plan,
+            format,
+            sizes,
+            mirrored: false,
+            shared: None,
+            compiled,
+            planned,
+            tables,
+            device_bytes: 0,
+        }
+    }
+
+    /// Until sharing ends, what is asked for the n-th time since this was called is what was asked for the n-th time
+    /// since it was called before: for work that is done again, when nothing reads any more what the first left.
+    pub(crate) fn share(&mut self) {
+        let (buffers, textures) = self.shared.get_or_insert_default();
+        (buffers.taken, textures.taken) = (HashMap::new(), HashMap::new());
+    }
+
+    /// All is made anew from here on.
+    pub(crate) fn share_no_more(&mut self) {
+        self.shared = None;
     }
 
     pub(crate) fn buffer(&mut self, name: &str, size: u64) -> wgpu::Buffer {
+        let key = format!("{name} {size}");
+        if let Some(buffer) = self.shared.as_mut().and_then(|(buffers, _)| buffers.next(&key)) {
+            return buffer;
+        }
         self.device_bytes += size;
-        self.device.create_buffer(&wgpu::BufferDescriptor {
+        let buffer = self.device.create_buffer(&wgpu::BufferDescriptor {
             label: Some(&format!("gpu-stereo.{name}")),
             size,
             usage: wgpu::BufferUsages::STORAGE | wgpu::BufferUsages::COPY_SRC | wgpu::BufferUsages::COPY_DST,
             mapped_at_creation: false,
-        })
+        });
+        if let Some((buffers, _)) = &mut self.shared {
+            buffers.keep(key, &buffer);
+        }
+        buffer
     }
 
     /// A buffer of numbers that the kernels only read.
@@ -165,10 +235,10 @@ impl<'a> Builder<'a> {
         buffer
     }
 
-    /// A volume with a byte a disparity, a buffer a band.
-    pub(crate) fn volume(&mut self, name: &str) -> Vec<wgpu::Buffer> {
+    /// Volumes with a byte a disparity, a buffer a band, which holds `slots` of them one after the other.
+    pub(crate) fn volumes(&mut self, name: &str, slots: u32) -> Vec<wgpu::Buffer> {
         let sizes = self.sizes;
-        sizes.bands.iter().map(|band| self.buffer(name, sizes.volume(band.count))).collect()
+        sizes.bands.iter().map(|band| self.buffer(name, sizes.volume(slots * band.count))).collect()
     }
 
     /// A texture of `width` texels a row, to be filled by copies.
@@ -179,8 +249,12 @@ impl<'a> Builder<'a> {
         height: u32,
         format: wgpu::TextureFormat,
     ) -> wgpu::Texture {
+        let key = format!("{name} {width} {height} {format:?}");
+        if let Some(texture) = self.shared.as_mut().and_then(|(_, textures)| textures.next(&key)) {
+            return texture;
+        }
         self.device_bytes += u64::from(row_bytes(format, width)) * u64::from(height);
-        self.device.create_texture(&wgpu::TextureDescriptor {
+        let texture = self.device.create_texture(&wgpu::TextureDescriptor {
             label: Some(&format!("gpu-stereo.{name}")),
             size: wgpu::Extent3d { width, height, depth_or_array_layers: 1 },
             mip_level_count: 1,
@@ -189,7 +263,11 @@ impl<'a> Builder<'a> {
             format,
             usage: wgpu::TextureUsages::STORAGE_BINDING | wgpu::TextureUsages::COPY_DST,
             view_formats: &[],
-        })
+        });
+        if let Some((_, textures)) = &mut self.shared {
+            textures.keep(key, &texture);
+        }
+        texture
     }
 
     /// Copies what the last step left into a texture of `width` texels a row.
@@ -211,6 +289,11 @@ impl<'a> Builder<'a> {
     /// image in a quarter of the time that a buffer takes, but writes buffers faster (docs/PERFORMANCE.md).
     pub(crate) fn copy_to_texels(&mut self) -> wgpu::TextureView {
         let bytes = self.planned.last().map_or(0, |step| step.buffer.size());
+        self.copy_first_to_texels(bytes)
+    }
+
+    /// The same of the first bytes of what it left.
+    pub(crate) fn copy_first_to_texels(&mut self, bytes: u64) -> wgpu::TextureView {
         self.copy_to_texture(TEXELS, (bytes / TEXTURE_ROW) as u32, wgpu::TextureFormat::Rgba32Uint)
     }
 
@@ -249,6 +332,7 @@ impl<'a> Builder<'a> {
             workgroups: [invocations.div_ceil(row.lanes(&self.plan)), rows],
             output,
             buffer: buffer.clone(),
+            mirrored: self.mirrored,
             copy_to: None,
         });
     }
@@ -300,6 +384,7 @@ impl<'a> Builder<'a> {
                 workgroups: step.workgroups,
                 output: step.output,
                 buffer: step.buffer,
+                mirrored: step.mirrored,
                 copy_to: step.copy_to,
             }
         };

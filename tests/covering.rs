@@ -53,7 +53,7 @@ const NUMBERS: &[(&str, &[&str])] = &[
 ];
 
 /// Words of options that no case takes: one that stands for another, and a cost that is refused so far.
-const UNLISTED: &[(&str, &str)] = &[("schedule", "auto"), ("cost", "mi"), ("paths", "5"), ("paths", "16")];
+const UNLISTED: &[(&str, &str)] = &[("schedule", "auto"), ("cost", "mi")];
 
 /// What a case has besides its options.
 const CIRCUMSTANCES: &[(&str, &[&str])] = &[

@@ -32,14 +32,32 @@ pub(crate) struct Views {
 /// All stages, from the uploaded images to the map.
 pub(crate) fn chain(b: &mut Builder<'_>) -> Made {
     let sources = planes::sources(b);
-    let planes = planes::planes(b, &sources);
-    let views =
-        Views { left: b.buffer("winner.left", b.sizes.map), right: b.buffer("winner.right", b.sizes.right_map) };
-    match b.params.method {
-        Method::Bm => cost::block_match(b, &planes, &views),
-        Method::Sgm => aggregation::winner(b, &planes, &views),
+    let right_map = b.buffer("winner.right", b.sizes.right_map);
+    let views = Views { left: b.buffer("winner.left", b.sizes.map), right: right_map.clone() };
+    let mut right = None;
+    if let Some(second) = b.params.second_match() {
+        let params = std::mem::replace(&mut b.params, second);
+        b.mirrored = true;
+        b.share();
+        winners(b, &sources, &views);
+        b.share();
+        right = Some(filters::mirror(b, &views.left));
+        (b.params, b.mirrored) = (params, false);
     }
-    let output = filters::filtered(b, &views, &planes.grays[0]);
+    let planes = winners(b, &sources, &views);
+    b.share_no_more();
+    let compared = Views { left: views.left.clone(), right: right.unwrap_or_else(|| views.right.clone()) };
+    let output = filters::filtered(b, &compared, &planes.grays[0]);
     let confidence = b.params.confidence.then(|| filters::confidence(b, &views, &output));
-    Made { sources, right_map: views.right, output, confidence }
+    Made { sources, right_map, output, confidence }
+}
+
+/// From the images to the winner of both views. Returns the planes.
+fn winners(b: &mut Builder<'_>, sources: &[wgpu::Texture; 2], views: &Views) -> planes::Planes {
+    let planes = planes::planes(b, sources);
+    match b.params.method {
+        Method::Bm => cost::block_match(b, &planes, views),
+        Method::Sgm => aggregation::winner(b, &planes, views),
+    }
+    planes
 }

@@ -14,6 +14,8 @@ mod gray;
 mod lr_check;
 mod matching_cost;
 mod median;
+mod mirror;
+mod penalties;
 mod prefilter;
 mod sgm_aggregate;
 mod speckle;
@@ -33,6 +35,8 @@ pub use gray::{Channel, deep_gray, depth_unit, gray};
 pub use lr_check::lr_check;
 pub use matching_cost::{matching_cost, matching_cost_scale};
 pub use median::median;
+pub use mirror::{mirror, mirrored};
+pub use penalties::penalties;
 pub use prefilter::prefilter;
 pub use sgm_aggregate::{Direction, aggregate_direction, sgm_aggregate};
 pub use speckle::speckle;
@@ -134,25 +138,15 @@ pub fn compute_all_timed(left: &Image, right: &Image, params: &Params) -> Result
     params.validate()?;
     crate::matcher::check_pair(left, right)?;
     let mut clock = Clock { last: Instant::now(), times: Vec::new() };
-    let luma = gray(left, Channel::Luma);
-    let (left, right) = clock.stage("gray", (images(left, params), images(right, params)));
-    let (left, right) = clock.stage("prefilter", (left.prefiltered(params), right.prefiltered(params)));
-    let (left, right) = clock.stage("features", (left.features(params), right.features(params)));
-    let columns = clock.stage("cost_columns", cost_columns(&left, &right, params));
-    let Views { left, right, margins } = match params.method {
-        Method::Bm => {
-            let correlates = params.cost == Cost::Ncc;
-            let statistics =
-                correlates.then(|| clock.stage("block_statistics", block_statistics(&left, &right, params)));
-            clock.stage("block_match", block_match(&columns, statistics.as_ref(), params))
-        }
-        Method::Sgm => {
-            let cost = clock.stage("matching_cost", matching_cost(&columns, params));
-            drop(columns);
-            let sum = clock.stage("sgm_aggregate", sgm_aggregate(&cost, params));
-            clock.stage("winner", winner(&sum, params))
-        }
+    let matched = match params.second_match() {
+        Some(second) => Some(views(&mirrored(right)?, &mirrored(left)?, &second, &mut clock).left),
+        None => None,
     };
+    let luma = gray(left, Channel::Luma);
+    let Views { left, mut right, margins } = views(left, right, params, &mut clock);
+    if let Some(matched) = matched {
+        right = clock.stage("mirror", mirror(&matched));
+    }
     let mut map = left;
     if params.texture > 0 {
         map = clock.stage("texture", texture(&map, &luma, params));
@@ -177,6 +171,31 @@ pub fn compute_all_timed(left: &Image, right: &Image, params: &Params) -> Result
     }
     let confidence = params.confidence.then(|| clock.stage("confidence", confidence(&map, &margins)));
     Ok((Matched { map, confidence }, clock.times))
+}
+
+/// From the images to the winner of both views.
+fn views(left: &Image, right: &Image, params: &Params, clock: &mut Clock) -> Views {
+    let adaptive = params.adaptive_p2 && params.method == Method::Sgm;
+    let luma = adaptive.then(|| gray(left, Channel::Luma));
+    let (left, right) = clock.stage("gray", (images(left, params), images(right, params)));
+    let penalties = luma.map(|luma| clock.stage("penalties", penalties(&luma, params)));
+    let (left, right) = clock.stage("prefilter", (left.prefiltered(params), right.prefiltered(params)));
+    let (left, right) = clock.stage("features", (left.features(params), right.features(params)));
+    let columns = clock.stage("cost_columns", cost_columns(&left, &right, params));
+    match params.method {
+        Method::Bm => {
+            let correlates = params.cost == Cost::Ncc;
+            let statistics =
+                correlates.then(|| clock.stage("block_statistics", block_statistics(&left, &right, params)));
+            clock.stage("block_match", block_match(&columns, statistics.as_ref(), params))
+        }
+        Method::Sgm => {
+            let cost = clock.stage("matching_cost", matching_cost(&columns, params));
+            drop(columns);
+            let sum = clock.stage("sgm_aggregate", sgm_aggregate(&cost, penalties.as_ref(), params));
+            clock.stage("winner", winner(&sum, params))
+        }
+    }
 }
 
 /// An image as the chain takes it: luma, or with [`Params::color_cost`] red, green and blue.
@@ -217,11 +236,14 @@ struct Clock {
 }
 
 impl Clock {
-    /// Notes the time since the stage before, in which `result` was computed.
+    /// Adds the time since the stage before, in which `result` was computed.
     fn stage<T>(&mut self, name: &str, result: T) -> T {
         let now = Instant::now();
         let ms = now.duration_since(self.last).as_secs_f64() * 1e3;
-        self.times.push(StageTime { name: name.into(), ms });
+        match self.times.iter_mut().find(|time| time.name == name) {
+            Some(time) => time.ms += ms,
+            None => self.times.push(StageTime { name: name.into(), ms }),
+        }
         self.last = now;
         result
     }
