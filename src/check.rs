@@ -8,7 +8,8 @@ use crate::{Cost, DisparityMap, Error, Image, Method, Params, StereoMatcher, rea
 /// The first element of a stage that differs from the reference.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Mismatch {
-    /// Column; of a gray or a prefiltered image the byte of its row, of column sums the column plus the block's radius.
+    /// Column; of a gray or a prefiltered image the byte of its row, of column sums the column plus the block's radius,
+    /// of statistics of blocks their place in a row.
     pub x: u32,
     /// Row.
     pub y: u32,

@@ -264,7 +264,7 @@ fn cases() -> Vec<Case> {
         let mut random = ChaCha8Rng::seed_from_u64(seed);
         let mut params = support::random_params(&mut random);
         params.disparities = random.random_range(1..9);
-        params.block = 2 * random.random_range(0..3) + 1;
+        params.block = 2 * random.random_range(0..3) + if params.cost == Cost::Ncc { 3 } else { 1 };
         params.min_disparity = random.random_range(-5..5);
         if random.random() {
             params.p2 = random.random_range(0..12);

@@ -9,7 +9,7 @@ pub struct BlockStatistics {
     /// The columns that there are blocks around: the image is continued by its border.
     pub columns: Range<i64>,
     /// Row by row, for each block of n pixels with the values v: the sum s of v, and
-    /// floor(sqrt(n * (sum of v^2) - s^2)). At most 361 * 255 and 46,022.
+    /// floor(sqrt(n * (sum of v^2) - s^2)). At most 361 * 255 and 46,027.
     pub data: Vec<[u32; 2]>,
 }
 
