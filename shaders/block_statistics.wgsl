@@ -1,6 +1,6 @@
 // block_statistics: of the values v of each block their sum s, and floor(sqrt(n * sum of v^2 - s^2)), n pixels a block.
 // plane (features of one side) -> statistics (pairs of u32, [y][left, then right blocks], only the band's rows)
-//   Left blocks from column 0 on; right ones from the one that the last column sees at the smallest disparity, leftwards.
+//   Left blocks from column 0 on; right ones leftwards, from what the last column sees at the smallest disparity.
 // One invocation: four neighbouring blocks, SEGMENT rows downwards; a row enters the sums as another leaves them.
 // Border: rows are clamped into the image, columns by the planes.
 // Reference: src/reference/block_statistics.rs

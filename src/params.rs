@@ -677,8 +677,8 @@ impl Params {
         matches!(self.cost, Cost::Ssd | Cost::Ncc)
     }
 
-    /// Bits by which block sums are shifted down: as many as bring the largest below 2^20; none where the sums are not yet
-    /// the costs.
+    /// Bits by which block sums are shifted down: as many as bring the largest below 2^20; none where the sums are not
+    /// yet the costs.
     pub(crate) fn narrowing(&self) -> u32 {
         if self.cost == Cost::Ncc {
             return 0;

@@ -1,5 +1,5 @@
-//! Every stage of the chain equals the reference to the bit for settings that between them hold every pair of values that
-//! may be combined; and, on demand, for the full product of costs, prefilters, paths and filters.
+//! Every stage of the chain equals the reference to the bit for settings that between them hold every pair of values
+//! that may be combined; and, on demand, for the full product of costs, prefilters, paths and filters.
 #![cfg(feature = "cli")]
 #![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)]
 
@@ -96,8 +96,8 @@ fn params(factors: &[Factor], row: &[usize]) -> Result<Params, gpu_stereo::Error
     Ok(params)
 }
 
-/// The pairs of values that no case may hold: with each method, cost, block and either choice of colours beside them the
-/// settings are refused.
+/// The pairs of values that no case may hold: with each method, cost, block and either choice of colours beside them
+/// the settings are refused.
 fn refused_pairs(factors: &[Factor]) -> BTreeSet<[Choice; 2]> {
     let completing: Vec<usize> =
         (0..factors.len()).filter(|&f| ["method", "cost", "block", "color-cost"].contains(&factors[f].name)).collect();
@@ -138,8 +138,8 @@ fn pair(a: Choice, b: Choice) -> [Choice; 2] {
     if a.0 < b.0 { [a, b] } else { [b, a] }
 }
 
-/// Rows that hold every pair but the refused ones: each is the best of a few that begin with a pair that is still missing
-/// and then take, factor by factor, the value that adds most missing pairs.
+/// Rows that hold every pair but the refused ones: each is the best of a few that begin with a pair that is still
+/// missing and then take, factor by factor, the value that adds most missing pairs.
 fn covering(factors: &[Factor], refused: &BTreeSet<[Choice; 2]>, random: &mut ChaCha8Rng) -> Vec<Row> {
     const TRIES: usize = 12;
     let mut missing: Vec<[Choice; 2]> = all_pairs(factors).difference(refused).copied().collect();

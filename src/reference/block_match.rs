@@ -37,11 +37,11 @@ pub fn block_match(columns: &Volume<u32>, statistics: Option<&[BlockStatistics; 
     Views::from_rows((0..columns.height).into_par_iter().map(row).collect())
 }
 
-/// The cost of a block by its normalised cross correlation, in 4096ths: 0 of equal blocks, 4096 of unrelated ones, 8192 of
-/// a block and its negative.
+/// The cost of a block by its normalised cross correlation, in 4096ths: 0 of equal blocks, 4096 of unrelated ones, 8192
+/// of a block and its negative.
 ///
-/// With the sum of products p, and sums s and roots a of [`super::block_statistics`], the covariance is
-/// c = n p - s_left s_right (n^2 times that of the pixels), and the cost is 4096 -+ min(4096, floor(4096 |c| / (a_left
+/// With the sum of products p, and sums s and roots a of [`super::block_statistics`], the covariance is c = n p -
+/// s_left s_right (n^2 times that of the pixels), and the cost is 4096 -+ min(4096, floor(4096 |c| / (a_left
 /// a_right))), - if c >= 0; 4096 if a_left a_right = 0.
 fn correlation_cost(products: u32, left: [u32; 2], right: [u32; 2], params: &Params) -> u32 {
     let n = i64::from(params.block * params.block);
