@@ -40,9 +40,9 @@ pub fn block_match(columns: &Volume<u32>, statistics: Option<&[BlockStatistics; 
 /// The cost of a block by its normalised cross correlation, in 4096ths: 0 of equal blocks, 4096 of unrelated ones, 8192
 /// of a block and its negative.
 ///
-/// With the sum of products p, and sums s and roots a of [`super::block_statistics`], the covariance is c = n p -
-/// s_left s_right (n^2 times that of the pixels), and the cost is 4096 -+ min(4096, floor(4096 |c| / (a_left
-/// a_right))), - if c >= 0; 4096 if a_left a_right = 0.
+/// Of n pixels a block, with the sum of products p, and the sums s and roots a of [`super::block_statistics`]:
+/// c = n p - s_left s_right, n^2 times the covariance; part = min(4096, floor(4096 |c| / (a_left a_right))), 0 if
+/// a_left a_right = 0; the cost is 4096 - part if c >= 0, else 4096 + part.
 fn correlation_cost(products: u32, left: [u32; 2], right: [u32; 2], params: &Params) -> u32 {
     let n = i64::from(params.block * params.block);
     let [[left_sum, left_root], [right_sum, right_root]] = [left, right].map(|pair| pair.map(i64::from));
