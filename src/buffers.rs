@@ -213,7 +213,7 @@ impl Sizes {
         let source_allowed = TEXTURE_ROW * u64::from(limits.max_texture_dimension_2d); // a texture alone
         for (what, needed, allowed) in [
             ("an image", source, source_allowed),
-            ("a gray image", texels(8 * gray_stride), volume_allowed),
+            ("a gray image", texels(if format.is_deep() { 8 } else { 4 } * gray_stride), volume_allowed),
             ("a disparity map", texels(map_stride), volume_allowed),
         ] {
             if needed > allowed {

@@ -278,7 +278,7 @@ pub(crate) fn constants(kernel: &Kernel, params: &Params, format: PixelFormat, p
         ("UNIQUENESS", number(params.uniqueness)),
         ("CONFIDENCE", number(params.confidence.into())),
         ("FORMAT", number(format as u32)),
-        ("DEEP", number(matches!(format, PixelFormat::Gray16 | PixelFormat::Rgba16).into())),
+        ("DEEP", number(format.is_deep().into())),
         ("GRAY8", number(PixelFormat::Gray8 as u32)),
         ("GRAY16", number(PixelFormat::Gray16 as u32)),
         ("RGBA8", number(PixelFormat::Rgba8 as u32)),
