@@ -242,7 +242,7 @@ class Chain:
 
     def scale(self):
         largest = self.largest_total >> self.narrowing
-        top = 164 * 248 if self.case["cost"] == "census-sobel" else 59 * 1550
+        top = 128 * self.largest_pixel_cost() if self.case["cost"] == "census-sobel" else 59 * 1550
         return (top * 2**14 + largest // 2) // largest
 
     def block_statistics(self, plane, columns):
