@@ -137,7 +137,7 @@ fn speckle_of_steps_and_noise() {
                     level => 17 * level as i16 - (noise() % 2) as i16,
                 }
             });
-            for (window, range) in [(1, 1), (2, 1), (7, 0), (40, 2), (u32::MAX, 3)] {
+            for (window, range) in [(1, 1), (2, 1), (7, 0), (40, 2), (i32::MAX as u32, 3)] {
                 speckle(&setup, &noisy, window, range);
             }
         }

@@ -589,6 +589,12 @@ const MUTANTS: &[Mutant] = &[
     mutant("matching_cost_small", "values[j][p] >>= 8u", "values[j][p] >>= 16u", |_| ()),
     mutant("matching_cost_small", "c < columns", "c + 1u < columns", |_| ()),
     mutant("matching_cost_small", "- kept[0]", "- kept[1]", |_| ()),
+    mutant("matching_cost_pixels", "24u - 8u * k", "8u * k", |params| params.block = 1),
+    mutant("matching_cost_pixels", "inside > 3u", "inside > 4u", |params| params.block = 1),
+    mutant("matching_cost_pixels", "vec4(entering[p], seen[p].xyz)", "seen[p]", |params| params.block = 1),
+    mutant("matching_cost_pixels", "0x01010101u <<", "0u <<", |params| {
+        (params.block, params.cost, params.prefilter) = (1, Cost::CensusSobel, Prefilter::None);
+    }),
     mutant("matching_cost_small", "(a ^ b) & c", "(a ^ b) | c", |params| params.cost = Cost::Census),
     mutant("matching_cost_small", "2u * bits", "bits", |params| params.cost = Cost::CensusSobel),
     mutant("matching_cost_small", "+ vec4(8u)", "+ vec4(7u)", |params| params.cost = Cost::AdCensus),
@@ -600,7 +606,7 @@ const MUTANTS: &[Mutant] = &[
     mutant("matching_cost_lanes", "1u << 23u", "1u << 22u", lanes),
     mutant("matching_cost_lanes", "frame.height) - 1)", "frame.height) - 2)", lanes),
     mutant("matching_cost_lanes", "- kept[0]", "- kept[1]", lanes),
-    mutant("matching_cost_lanes", "values[c >> 2u], (c & 3u)", "values[c >> 2u], (i & 3u)", lanes),
+    mutant("matching_cost_lanes", "values[p][c >> 2u], (c & 3u)", "values[p][c >> 2u], (i & 3u)", lanes),
     mutant("matching_cost_lanes", "% SUMMABLE == 0u", "% (SUMMABLE + 3u) == 0u", |params| {
         lanes(params);
         params.prefilter_cap = 63;
@@ -777,7 +783,8 @@ fn a_mutated_shader_is_caught() {
             |(_, device, _): &&Setup| source(row, &params, left.format(), &Plan::new(device, &params)).contains(from);
         let setup = [&full, &bare].into_iter().find(has_it);
         let Some((_, device, queue)) = setup else {
-            panic!("{case}: that is no longer in the text, break the same rule in its new words")
+            wrong.push(format!("{case}: that is no longer in the text, break the same rule in its new words"));
+            continue;
         };
 
         EDIT.set(Some([kernel, from, to]));
