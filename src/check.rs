@@ -68,7 +68,7 @@ impl<'a> Expected<'a> {
         let images = [left, right].map(|image| reference::images(image, params));
         let prefiltered = [0, 1].map(|side: usize| images[side].prefiltered(params));
         let features = [0, 1].map(|side: usize| prefiltered[side].features(params));
-        let columns = reference::cost_columns(&features[0], &features[1], params);
+        let columns = reference::cost_columns(&features[0], &features[1], &[], params);
         let cost = match params.method {
             Method::Sgm => reference::matching_cost(&columns, params),
             Method::Bm => Volume::new(0, 0, 0),

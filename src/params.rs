@@ -528,12 +528,30 @@ impl Params {
             "31 is usual",
         )?;
         check(
-            !matches!(self.cost, Cost::Ncc | Cost::MutualInformation),
+            self.cost != Cost::Ncc,
             "cost",
             format!("{:?}", self.cost),
             "another one".into(),
             "take census",
         )
+    }
+
+    /// The same for images that are halved so often, without what comes after the map of the left view.
+    pub(crate) fn rough(&self, halvings: u32) -> Self {
+        let last = self.min_disparity + self.disparities as i32 - 1;
+        let (from, to) = (self.min_disparity >> halvings, -(-last >> halvings));
+        Self {
+            min_disparity: from,
+            disparities: (to - from + 1) as u32,
+            right_view: RightView::Diagonal,
+            speckle_window: 0,
+            median: Median::Off,
+            fill: Fill::None,
+            weighted_median: None,
+            wls: None,
+            confidence: false,
+            ..self.clone()
+        }
     }
 
     /// Rows and columns by which a block reaches beyond its centre.
@@ -604,7 +622,8 @@ impl Params {
     /// The largest cost of a pixel.
     pub(crate) fn pixel_max(&self) -> u32 {
         match self.cost {
-            Cost::Sad | Cost::BirchfieldTomasi | Cost::MutualInformation => self.prefiltered_max(),
+            Cost::Sad | Cost::BirchfieldTomasi => self.prefiltered_max(),
+            Cost::MutualInformation => 255,
             Cost::Ssd | Cost::Ncc => self.prefiltered_max().pow(2),
             Cost::ZeroMeanSad => (2 * self.prefiltered_max()).min(254),
             Cost::SadXy => 4 * self.prefilter_cap,

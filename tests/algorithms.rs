@@ -100,7 +100,7 @@ fn stages(left: &Image, right: &Image, params: &Params) -> Vec<(&'static str, us
     let gray = [left, right].map(|image| reference::gray(image, reference::Channel::Luma));
     let prefiltered = [left, right].map(|image| reference::images(image, params).prefiltered(params));
     let features = [0, 1].map(|side: usize| prefiltered[side].features(params));
-    let columns = reference::cost_columns(&features[0], &features[1], params);
+    let columns = reference::cost_columns(&features[0], &features[1], &[], params);
     let bytes16s = |images: &reference::Images| images.channels.iter().flat_map(|c| bytes16(&c.data)).collect();
     let mut stages = vec![
         ("gray_left", 1, gray[0].data.clone()),

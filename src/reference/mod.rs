@@ -8,9 +8,12 @@ mod block_match;
 mod cost_columns;
 mod features;
 mod gray;
+mod halve;
 mod lr_check;
 mod matching_cost;
 mod median;
+mod mi_histogram;
+mod mi_table;
 mod prefilter;
 mod sgm_aggregate;
 mod window_sums;
@@ -20,9 +23,12 @@ pub use block_match::{block_match, block_sums};
 pub use cost_columns::{cost_columns, pixel_cost};
 pub use features::{Features, features};
 pub use gray::{Channel, deep_gray, depth_unit, gray};
+pub use halve::{Round, halve, rounds};
 pub use lr_check::lr_check;
 pub use matching_cost::{matching_cost, matching_cost_scale};
 pub use median::median;
+pub use mi_histogram::mi_histogram;
+pub use mi_table::{logarithm, mi_narrowing, mi_prior, mi_table};
 pub use prefilter::prefilter;
 pub use sgm_aggregate::{Direction, aggregate_direction, sgm_aggregate};
 pub use window_sums::window_sum;
@@ -31,7 +37,7 @@ pub use winner::{Views, points_inside, winner};
 use rayon::prelude::*;
 use std::time::Instant;
 
-use crate::{DisparityMap, Error, Image, Median, Method, Params, Prefilter, StageTime};
+use crate::{Cost, DisparityMap, Error, Image, Median, Method, Params, Prefilter, StageTime};
 
 /// An image, row by row from the top.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -100,11 +106,38 @@ pub fn compute(left: &Image, right: &Image, params: &Params) -> Result<Disparity
 pub fn compute_timed(left: &Image, right: &Image, params: &Params) -> Result<(DisparityMap, Vec<StageTime>), Error> {
     params.validate()?;
     crate::matcher::check_pair(left, right)?;
+    let (width, height) = (left.width(), left.height());
     let mut clock = Clock { last: Instant::now(), times: Vec::new() };
     let (left, right) = clock.stage("gray", (images(left, params), images(right, params)));
     let (left, right) = clock.stage("prefilter", (left.prefiltered(params), right.prefiltered(params)));
-    let (left, right) = clock.stage("features", (left.features(params), right.features(params)));
-    let columns = clock.stage("cost_columns", cost_columns(&left, &right, params));
+    let mut pyramid = vec![clock.stage("features", (left.features(params), right.features(params)))];
+    let rounds = rounds(width, height, params);
+    for _ in 0..rounds[0].halvings {
+        let (left, right) = &pyramid[pyramid.len() - 1];
+        let halved = (halve(left), halve(right));
+        pyramid.push(clock.stage("halve", halved));
+    }
+    let mut before: Option<(DisparityMap, u32)> = None;
+    for Round { halvings, params } in &rounds {
+        let (left, right) = &pyramid[*halvings as usize];
+        let mut table = Vec::new();
+        if params.cost == Cost::MutualInformation {
+            let (map, halved) = match &before {
+                Some((map, before)) => (Some(map), before - halvings),
+                None => (None, 0),
+            };
+            let counts = clock.stage("mi_histogram", mi_histogram(left, right, map, halved));
+            table = clock.stage("mi_table", mi_table(&counts, (left.width * left.height) as u64));
+        }
+        before = Some((matched(left, right, &table, params, &mut clock), *halvings));
+    }
+    let map = before.map_or_else(|| DisparityMap { width: 0, height: 0, data: Vec::new() }, |(map, _)| map);
+    Ok((map, clock.times))
+}
+
+/// The map of a round, from the features that the cost compares, with the table of [`mi_table`] for the costs that have one.
+fn matched(left: &Features, right: &Features, table: &[u8], params: &Params, clock: &mut Clock) -> DisparityMap {
+    let columns = clock.stage("cost_columns", cost_columns(left, right, table, params));
     let Views { left, right } = match params.method {
         Method::Bm => clock.stage("block_match", block_match(&columns, params)),
         Method::Sgm => {
@@ -121,7 +154,7 @@ pub fn compute_timed(left: &Image, right: &Image, params: &Params) -> Result<(Di
     if params.median == Median::Three {
         map = clock.stage("median", median(&map));
     }
-    Ok((map, clock.times))
+    map
 }
 
 /// An image as the chain takes it: luma, or with [`Params::color_cost`] red, green and blue.
