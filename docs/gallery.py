@@ -38,11 +38,11 @@ SECTIONS = [
         "SAD against SSD",
         ["sweep", *BM, "--disp", "{disp}", "--cost", "sad,ssd", "--block", "5,9,15,21"],
         {
-            "motorcycle": "Squares give the strongest edge in a block more weight, so with SSD the outlines of tank and "
-            "wheels grow a little thicker than with SAD; the larger the block, the smoother both maps and the fatter "
-            "the spokes.",
-            "corridor": "Walls and floor are the same with both; at the rims of ball and cone, where a block sees two "
-            "depths, SSD decides for the one with the stronger contrast.",
+            "motorcycle": "The two hardly differ. Squares give the largest differences in a block more weight, so that SSD "
+            "leaves fewer holes with a small block and thicker black outlines with a large one, where a block "
+            "sees two depths.",
+            "corridor": "In a rendering without noise the two agree almost everywhere; the holes in the side walls, where a "
+            "block is too small, are slightly fewer with SSD.",
         },
     ),
     (
@@ -50,11 +50,13 @@ SECTIONS = [
         "Block length and search width",
         ["sweep", *BM, "--block", "5,9,15,21", "--disp", "{widths}"],
         {
-            "motorcycle": "Down the rows noise disappears and detail with it, the cables first; in the left column the "
-            "search is too narrow for the machine and the ground before it, which the tests then remove; a search "
-            "wider than the scene costs time and a strip at the left border, and adds nothing.",
-            "corridor": "With 24 disparities only the end of the corridor is found and everything nearer is noise or "
-            "black; from 48 on the whole depth is there.",
+            "motorcycle": "Down the rows noise disappears and detail with it; at 21 the ground, which no single disparity of so "
+            "large a block fits, breaks up again. In the left column the search is too narrow for the machine and "
+            "the ground before it, which the tests then remove. The right column searches further than the scene "
+            "reaches: it costs time and adds nothing.",
+            "corridor": "With 24 disparities all that is nearer than the middle of the corridor is missing, 48 hold the whole "
+            "scene, and 72 only take longer. With a block of 21 the slanted walls break up, but not the end of "
+            "the corridor, which faces the camera.",
         },
     ),
     (
@@ -62,11 +64,12 @@ SECTIONS = [
         "Sobel against the normalised prefilter",
         ["sweep", *BM, "--disp", "{disp}", "--prefilter", "none,xsobel,sobel,normalized"],
         {
-            "motorcycle": "Without a prefilter the difference in brightness between the two cameras leaves holes in the "
-            "wall; a derivative does not see it, and the normalised response, which subtracts the local mean, is about "
-            "as good as the horizontal derivative; the gradient magnitude has lost the sign of an edge.",
-            "corridor": "Both images have the same brightness here, so all four agree on the walls; they differ in how "
-            "far the ball's rim reaches out.",
+            "motorcycle": "On plain gray values the smooth ground is lost, where the left photograph is two to four levels "
+            "brighter than the right one. A derivative does not see that, nor does the normalised response, from "
+            "which the local mean is subtracted. The gradient magnitude, which does not tell a rising edge from a "
+            "falling one, leaves more holes in the machine.",
+            "corridor": "Both renderings have the same brightness, so plain gray values do well, as does the normalised "
+            "response; the gradient magnitude leaves holes in all walls.",
         },
     ),
     (
@@ -74,10 +77,10 @@ SECTIONS = [
         "Before and after the left-right check",
         ["sweep", *BM, "--disp", "{disp}", "--uniqueness", "off", "--speckle-window", "off", "--lr-check", "off,1"],
         {
-            "motorcycle": "The check removes what only the left camera sees, the dark bands to the left of the wheels "
-            "and of the tank, and the left border.",
-            "corridor": "The shadows to the left of cone and ball are the parts of the wall that they hide from the "
-            "right camera.",
+            "motorcycle": "The check turns black what only the left camera sees: the left border, and the wrong patches to the "
+            "left of handlebar, engine and wheels.",
+            "corridor": "To the left of sphere, ball and cone lies the wall that they hide from the right camera: wrong "
+            "patches before, black after the check.",
         },
     ),
     (
@@ -86,10 +89,10 @@ SECTIONS = [
         ["sweep", *BM, "--disp", "{disp}", "--lr-check", "off", "--speckle-window", "off"]
         + ["--uniqueness", "off,5,15,30,60"],
         {
-            "motorcycle": "The higher the ratio, the more goes of what has a second disparity as good as the first: "
-            "smooth metal, the repeated slats of the bench, and in the end nearly everything but strong texture.",
-            "corridor": "Brick and marble repeat little, so that the map lasts longer; the ball's stripes, which look "
-            "alike along a row, go first.",
+            "motorcycle": "A higher ratio removes first the wrong patches around the handlebar, then outlines, then the ground; "
+            "at 60 % only strong texture is left.",
+            "corridor": "The slanted walls go before sphere, cone and the end of the corridor: where no single disparity fits "
+            "a block well, its best cost is not far ahead of the others.",
         },
     ),
     (
@@ -98,10 +101,10 @@ SECTIONS = [
         ["compare", *CLASSIC, "--disp", "{disp}"]
         + ["--variants", OFF, "classic", "classic+fill=rays+weighted-median=5"],
         {
-            "motorcycle": "First the bare winners; then the uniqueness test, the left-right check, the speckle filter "
-            "and the median, which leave holes where nothing can be trusted; then the holes filled from what lies "
-            "behind, and edges drawn to those of the image.",
-            "corridor": "The wrong matches beside ball and cone become holes, and the holes the wall behind them.",
+            "motorcycle": "First the bare winners, with wrong patches left of the machine; then, after uniqueness test, "
+            "left-right check, speckle filter and median, holes in their place; then the holes filled from what "
+            "lies behind, and the borders of objects drawn to those of the image.",
+            "corridor": "The wrong patches beside sphere, ball and cone become holes, and the holes become wall.",
         },
     ),
     (
@@ -109,10 +112,10 @@ SECTIONS = [
         "Block matching, semi-global matching, and WLS",
         ["compare", *CLASSIC, "--disp", "{disp}", "--variants", "bm", "sgm", "sgm+wls"],
         {
-            "motorcycle": "Semi-global matching keeps cables and spokes that a block of 15 pixels smears, and closes "
-            "smooth surfaces; WLS then fills every hole smoothly and stops at the edges of the image.",
-            "corridor": "The cone's tip and the rim of the ball are sharp with semi-global matching, and WLS leaves no "
-            "hole, right or wrong.",
+            "motorcycle": "Semi-global matching leaves fewer holes than block matching, and thinner ones; WLS fills them all, "
+            "smoothly, up to the edges of the image.",
+            "corridor": "The rims of sphere and ball are frayed with block matching and sharp with semi-global matching; WLS "
+            "fills the hidden strips beside them, right or wrong.",
         },
     ),
 ]
@@ -169,7 +172,7 @@ def main():
         page += [f"## {title}", ""]
         for pair, files in OWN.items():
             picture = PICTURES / f"{name}-{pair}.jpg"
-            line, found = study(program, files, section, picture, ["--tile-width", "200"])
+            line, found = study(program, files, section, picture, ["--tile-width", "192"])
             if pair == "motorcycle" and name == "costs":
                 page += cost_table(found)
             link = f"![{title}: {pair}]({picture.relative_to(ROOT / 'docs').as_posix()})"

@@ -142,7 +142,7 @@ fn neighbours(pairs: ptr<function, array<u32, HALF>>, best: i32, limit: u32) -> 
     var rivals = 0u;
     for (var p = 0u; p < HALF; p++) {
         let pair = (*pairs)[p];
-        if SUBPIXEL == 1u {
+        if SUBPIXEL != SUBPIXEL_OFF {
             a = select(a, pair, before_pair == i32(p));
             c = select(c, pair, after_pair == i32(p));
         }
@@ -163,11 +163,8 @@ fn refined(key: u32, around: u32, x: i32) -> i32 {
     let before = around & 0x7fffu;
     let after = (around >> 16u) & 0x7fffu;
     var value = 16 * (frame.min_disparity + i32(best));
-    if SUBPIXEL == 1u {
-        let curvature = before + after - 2u * here;
-        // 16 (before - after) >= -16 curvature: shifted by 8 whole steps the quotient is of positive numbers, at most 16.
-        let steps = quotient(16u * (before + curvature) - 16u * after + curvature - 1u, 2u * curvature) - 8;
-        value += select(0, steps, best > 0u && best + 1u < DISPARITIES);
+    if SUBPIXEL != SUBPIXEL_OFF {
+        value += select(0, refinement(before, here, after), best > 0u && best + 1u < DISPARITIES);
     }
     let unique = UNIQUENESS == 0u || around < 0x80000000u;
     return select(INVALID, value, unique && points_inside(x, value));

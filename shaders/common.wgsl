@@ -16,6 +16,11 @@ struct Frame {
     right_stride: u32,    // words a row of the right planes
     map_stride: u32,      // words a row of a disparity map, a multiple of 4
     volume_stride: u32,   // pixels a row of a volume
+    map_words: u32,       // words from the right map to the margins behind it
+    texture: u32,         // that a block needs
+    speckle_window: u32,
+    speckle_range: i32,   // 1/16 px
+    fill_max_difference: i32, // px
 }
 
 // What differs between dispatches.
@@ -35,8 +40,9 @@ struct Pass {
     lead: i32,            // the column of a plane's first byte, to the left or from where columns run to the left
     stride: u32,          // words a row of the planes
     first_plane: u32,     // the plane that is written, or the first one
-    deep: u32,            // 1: the image has values of 16 bits
     window: u32,          // side of the window that is summed
+    row_step: u32,        // rows from one border of two bands to the next
+    occlusions: u32,      // 1: occlusions are filled in another way than mismatches
 }
 
 @group(0) @binding(0) var<uniform> frame: Frame;

@@ -22,7 +22,7 @@ fn halves_of(words: vec2<u32>, next: u32, odd: bool) -> vec4<i32> {
 fn pixels_from(x: i32, y: i32) -> Pixels {
     let first = u32(x + 16);
     let row = u32(clamp(y, 0, i32(frame.height) - 1));
-    if pass_.deep == 1u {
+    if DEEP == 1u {
         let at = row * 2u * frame.gray_stride + (first >> 3u);
         let texels = array(image_at(at), image_at(at + 1u), image_at(at + 2u), image_at(at + 3u));
         let a = from_word(texels[0], texels[1], first >> 1u);
@@ -43,7 +43,7 @@ fn pixels_from(x: i32, y: i32) -> Pixels {
 
 // In units of one of 256 levels, the nearest one, halves upwards; |v| < 2^20.
 fn in_levels(v: vec4<i32>) -> vec4<i32> {
-    if pass_.deep == 0u {
+    if DEEP == 0u {
         return v;
     }
     return vec4<i32>(vec4<u32>(v + vec4(128 + 257 * 4096)) / vec4(257u)) - vec4(4096);
@@ -65,7 +65,7 @@ fn sobel_y(above: Pixels, below: Pixels, i: u32) -> vec4<i32> {
 
 // floor(v / n) in units of one of 256 levels, clamped into -128 .. 127; n < 2^16.
 fn mean_in_levels(v: vec4<i32>, n: i32) -> vec4<i32> {
-    if pass_.deep == 1u {
+    if DEEP == 1u {
         return clamped_quotient(v, 257 * n);
     }
     return clamped_quotient(v, n);

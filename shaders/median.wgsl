@@ -4,9 +4,6 @@
 // Border: coordinates are clamped into the image; a result that points outside the right image is invalid.
 // Reference: src/reference/median.rs
 
-@group(0) @binding(2) var map: texture_storage_2d<rgba32uint, read>;
-@group(0) @binding(3) var<storage, read_write> filtered: array<vec4<u32>>;
-
 // The values of columns x .. x + 7, the even and the odd ones, and of the columns x - 1 and x + 8.
 struct Values {
     before: i32,
@@ -22,16 +19,12 @@ struct Column {
     high: vec4<i32>,
 }
 
-fn map_at(index: u32) -> vec4<u32> {
-    return textureLoad(map, vec2(index % TEXELS, index / TEXELS));
-}
-
 fn values(row: u32, i: u32) -> Values {
     let stride = frame.map_stride / 4u;
     let start = row * stride;
-    let words = bitcast<vec4<i32>>(map_at(start + i));
-    let even = (words << vec4(16u)) >> vec4(16u);
-    let odd = words >> vec4(16u);
+    let words = map_at(start + i);
+    let even = even_values(words);
+    let odd = odd_values(words);
     let before = map_value(map_at(start + max(i, 1u) - 1u).w, 1u);
     let after = map_value(map_at(start + min(i + 1u, stride - 1u)).x, 0u);
     // The column after the last one repeats it, as the one before the first does.
@@ -58,10 +51,6 @@ fn median(a: Column, b: Column, c: Column) -> vec4<i32> {
     return middle(max(max(a.low, b.low), c.low), middle(a.middle, b.middle, c.middle), min(min(a.high, b.high), c.high));
 }
 
-fn checked(x: i32, value: i32) -> i32 {
-    return select(INVALID, value, points_inside(x, value));
-}
-
 @compute @workgroup_size(LANES)
 fn main(@builtin(global_invocation_id) id: vec3<u32>) {
     let stride = frame.map_stride / 4u;
@@ -78,8 +67,6 @@ fn main(@builtin(global_invocation_id) id: vec3<u32>) {
     let right = column(vec4(a.even.yzw, a.after), vec4(b.even.yzw, b.after), vec4(c.even.yzw, c.after));
     let e = median(left, even, odd);
     let o = median(even, odd, right);
-    let x = i32(8u * id.x);
-    filtered[id.y * stride + id.x] = vec4(
-        map_word(checked(x, e.x), checked(x + 1, o.x)), map_word(checked(x + 2, e.y), checked(x + 3, o.y)),
-        map_word(checked(x + 4, e.z), checked(x + 5, o.z)), map_word(checked(x + 6, e.w), checked(x + 7, o.w)));
+    let x = vec4(0, 2, 4, 6) + vec4(i32(8u * id.x));
+    filtered[id.y * stride + id.x] = map_words(pointing(x, e), pointing(x + vec4(1), o));
 }

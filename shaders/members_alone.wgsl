@@ -10,6 +10,6 @@ fn exchange(least: u32, first: u32, last: u32) -> Surroundings {
     return Surroundings(least, NONE, NONE);
 }
 
-fn sum_of_members(own: vec3<u32>) -> vec3<u32> {
+fn neighbours_and_rival(own: vec3<u32>) -> vec3<u32> {
     return own;
 }

@@ -20,10 +20,12 @@ fn exchange(least: u32, first: u32, last: u32) -> Surroundings {
     return Surroundings(least_of_all, select(below, NONE, member == 0u), select(above, NONE, member + 1u == MEMBERS));
 }
 
-fn sum_of_members(own: vec3<u32>) -> vec3<u32> {
-    var sum = own;
+// Of all members: the sums of x and of y, the smallest z.
+fn neighbours_and_rival(own: vec3<u32>) -> vec3<u32> {
+    var all = own;
     for (var bit = 0u; bit < MEMBER_BITS; bit++) {
-        sum += subgroupShuffleXor(sum, 1u << bit);
+        let other = subgroupShuffleXor(all, 1u << bit);
+        all = vec3(all.xy + other.xy, min(all.z, other.z));
     }
-    return sum;
+    return all;
 }

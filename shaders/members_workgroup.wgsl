@@ -37,11 +37,13 @@ fn exchange(least: u32, first: u32, last: u32) -> Surroundings {
     return around;
 }
 
-fn sum_of_members(own: vec3<u32>) -> vec3<u32> {
+// Of all members: the sums of x and of y, the smallest z.
+fn neighbours_and_rival(own: vec3<u32>) -> vec3<u32> {
     let start = deposit(own);
-    var sum = vec3(0u);
+    var all = vec3(0u, 0u, NONE);
     for (var i = 0u; i < MEMBERS; i++) {
-        sum += places[start + i];
+        let other = places[start + i];
+        all = vec3(all.xy + other.xy, min(all.z, other.z));
     }
-    return sum;
+    return all;
 }

@@ -18,36 +18,25 @@ fn blend(value: u32, bits: u32) -> u32 {
     return pack(min(weighted >> vec4(4u), vec4(255u)));
 }
 
-// The bits that differ, counted in each byte. Full adders first bring three planes to two: a sum, and a carry that
-// counts twice.
+// The bits that differ, counted in each byte. Full adders bring three planes to two: a sum, and a carry that counts twice.
 fn differing_bits(left: Pixel, right: Window) -> vec4<u32> {
     var l = left;
     var r = right;
-    var d: Window;
-    for (var p = 0u; p < PLANES; p++) {
-        d[p] = vec4(l[p]) ^ r[p];
+    var d: array<vec4<u32>, 8>;
+    for (var p = 0u; p < 8u; p++) {
+        if p < CENSUS_PLANES {
+            d[p] = vec4(l[min(p, PLANES - 1u)]) ^ r[min(p, PLANES - 1u)];
+        }
     }
-    if CENSUS_PLANES == 3u {
-        return in_bytes(in_nibbles(d[0]) + in_nibbles(d[1u % PLANES]) + in_nibbles(d[2u % PLANES]));
-    }
-    if CENSUS_PLANES == 4u {
-        let twos = majority(d[0], d[1u % PLANES], d[2u % PLANES]);
-        let ones = d[0] ^ d[1u % PLANES] ^ d[2u % PLANES];
-        return in_bytes(in_nibbles(ones) + in_nibbles(d[3u % PLANES])) + 2u * in_bytes(in_nibbles(twos));
-    }
-    let twos_a = majority(d[0], d[1u % PLANES], d[2u % PLANES]);
-    let ones_a = d[0] ^ d[1u % PLANES] ^ d[2u % PLANES];
-    let twos_b = majority(d[3u % PLANES], d[4u % PLANES], d[5u % PLANES]);
-    let ones_b = d[3u % PLANES] ^ d[4u % PLANES] ^ d[5u % PLANES];
-    if CENSUS_PLANES == 6u {
-        return in_bytes(in_nibbles(ones_a) + in_nibbles(ones_b)) + 2u * in_bytes(in_nibbles(twos_a) + in_nibbles(twos_b));
-    }
-    let twos_c = majority(ones_a, ones_b, d[6u % PLANES]);
-    let ones_c = ones_a ^ ones_b ^ d[6u % PLANES];
-    let fours = majority(twos_a, twos_b, twos_c);
+    let ones_a = d[0] ^ d[1] ^ d[2];
+    let twos_a = majority(d[0], d[1], d[2]);
+    let ones_b = d[3] ^ d[4] ^ d[5];
+    let twos_b = majority(d[3], d[4], d[5]);
+    let ones = ones_a ^ ones_b ^ d[6];
+    let twos_c = majority(ones_a, ones_b, d[6]);
     let twos = twos_a ^ twos_b ^ twos_c;
-    return in_bytes(in_nibbles(ones_c) + in_nibbles(d[7u % PLANES]))
-        + 2u * in_bytes(in_nibbles(twos) + 2u * in_nibbles(fours));
+    let fours = majority(twos_a, twos_b, twos_c);
+    return in_bytes(in_nibbles(ones) + in_nibbles(d[7])) + 2u * in_bytes(in_nibbles(twos) + 2u * in_nibbles(fours));
 }
 
 fn majority(a: vec4<u32>, b: vec4<u32>, c: vec4<u32>) -> vec4<u32> {

@@ -59,11 +59,6 @@ fn filtered(above: Pixels, here: Pixels, below: Pixels, i: u32, x: i32, y: i32) 
     return pack(vec4<u32>(min(roots(gx * gx + gy * gy), 2 * cap)));
 }
 
-fn reversed(words: vec4<u32>) -> vec4<u32> {
-    let w = words.wzyx;
-    return vec4(pack(unpack(w.x).wzyx), pack(unpack(w.y).wzyx), pack(unpack(w.z).wzyx), pack(unpack(w.w).wzyx));
-}
-
 @compute @workgroup_size(LANES)
 fn main(@builtin(global_invocation_id) id: vec3<u32>) {
     let mirrored = pass_.mirrored == 1u;
@@ -71,17 +66,12 @@ fn main(@builtin(global_invocation_id) id: vec3<u32>) {
     if id.x >= stride || id.y >= frame.height {
         return;
     }
-    let j = 16 * i32(id.x);
-    let last = i32(frame.width) - 1;
-    // The lowest of the sixteen columns. At least one of them must lie in the image.
-    let x = clamp(select(j - pass_.lead, pass_.lead - j - 15, mirrored), -15, last);
+    let x = lowest_column(id.x, mirrored);
     let y = i32(id.y);
     let above = pixels_from(x - 1, y - 1);
     let here = pixels_from(x - 1, y);
     let below = pixels_from(x - 1, y + 1);
-    var words = vec4(filtered(above, here, below, 0u, x, y), filtered(above, here, below, 1u, x, y),
+    let words = vec4(filtered(above, here, below, 0u, x, y), filtered(above, here, below, 1u, x, y),
         filtered(above, here, below, 2u, x, y), filtered(above, here, below, 3u, x, y));
-    words = select_bits(words, byte_at(words, -x), low_bytes(-x));
-    words = select_bits(byte_at(words, last - x), words, low_bytes(last - x));
-    plane[(pass_.first_plane * frame.height + id.y) * stride + id.x] = select(words, reversed(words), vec4(mirrored));
+    plane[(pass_.first_plane * frame.height + id.y) * stride + id.x] = placed(words, x, mirrored);
 }

@@ -1,5 +1,5 @@
-// Appended to the kernels that walk a row from right to left and choose the winner: uniqueness, subpixel and the right
-// view. The walk starts and ends outside the image where a minimum disparity other than 0 shifts the right view.
+// Appended to the kernels that walk a row from right to left and choose the winner: uniqueness, subpixel, its margin for
+// the confidence (u16, as a map behind the right one) and the right view. The walk starts and ends outside the image where a minimum disparity other than 0 shifts the right view.
 // Reference: src/reference/winner.rs
 //
 // A candidate is the key cost << 12 | d: the smallest key is the smallest cost, and of those the smallest disparity.
@@ -20,7 +20,14 @@ fn no_costs(value: u32) -> Costs {
 // The two pixels of a word meet here: the right one is kept until the left one is known.
 struct RowWriter {
     left_kept: i32,
+    margin_kept: i32,
     right_kept: i32,
+}
+
+// Of the left view.
+struct Winner {
+    value: i32,     // disparity in 1/16 px
+    margin: i32,    // over its best rival, 0 to 255
 }
 
 fn row_steps() -> i32 {
@@ -52,13 +59,18 @@ fn choose(costs: ptr<function, Costs>, diagonal: ptr<function, Costs>,
     }
     // On its way to the member before, a key's disparity is counted from that member's first one.
     let around = exchange(least_key(costs) + member * OWN, (*diagonal)[0][0].x + OWN, 0u);
-    let value = winner(costs, around.least, x);
+    let best = winner(costs, around.least, x);
     let seen_value = roll(diagonal, costs, around.above);
     if inside_row(x) {
         if (x & 1) == 0 && writes {
-            left_map[row * frame.map_stride + (u32(x) >> 1u)] = map_word(value, (*kept).left_kept);
+            let at = row * frame.map_stride + (u32(x) >> 1u);
+            left_map[at] = map_word(best.value, (*kept).left_kept);
+            if CONFIDENCE == 1u {
+                right_map[frame.map_words + at] = map_word(best.margin, (*kept).margin_kept);
+            }
         }
-        (*kept).left_kept = value;
+        (*kept).left_kept = best.value;
+        (*kept).margin_kept = best.margin;
     }
     let seen = x - frame.min_disparity;
     if inside_row(seen) {
@@ -83,55 +95,48 @@ fn least_key(costs: ptr<function, Costs>) -> u32 {
     return lowest(least);
 }
 
-// The disparity in 1/16 px of the pixel at column x, whose smallest key is `least`.
-fn winner(costs: ptr<function, Costs>, least: u32, x: i32) -> i32 {
+// The winner of the pixel at column x, whose smallest key is `least`.
+fn winner(costs: ptr<function, Costs>, least: u32, x: i32) -> Winner {
     let best = least & 0xfffu;
     let own_best = best - member * OWN;
     let cost = least >> 12u;
-    // The costs at the neighbours of the winner, and how many costs fail the uniqueness test
-    // cost(d) * (100 - ratio) > cost * 100.
-    let limit = min(cost * 100u / (100u - UNIQUENESS), COST_NONE - 1u);
+    // The costs at the neighbours of the winner, and the smallest cost beyond them: its best rival's.
     var before = vec4(0u);
     var after = vec4(0u);
-    var rivals = vec4(0u);
+    var rival = vec4(COST_NONE);
     for (var q = 0u; q < OWN_QUADS; q++) {
         for (var i = 0u; i < 4u; i++) {
             let c = (*costs)[q][i];
             let d = vec4(4u * (4u * q + i)) + vec4(0u, 1u, 2u, 3u);
-            if SUBPIXEL == 1u || UNIQUENESS > 0u {
-                before = select(before, c, d + vec4(1u) == vec4(own_best));
-                after = select(after, c, d == vec4(own_best + 1u));
+            let is_before = d + vec4(1u) == vec4(own_best);
+            let is_after = d == vec4(own_best + 1u);
+            if SUBPIXEL != SUBPIXEL_OFF {
+                before = select(before, c, is_before);
+                after = select(after, c, is_after);
             }
-            if UNIQUENESS > 0u {
-                rivals += select(vec4(0u), vec4(1u), c <= vec4(limit));
+            if UNIQUENESS > 0u || CONFIDENCE == 1u {
+                rival = min(rival, select(c, vec4(COST_NONE), is_before | is_after | (d == vec4(own_best))));
             }
         }
     }
-    let total = sum_of_members(vec3(
+    let known = neighbours_and_rival(vec3(
         before.x | before.y | before.z | before.w,
         after.x | after.y | after.z | after.w,
-        rivals.x + rivals.y + rivals.z + rivals.w));
-    let a = total.x;
-    let c = total.y;
-    let has_before = best > 0u;
-    let has_after = best + 1u < DISPARITIES;
+        lowest(rival)));
     var value = 16 * (frame.min_disparity + i32(best));
-    if SUBPIXEL == 1u && has_before && has_after {
-        let curvature = a + c - 2u * cost;
-        // 16 (a - c) >= -16 curvature: shifted by 8 whole steps the quotient is of positive numbers, and at most 16.
-        value += quotient(16u * (a + curvature) - 16u * c + curvature - 1u, 2u * curvature) - 8;
+    if SUBPIXEL != SUBPIXEL_OFF && best > 0u && best + 1u < DISPARITIES {
+        value += refinement(known.x, cost, known.y);
     }
-    var allowed = 1u;
-    if has_before && a <= limit {
-        allowed += 1u;
-    }
-    if has_after && c <= limit {
-        allowed += 1u;
-    }
-    if (UNIQUENESS > 0u && total.z > allowed) || !points_inside(x, value) {
+    // The largest rival that fails the uniqueness test rival * (100 - UNIQUENESS) > cost * 100.
+    let limit = min(cost * 100u / (100u - UNIQUENESS), COST_NONE - 1u);
+    if (UNIQUENESS > 0u && known.z <= limit) || !points_inside(x, value) {
         value = INVALID;
     }
-    return value;
+    var margin = 255u;
+    if CONFIDENCE == 1u && known.z < COST_NONE {
+        margin = margin_over(cost, known.z);
+    }
+    return Winner(value, i32(margin));
 }
 
 // The right view: diagonal[d] is the smallest key so far of the right pixel that disparity d sees from this column;

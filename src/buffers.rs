@@ -1,7 +1,7 @@
 //! Sizes, strides and usages of every buffer, computed in one place before anything is created.
 
 use crate::schedule::Plan;
-use crate::{Cost, Error, Method, Params, PixelFormat, reference};
+use crate::{Cost, Error, Fill, Method, Params, PixelFormat, reference};
 
 /// The WGSL block `Frame`: what stays the same for all dispatches of a frame.
 #[repr(C)]
@@ -21,6 +21,11 @@ pub(crate) struct Frame {
     pub(crate) right_stride: u32,
     pub(crate) map_stride: u32,
     pub(crate) volume_stride: u32,
+    pub(crate) map_words: u32,
+    pub(crate) texture: u32,
+    pub(crate) speckle_window: u32,
+    pub(crate) speckle_range: i32,
+    pub(crate) fill_max_difference: i32,
 }
 
 /// The WGSL block `Pass`: what differs between dispatches.
@@ -42,8 +47,9 @@ pub(crate) struct Pass {
     pub(crate) lead: i32,
     pub(crate) stride: u32,
     pub(crate) first_plane: u32,
-    pub(crate) deep: u32,
     pub(crate) window: u32,
+    pub(crate) row_step: u32,
+    pub(crate) occlusions: u32,
 }
 
 /// Neighbouring rows that are worked on together.
@@ -60,6 +66,12 @@ const ROUNDS: u32 = 65_535;
 /// one more for two pixels of the right view that no left pixel sees.
 const MOST_SIDE: u32 = 60_000;
 const MOST_SIDE_IN_FOURS: u32 = 40_000;
+
+/// Groups of eight columns that are joined across a border of two bands at a time. Only roots get other parents, and only
+/// roots of the upper band become them. So a way to a root has at most 8 * 128 of those, and what it had before in each
+/// band: one pixel for each segment of each border so far, 59 * 16. `speckle_flatten` walks eight times a way from above,
+/// to look for the root, and one from above and one from below: 8 * (3 * 1024 + 4 * 944) rounds, fewer than [`ROUNDS`].
+pub(crate) const SEGMENT_GROUPS: u32 = 128;
 
 /// Bytes a buffer of column sums may take. They live only until the cost is computed from them, so more of them than
 /// keeps a device busy is a waste of memory.
@@ -88,6 +100,14 @@ pub(crate) struct Sizes {
     pub(crate) right: u64,
     /// Bytes of one disparity map.
     pub(crate) map: u64,
+    /// Bytes of the right view's map, and of the margins behind it if a confidence is wanted.
+    pub(crate) right_map: u64,
+    /// Bytes of the confidence.
+    pub(crate) confidence: u64,
+    /// Bytes of one number a pixel of a map.
+    pub(crate) regions: u64,
+    /// Bytes of the nearest values on both sides of each pixel.
+    pub(crate) nearest: u64,
     /// Bytes of a row of a volume with a byte a disparity.
     pub(crate) volume_row: u64,
     /// Bytes of a row of column sums.
@@ -133,7 +153,7 @@ impl Sizes {
             )));
         }
         // With checks some loops over a state stay loops.
-        let rounds = if plan.own_quads <= 4 { 5 } else { 5 * plan.own_quads };
+        let rounds = if plan.own_quads <= 4 { 5 } else { 5 * plan.own_quads } + 8 * u32::from(params.confidence);
         let most = ROUNDS / rounds;
         if params.shader_checks && !plan.lanes && width + params.min_disparity.unsigned_abs() > most {
             return Err(Error::Image(format!(
@@ -180,6 +200,20 @@ impl Sizes {
                 return Err(Error::TooLarge { what: what.into(), needed, allowed, remedy: smaller });
             }
         }
+        let map = texels(map_stride);
+        let right_map = if params.confidence { 2 * map } else { map };
+        fits("a disparity map with its confidence", right_map, smaller)?;
+        if params.wls.is_some() {
+            fits("a map of two numbers a pixel", 8 * u64::from(volume_stride) * u64::from(height), smaller)?;
+        }
+        let regions = 2 * texels(map_stride);
+        if params.speckle_window > 0 {
+            fits("the regions of the speckle filter", regions, "make the images smaller or switch the filter off")?;
+        }
+        let nearest = 32 * u64::from(map_stride / 4 + 1) * u64::from(height);
+        if params.fill != Fill::None {
+            fits("what the holes are filled with", nearest, "make the images smaller or leave the holes")?;
+        }
         let fewer = "use fewer disparities or narrower images";
         let volume_needs = volume_row.next_multiple_of(TEXTURE_ROW);
         if params.method == Method::Sgm && volume_needs > volume_allowed {
@@ -213,6 +247,7 @@ impl Sizes {
                     && params.cost == Cost::Sad
                     && params.planes() == 1
                     && params.prefiltered_max() < 128
+                    && !params.confidence
             }
         };
         let small_block = small_method
@@ -241,13 +276,22 @@ impl Sizes {
                 right_stride,
                 map_stride,
                 volume_stride,
+                map_words: (map / 4) as u32,
+                texture: params.texture,
+                speckle_window: params.speckle_window,
+                speckle_range: 16 * params.speckle_range as i32,
+                fill_max_difference: params.lr_check.unwrap_or(1) as i32,
             },
             source,
             gray: texels(4 * gray_stride),
             sums: 4 * pixels,
             left: planes * rows(left_stride),
             right: planes * rows(right_stride),
-            map: texels(map_stride),
+            map,
+            right_map,
+            confidence: map / 2,
+            regions,
+            nearest,
             volume_row,
             columns_row,
             bands,

@@ -58,6 +58,7 @@ struct Expected<'a> {
     cost: Volume<u8>,
     paths: Vec<(Direction, Volume<u8>)>,
     views: Option<Views>,
+    /// The map of the last stage that left one.
     checked: Option<DisparityMap>,
 }
 
@@ -147,6 +148,7 @@ impl StereoMatcher {
                 Output::Paths { first, .. } => *first,
                 Output::Views { .. } => std::mem::take(&mut first_views),
                 Output::Cost { volume_row, .. } => *volume_row == 0,
+                Output::Part => false,
                 Output::Features { first, .. } => *first == 0,
                 _ => true,
             };
@@ -298,22 +300,75 @@ impl StereoMatcher {
             }
             Output::Views { .. } => {
                 let left = self.map(&bytes);
-                let right = self.map(&self.fetch(step, &self.right_map, spoil)?);
+                let behind = self.fetch(step, &self.right_map, spoil)?;
+                let right = self.map(&behind);
                 let views = expected.views();
                 compare_maps(stage, &views.left, &left);
                 compare_maps(stage, &views.right, &right);
+                if self.params.confidence {
+                    let margins = self.map(&behind[self.sizes.map as usize..]);
+                    for (i, (&expected, &got)) in views.margins.data.iter().zip(&margins.data).enumerate() {
+                        stage.compare(i % width, i / width, None, expected.into(), got.into());
+                    }
+                }
                 expected.checked = Some(views.left.clone());
             }
+            Output::Textured => {
+                if let Some(map) = &expected.checked {
+                    let textured = reference::texture(map, &expected.luma[0], &self.params);
+                    compare_maps(stage, &textured, &self.map(&bytes));
+                    expected.checked = Some(textured);
+                }
+            }
             Output::Checked => {
-                let max_difference = self.params.lr_check.unwrap_or(0);
-                let views = expected.views();
-                let checked = reference::lr_check(&views.left, &views.right, max_difference);
-                compare_maps(stage, &checked, &self.map(&bytes));
-                expected.checked = Some(checked);
+                if let Some(map) = expected.checked.take() {
+                    let max_difference = self.params.lr_check.unwrap_or(0);
+                    let checked = reference::lr_check(&map, &expected.views().right, max_difference);
+                    compare_maps(stage, &checked, &self.map(&bytes));
+                    expected.checked = Some(checked);
+                }
+            }
+            Output::Speckle => {
+                if let Some(checked) = &mut expected.checked {
+                    *checked = reference::speckle(checked, self.params.speckle_window, self.params.speckle_range);
+                    compare_maps(stage, checked, &self.map(&bytes));
+                }
             }
             Output::Median => {
-                if let Some(checked) = &expected.checked {
-                    compare_maps(stage, &reference::median(checked), &self.map(&bytes));
+                if let (Some(map), Some(side)) = (expected.checked.take(), self.params.median.side()) {
+                    let filtered = reference::median(&map, side);
+                    compare_maps(stage, &filtered, &self.map(&bytes));
+                    expected.checked = Some(filtered);
+                }
+            }
+            Output::Fill => {
+                let right = expected.views().right.clone();
+                if let Some(checked) = &mut expected.checked {
+                    *checked = reference::fill(checked, &right, &self.params);
+                    compare_maps(stage, checked, &self.map(&bytes));
+                }
+            }
+            Output::Wls => {
+                if let (Some(map), Some(settings)) = (expected.checked.take(), &self.params.wls) {
+                    let smooth = reference::wls(&map, &expected.luma[0], settings, &self.params);
+                    compare_maps(stage, &smooth, &self.map(&bytes));
+                    expected.checked = Some(smooth);
+                }
+            }
+            Output::WeightedMedian => {
+                if let (Some(map), Some(radius)) = (expected.checked.take(), self.params.weighted_median) {
+                    let filtered = reference::weighted_median(&map, &expected.luma[0], radius, &self.params);
+                    compare_maps(stage, &filtered, &self.map(&bytes));
+                    expected.checked = Some(filtered);
+                }
+            }
+            Output::Confidence => {
+                if let Some(map) = expected.checked.clone() {
+                    let confidence = reference::confidence(&map, &expected.views().margins);
+                    let got = self.confidence_map(&bytes);
+                    for (i, (&expected, &got)) in confidence.data.iter().zip(&got.data).enumerate() {
+                        stage.compare(i % width, i / width, None, expected.into(), got.into());
+                    }
                 }
             }
         }

@@ -136,3 +136,25 @@ impl DisparityMap {
         valid as f64 / self.data.len().max(1) as f64
     }
 }
+
+/// How far each pixel's winner is ahead of its best rival, where the disparity map has a disparity.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct ConfidenceMap {
+    /// Pixels a row.
+    pub width: u32,
+    /// Rows.
+    pub height: u32,
+    /// 1 (none) to 255 (there is no rival, or none that costs anything like it), row by row from the top; 0 where there
+    /// is no disparity.
+    pub data: Vec<u8>,
+}
+
+/// All that matching a pair gives.
+#[derive(Clone, Debug, PartialEq, Eq)]
+#[non_exhaustive]
+pub struct Matched {
+    /// The disparities of the left image.
+    pub map: DisparityMap,
+    /// Their confidence, if [`crate::Params::confidence`] asks for it.
+    pub confidence: Option<ConfidenceMap>,
+}

@@ -4,6 +4,7 @@ use std::collections::HashSet;
 
 use crate::buffers::TEXELS;
 use crate::params::{Census, Cost, Params, Paths, Prefilter, Subpixel};
+use crate::reference::{median_decay, median_spacing, wls_bits};
 use crate::schedule::{Exchange, GROUP_LANES, Plan, STRIP_LANES};
 use crate::{Error, PixelFormat};
 
@@ -67,18 +68,37 @@ pub(crate) const KERNELS: &[Kernel] = &[
     Kernel { name: "deep_gray", stage: "gray", lanes: 64, sources: wgsl!("deep_gray", "samples", "bytes", "common"), choices: &[], storage: &[QUAD, Write] },
     Kernel { name: "window_columns", stage: "window_sums", lanes: 64, sources: wgsl!("window_columns", "gray_pixels", "bytes", "common"), choices: &[], storage: &[QUAD, Write] },
     Kernel { name: "window_sums", stage: "window_sums", lanes: 64, sources: wgsl!("window_sums", "common"), choices: &[], storage: &[Read, Write] },
-    Kernel { name: "prefilter", stage: "prefilter", lanes: 64, sources: wgsl!("prefilter", "gray_pixels", "bytes", "common"), choices: &[], storage: &[QUAD, Read, Write] },
-    Kernel { name: "features", stage: "features", lanes: 64, sources: wgsl!("features", "gray_pixels", "bytes", "common"), choices: &[], storage: &[QUAD, Read, Write] },
+    Kernel { name: "prefilter", stage: "prefilter", lanes: 64, sources: wgsl!("prefilter", "gray_pixels", "placed", "bytes", "common"), choices: &[], storage: &[QUAD, Read, Write] },
+    Kernel { name: "features", stage: "features", lanes: 64, sources: wgsl!("features", "gray_pixels", "placed", "bytes", "common"), choices: &[], storage: &[QUAD, Read, Write] },
     Kernel { name: "cost_columns", stage: "cost_columns", lanes: 128, sources: wgsl!("cost_columns", "differences", "common"), choices: &[Choice::PixelPairs, Choice::Sums], storage: &[Read, Read, Write] },
     Kernel { name: "matching_cost", stage: "matching_cost", lanes: 32, sources: wgsl!("matching_cost", "column_sums", "quantise", "common"), choices: &[Choice::Sums], storage: &[Read, Write] },
     Kernel { name: "matching_cost_lanes", stage: "matching_cost", lanes: 128, sources: wgsl!("matching_cost_lanes", "differences", "quantise", "common"), choices: &[Choice::PixelCosts], storage: &[Read, Read, Write] },
     Kernel { name: "matching_cost_small", stage: "matching_cost", lanes: 32, sources: wgsl!("matching_cost_small", "differences", "quantise", "common"), choices: &[Choice::PixelCosts], storage: &[WORD, WORD, Write] },
     Kernel { name: "sgm_aggregate", stage: "sgm_aggregate", lanes: STRIP_LANES, sources: wgsl!("sgm_aggregate", "path_step", "common"), choices: VOLUMES, storage: &[Costs, Write, Read, Write] },
-    Kernel { name: "winner", stage: "winner", lanes: STRIP_LANES, sources: wgsl!("winner", "path_step", "winner_row", "quotient", "costs", "common"), choices: VOLUMES, storage: &[Costs, Read, Read, Read, Read, Write, Write] },
-    Kernel { name: "block_match", stage: "block_match", lanes: 32, sources: wgsl!("block_match", "column_sums", "costs", "winner_row", "quotient", "common"), choices: &[Choice::Members, Choice::Sums], storage: &[Read, Write, Write] },
-    Kernel { name: "block_match_small", stage: "block_match", lanes: 8, sources: wgsl!("block_match_small", "quotient", "common"), choices: &[], storage: &[WORD, WORD, Write, Write] },
+    Kernel { name: "winner", stage: "winner", lanes: STRIP_LANES, sources: wgsl!("winner", "path_step", "winner_row", "refinement", "costs", "common"), choices: VOLUMES, storage: &[Costs, Read, Read, Read, Read, Write, Write] },
+    Kernel { name: "block_match", stage: "block_match", lanes: 32, sources: wgsl!("block_match", "column_sums", "costs", "winner_row", "refinement", "common"), choices: &[Choice::Members, Choice::Sums], storage: &[Read, Write, Write] },
+    Kernel { name: "block_match_small", stage: "block_match", lanes: 8, sources: wgsl!("block_match_small", "refinement", "common"), choices: &[], storage: &[WORD, WORD, Write, Write] },
+    Kernel { name: "texture_columns", stage: "texture", lanes: 32, sources: wgsl!("texture_columns", "common"), choices: &[], storage: &[QUAD, Write] },
+    Kernel { name: "texture", stage: "texture", lanes: 64, sources: wgsl!("texture", "common"), choices: &[], storage: &[Read, Read, Write] },
     Kernel { name: "lr_check", stage: "lr_check", lanes: 32, sources: wgsl!("lr_check", "common"), choices: &[], storage: &[Read, Read, Write] },
-    Kernel { name: "median", stage: "median", lanes: 64, sources: wgsl!("median", "common"), choices: &[], storage: &[QUAD, Write] },
+    Kernel { name: "speckle_rows", stage: "speckle", lanes: 8, sources: wgsl!("speckle_rows", "speckle_joins", "eight", "common"), choices: &[], storage: &[QUAD, Write, Write] },
+    Kernel { name: "speckle_link", stage: "speckle", lanes: 32, sources: wgsl!("speckle_link", "speckle_joins", "eight", "common"), choices: &[], storage: &[QUAD, Write] },
+    Kernel { name: "speckle_flatten", stage: "speckle", lanes: 32, sources: wgsl!("speckle_flatten", "speckle_root", "speckle_joins", "eight", "common"), choices: &[], storage: &[QUAD, Write] },
+    Kernel { name: "speckle_count", stage: "speckle", lanes: 32, sources: wgsl!("speckle_count", "speckle_root", "speckle_joins", "eight", "common"), choices: &[], storage: &[QUAD, Write, Write] },
+    Kernel { name: "speckle", stage: "speckle", lanes: 32, sources: wgsl!("speckle", "speckle_joins", "eight", "common"), choices: &[], storage: &[QUAD, Read, Read, Write] },
+    Kernel { name: "fill_rows", stage: "fill", lanes: 8, sources: wgsl!("fill_rows", "eight", "common"), choices: &[], storage: &[QUAD, Write, Write] },
+    Kernel { name: "fill_lines", stage: "fill", lanes: 8, sources: wgsl!("fill_lines", "bytes", "eight", "common"), choices: &[], storage: &[QUAD, Write] },
+    Kernel { name: "fill_seen", stage: "fill", lanes: 32, sources: wgsl!("fill_seen", "common"), choices: &[], storage: &[Read, Write] },
+    Kernel { name: "fill_between", stage: "fill", lanes: 32, sources: wgsl!("fill_between", "eight", "common"), choices: &[], storage: &[QUAD, Read, Read, Write] },
+    Kernel { name: "fill_rays", stage: "fill", lanes: 32, sources: wgsl!("fill_rays", "eight", "common"), choices: &[], storage: &[QUAD, Read, Read, Read, Read, Read, Write] },
+    Kernel { name: "confidence", stage: "confidence", lanes: 64, sources: wgsl!("confidence", "common"), choices: &[], storage: &[Read, Read, Write] },
+    Kernel { name: "median", stage: "median", lanes: 64, sources: wgsl!("median", "map_texels", "pointing", "common"), choices: &[], storage: &[QUAD, Write] },
+    Kernel { name: "median_five", stage: "median", lanes: 64, sources: wgsl!("median_five", "map_texels", "pointing", "common"), choices: &[], storage: &[QUAD, Write] },
+    Kernel { name: "weighted_median", stage: "weighted_median", lanes: 64, sources: wgsl!("weighted_median", "map_texels", "common"), choices: &[], storage: &[QUAD, Write, QUAD] },
+    Kernel { name: "wls_start", stage: "wls", lanes: 64, sources: wgsl!("wls_start", "common"), choices: &[], storage: &[QUAD, Write] },
+    Kernel { name: "wls_forward", stage: "wls", lanes: 8, sources: wgsl!("wls_forward", "wls_line", "common"), choices: &[], storage: &[Write, Write, QUAD, Read] },
+    Kernel { name: "wls_backward", stage: "wls", lanes: 8, sources: wgsl!("wls_backward", "wls_line", "common"), choices: &[], storage: &[Write, Write] },
+    Kernel { name: "wls", stage: "wls", lanes: 64, sources: wgsl!("wls", "common"), choices: &[], storage: &[Read, Write] },
 ];
 
 impl Kernel {
@@ -179,10 +199,11 @@ pub(crate) fn constants(kernel: &Kernel, params: &Params, format: PixelFormat, p
         Cost::Census | Cost::CensusSobel | Cost::AdCensus => params.census_planes(),
         _ => 0,
     };
-    let (census_columns, census_rows) = match params.census {
-        Census::Five => (5, 5),
-        Census::Seven => (7, 7),
-        Census::NineBySeven | Census::CentreSymmetric => (9, 7),
+    let (census_columns, census_rows, census_above) = match params.census {
+        Census::Five => (5, 5, 2),
+        Census::Seven => (7, 7, 3),
+        Census::NineBySeven => (9, 7, 3),
+        Census::CentreSymmetric => (9, 3, 3),
     };
     let number = |value: u32| ("u32", format!("{value}u"));
     let table = [
@@ -217,6 +238,7 @@ pub(crate) fn constants(kernel: &Kernel, params: &Params, format: PixelFormat, p
         ("CENSUS_PLANES", number(census_planes)),
         ("CENSUS_COLUMNS", number(census_columns)),
         ("CENSUS_ROWS", number(census_rows)),
+        ("CENSUS_ABOVE", number(census_above)),
         ("AD_WEIGHT", number(params.ad_weight)),
         ("CENSUS_WEIGHT", number(params.census_weight)),
         ("PREFILTER_WINDOW", number(params.prefilter_window)),
@@ -224,15 +246,22 @@ pub(crate) fn constants(kernel: &Kernel, params: &Params, format: PixelFormat, p
         ("STRIP", number(strip)),
         ("PATHS", number(paths)),
         ("PAIRED", number(paired)),
-        ("SUBPIXEL", number((params.subpixel != Subpixel::Off).into())),
+        ("SUBPIXEL", number(params.subpixel as u32)),
+        ("SUBPIXEL_OFF", number(Subpixel::Off as u32)),
+        ("SUBPIXEL_EQUIANGULAR", number(Subpixel::Equiangular as u32)),
         ("SHIFTED", number((params.min_disparity != 0).into())),
         ("UNIQUENESS", number(params.uniqueness)),
+        ("CONFIDENCE", number(params.confidence.into())),
         ("FORMAT", number(format as u32)),
+        ("DEEP", number(matches!(format, PixelFormat::Gray16 | PixelFormat::Rgba16).into())),
         ("GRAY8", number(PixelFormat::Gray8 as u32)),
         ("GRAY16", number(PixelFormat::Gray16 as u32)),
         ("RGBA8", number(PixelFormat::Rgba8 as u32)),
         ("PREFILTER", number(params.prefilter as u32)),
         ("PREFILTER_XSOBEL", number(Prefilter::XSobel as u32)),
+        ("SIXTEENTH_BITS", number(wls_bits(params.disparities))),
+        ("SPACING", number(median_spacing(params.weighted_median.unwrap_or(1)))),
+        ("DECAY", number(median_decay(params.weighted_median_sigma))),
         ("PREFILTER_NORMALIZED", number(Prefilter::Normalized as u32)),
         ("PREFILTER_NONE", number(Prefilter::None as u32)),
     ];
@@ -360,4 +389,4 @@ pub(crate) fn check_limits(limits: &wgpu::Limits) -> Result<(), Error> {
 }
 
 #[cfg(test)]
-mod tests;
+pub(crate) mod tests;

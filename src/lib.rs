@@ -72,7 +72,7 @@ mod steps;
 
 pub use check::{Mismatch, StageCheck};
 pub use error::Error;
-pub use image::{DisparityMap, Image, PixelFormat, Pixels};
+pub use image::{ConfidenceMap, DisparityMap, Image, Matched, PixelFormat, Pixels};
 pub use matcher::{StageTime, StereoMatcher};
 pub use options::ParamOption;
 pub use params::{Census, Cost, Fill, Median, Method, Params, Paths, Prefilter, Preset, RightView, Subpixel, Wls};

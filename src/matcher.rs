@@ -6,7 +6,7 @@ use crate::buffers::{Frame, Sizes, TEXELS, TEXTURE_ROW};
 use crate::chain::{Made, chain};
 use crate::schedule::Plan;
 use crate::steps::{Builder, Step, row_bytes};
-use crate::{DisparityMap, Error, Image, Params, PixelFormat, kernels, readback};
+use crate::{ConfidenceMap, DisparityMap, Error, Image, Matched, Params, PixelFormat, kernels, readback};
 
 /// The time of one stage in one frame.
 #[derive(Clone, Debug, PartialEq)]
@@ -34,6 +34,7 @@ pub struct StereoMatcher {
     sources: [wgpu::Texture; 2],
     pub(crate) right_map: wgpu::Buffer,
     output: wgpu::Buffer,
+    confidence: Option<wgpu::Buffer>,
     readback: wgpu::Buffer,
     device_bytes: u64,
     timer: OnceLock<Timer>,
@@ -111,8 +112,9 @@ impl StereoMatcher {
         sizes: Sizes,
     ) -> Self {
         let mut builder = Builder::new(device, params, plan, format, &sizes);
-        let Made { sources, right_map, output } = chain(&mut builder);
+        let Made { sources, right_map, output, confidence } = chain(&mut builder);
         let (steps, device_bytes) = builder.finish(queue);
+        let read_bytes = sizes.map + confidence.as_ref().map_or(0, |_| sizes.confidence);
         Self {
             device: device.clone(),
             queue: queue.clone(),
@@ -122,8 +124,9 @@ impl StereoMatcher {
             sources,
             right_map,
             output,
-            readback: readback::buffer(device, "gpu-stereo.readback", sizes.map),
-            device_bytes: device_bytes + sizes.map,
+            confidence,
+            readback: readback::buffer(device, "gpu-stereo.readback", read_bytes),
+            device_bytes: device_bytes + read_bytes,
             sizes,
             timer: OnceLock::new(),
         }
@@ -139,6 +142,12 @@ impl StereoMatcher {
     /// longer.
     pub fn output(&self) -> &wgpu::Buffer {
         &self.output
+    }
+
+    /// Where [`StereoMatcher::record`] leaves the confidence, if [`Params::confidence`] asks for it: a byte a pixel, each
+    /// row padded to a multiple of 8 bytes. The buffer may be longer.
+    pub fn confidence(&self) -> Option<&wgpu::Buffer> {
+        self.confidence.as_ref()
     }
 
     /// Writes a pair into the matcher's buffers; it is there for all that is submitted afterwards.
@@ -203,7 +212,14 @@ impl StereoMatcher {
             pass.dispatch_workgroups(step.workgroups[0], step.workgroups[1], 1);
         }
         drop(pass);
-        if let Some((step, texture)) = steps.last().and_then(|step| Some((step, step.copy_to.as_ref()?))) {
+        if let Some(step) = steps.last() {
+            self.copy_of(encoder, step);
+        }
+    }
+
+    /// Records the copy of what a step left, if there is one.
+    pub(crate) fn copy_of(&self, encoder: &mut wgpu::CommandEncoder, step: &Step) {
+        if let Some(texture) = &step.copy_to {
             let bytes_per_row = Some(row_bytes(texture.format(), texture.width()));
             let layout = wgpu::TexelCopyBufferLayout { offset: 0, bytes_per_row, rows_per_image: None };
             let source = wgpu::TexelCopyBufferInfo { buffer: &step.buffer, layout };
@@ -216,6 +232,14 @@ impl StereoMatcher {
     /// # Errors
     /// As [`StereoMatcher::upload`]; [`Error::Lost`] if the device fails on the way.
     pub fn compute(&self, left: &Image, right: &Image) -> Result<DisparityMap, Error> {
+        Ok(self.compute_all(left, right)?.map)
+    }
+
+    /// As [`StereoMatcher::compute`], with the confidence if [`Params::confidence`] asks for it.
+    ///
+    /// # Errors
+    /// As [`StereoMatcher::compute`].
+    pub fn compute_all(&self, left: &Image, right: &Image) -> Result<Matched, Error> {
         self.run(left, right, |encoder| self.record(encoder))
     }
 
@@ -224,16 +248,24 @@ impl StereoMatcher {
         left: &Image,
         right: &Image,
         record: impl FnOnce(&mut wgpu::CommandEncoder),
-    ) -> Result<DisparityMap, Error> {
+    ) -> Result<Matched, Error> {
         readback::guarded(&self.device, || {
             self.upload(left, right)?;
             let mut encoder = self.device.create_command_encoder(&wgpu::CommandEncoderDescriptor::default());
             record(&mut encoder);
             encoder.copy_buffer_to_buffer(&self.output, 0, &self.readback, 0, self.sizes.map);
+            if let Some(confidence) = &self.confidence {
+                let (at, bytes) = (self.sizes.map, self.sizes.confidence);
+                encoder.copy_buffer_to_buffer(confidence, 0, &self.readback, at, bytes);
+            }
             self.queue.submit([encoder.finish()]);
             Ok(())
         })??;
-        readback::read(&self.device, &self.readback, |bytes| self.map(bytes))
+        readback::read(&self.device, &self.readback, |bytes| {
+            let (map, confidence) = bytes.split_at(self.sizes.map as usize);
+            let confidence = self.confidence.as_ref().map(|_| self.confidence_map(confidence));
+            Matched { map: self.map(map), confidence }
+        })
     }
 
     /// A disparity map from the bytes of one of the matcher's map buffers.
@@ -246,18 +278,34 @@ impl StereoMatcher {
         DisparityMap { width, height, data }
     }
 
+    /// A confidence from the bytes of its buffer.
+    pub(crate) fn confidence_map(&self, bytes: &[u8]) -> ConfidenceMap {
+        let Frame { width, height, map_stride, .. } = self.sizes.frame;
+        let rows = bytes.chunks_exact(2 * map_stride as usize).take(height as usize);
+        ConfidenceMap { width, height, data: rows.flat_map(|row| &row[..width as usize]).copied().collect() }
+    }
+
     /// As [`StereoMatcher::compute`], with the time of each stage in order of first use; none where the device was
     /// made without `TIMESTAMP_QUERY`, or there are more steps than a query set can time (2048).
     ///
     /// # Errors
     /// As [`StereoMatcher::compute`].
     pub fn compute_timed(&self, left: &Image, right: &Image) -> Result<(DisparityMap, Vec<StageTime>), Error> {
+        let (matched, times) = self.compute_all_timed(left, right)?;
+        Ok((matched.map, times))
+    }
+
+    /// As [`StereoMatcher::compute_timed`], with the confidence if [`Params::confidence`] asks for it.
+    ///
+    /// # Errors
+    /// As [`StereoMatcher::compute`].
+    pub fn compute_all_timed(&self, left: &Image, right: &Image) -> Result<(Matched, Vec<StageTime>), Error> {
         // Neighbouring steps of a stage are timed together.
         let runs: Vec<&[Step]> = self.steps.chunk_by(|a, b| a.stage() == b.stage() && a.copy_to.is_none()).collect();
         let count = 2 * runs.len() as u32;
         let timed = self.device.features().contains(wgpu::Features::TIMESTAMP_QUERY);
         if !timed || count > wgpu::QUERY_SET_MAX_QUERIES {
-            return Ok((self.compute(left, right)?, Vec::new()));
+            return Ok((self.compute_all(left, right)?, Vec::new()));
         }
         let bytes = 8 * u64::from(count);
         let make = || Timer {
@@ -275,7 +323,7 @@ impl StereoMatcher {
             readback: readback::buffer(&self.device, "gpu-stereo.timestamps", bytes),
         };
         let timer = readback::guarded(&self.device, || self.timer.get_or_init(make))?;
-        let map = self.run(left, right, |encoder| {
+        let matched = self.run(left, right, |encoder| {
             for (i, run) in (0..).zip(&runs) {
                 let writes = wgpu::ComputePassTimestampWrites {
                     query_set: &timer.queries,
@@ -297,6 +345,6 @@ impl StereoMatcher {
                 None => times.push(StageTime { name: run[0].stage().into(), ms }),
             }
         }
-        Ok((map, times))
+        Ok((matched, times))
     }
 }

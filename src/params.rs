@@ -134,6 +134,17 @@ pub enum Median {
     Five,
 }
 
+impl Median {
+    /// The side of the window in pixels.
+    pub(crate) fn side(self) -> Option<usize> {
+        match self {
+            Self::Off => None,
+            Self::Three => Some(3),
+            Self::Five => Some(5),
+        }
+    }
+}
+
 /// How pixels without a disparity are given one.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 #[non_exhaustive]
@@ -465,11 +476,12 @@ impl Params {
             "100 is usual",
         )?;
         if let Some(Wls { lambda, sigma }) = self.wls {
-            for (name, value, remedy) in
-                [("wls-lambda", lambda, "8000 is usual"), ("wls-sigma", sigma, "1 to 2 is usual")]
-            {
-                let good = value.is_finite() && value > 0.0;
-                check(good, name, value.to_string(), "finite and more than 0".into(), remedy)?;
+            for (name, value, least, most, remedy) in [
+                ("wls-lambda", lambda, 0.0, 1e6, "8000 is usual"),
+                ("wls-sigma", sigma, 0.1, 1000.0, "1 to 2 is usual"),
+            ] {
+                let good = (least..=most).contains(&value);
+                check(good, name, value.to_string(), format!("from {least} to {most}"), remedy)?;
             }
         }
         let (cost, method) = (self.cost, self.method);
@@ -543,6 +555,7 @@ impl Params {
         Self {
             min_disparity: from,
             disparities: (to - from + 1) as u32,
+            texture: 0,
             right_view: RightView::Diagonal,
             speckle_window: 0,
             median: Median::Off,
@@ -582,9 +595,14 @@ impl Params {
         }
     }
 
-    /// Bytes of a census string.
+    /// Bytes of a census string: one a row, and one for the ninth column.
     pub(crate) fn census_planes(&self) -> u32 {
-        self.census_bits().div_ceil(8)
+        match self.census {
+            Census::Five => 5,
+            Census::Seven => 7,
+            Census::NineBySeven => 8,
+            Census::CentreSymmetric => 4,
+        }
     }
 
     /// Images that are prefiltered: luma, or three colours.
@@ -668,6 +686,7 @@ impl Params {
     pub(crate) fn cost_top(&self) -> u32 {
         match self.cost {
             Cost::CensusSobel => 164 * 248,
+            Cost::MutualInformation => 64 * 1024,
             _ => 59 * 1550,
         }
     }

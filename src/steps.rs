@@ -54,8 +54,14 @@ pub(crate) enum Output {
     Views {
         last: bool,
     },
+    Textured,
     Checked,
+    Speckle,
     Median,
+    Fill,
+    WeightedMedian,
+    Wls,
+    Confidence,
 }
 
 /// One dispatch, and what is copied after it.
@@ -121,6 +127,7 @@ pub(crate) struct Builder<'a> {
     pub(crate) sizes: &'a Sizes,
     compiled: HashMap<(usize, String), Compiled>,
     planned: Vec<Planned>,
+    tables: Vec<(wgpu::Buffer, Vec<u32>)>,
     pub(crate) device_bytes: u64,
 }
 
@@ -132,8 +139,8 @@ impl<'a> Builder<'a> {
         format: PixelFormat,
         sizes: &'a Sizes,
     ) -> Self {
-        let (compiled, planned) = (HashMap::new(), Vec::new());
-        Self { device, params: params.clone(), plan, format, sizes, compiled, planned, device_bytes: 0 }
+        let (compiled, planned, tables) = (HashMap::new(), Vec::new(), Vec::new());
+        Self { device, params: params.clone(), plan, format, sizes, compiled, planned, tables, device_bytes: 0 }
     }
 
     pub(crate) fn buffer(&mut self, name: &str, size: u64) -> wgpu::Buffer {
@@ -144,6 +151,13 @@ impl<'a> Builder<'a> {
             usage: wgpu::BufferUsages::STORAGE | wgpu::BufferUsages::COPY_SRC | wgpu::BufferUsages::COPY_DST,
             mapped_at_creation: false,
         })
+    }
+
+    /// A buffer of numbers that the kernels only read.
+    pub(crate) fn table(&mut self, name: &str, contents: Vec<u32>) -> wgpu::Buffer {
+        let buffer = self.buffer(name, 4 * contents.len() as u64);
+        self.tables.push((buffer.clone(), contents));
+        buffer
     }
 
     /// A volume with a byte a disparity, a buffer a band.
@@ -246,6 +260,9 @@ impl<'a> Builder<'a> {
             queue.write_buffer(&buffer, 0, contents);
             buffer
         };
+        for (buffer, contents) in &self.tables {
+            queue.write_buffer(buffer, 0, bytemuck::cast_slice(contents));
+        }
         let mut blocks = vec![0u8; self.planned.len() * PASS_STRIDE as usize];
         for (block, step) in blocks.chunks_exact_mut(PASS_STRIDE as usize).zip(&self.planned) {
             block[..size_of::<Pass>()].copy_from_slice(bytemuck::bytes_of(&step.pass));

@@ -60,25 +60,25 @@ class Chain:
 
         return self.over_pixels(luma)
 
+    def derivative(self, g, x, y, across):
+        total = 0
+        for weight, j in ((1, -1), (2, 0), (1, 1)):
+            if across:
+                total += weight * (self.at(g, x + 1, y + j) - self.at(g, x - 1, y + j))
+            else:
+                total += weight * (self.at(g, x + j, y + 1) - self.at(g, x + j, y - 1))
+        return total
+
     def prefilter(self, g):
         kind, cap = self.case["prefilter"], self.case["prefilter_cap"]
-
-        def derivative(x, y, across):
-            total = 0
-            for weight, j in ((1, -1), (2, 0), (1, 1)):
-                if across:
-                    total += weight * (self.at(g, x + 1, y + j) - self.at(g, x - 1, y + j))
-                else:
-                    total += weight * (self.at(g, x + j, y + 1) - self.at(g, x + j, y - 1))
-            return total
 
         def value(x, y):
             if kind == "none":
                 return g[y][x]
-            gx = derivative(x, y, True)
+            gx = self.derivative(g, x, y, True)
             if kind == "xsobel":
                 return clamp(gx, -cap, cap) + cap
-            return min(math.isqrt(gx**2 + derivative(x, y, False) ** 2), 2 * cap)
+            return min(math.isqrt(gx**2 + self.derivative(g, x, y, False) ** 2), 2 * cap)
 
         return self.over_pixels(value)
 
@@ -137,9 +137,9 @@ class Chain:
                     if abs(d - best) > 1 and not s[d] * (100 - ratio) > s[best] * 100:
                         return INVALID
             v = 16 * (self.smallest + best)
-            if self.case["subpixel"] and 0 < best < last:
+            if self.case["subpixel"] != "off" and 0 < best < last:
                 a, b, c = s[best - 1 : best + 2]
-                k = a + c - 2 * b
+                k = max(a, c) - b if self.case["subpixel"] == "equiangular" else a + c - 2 * b
                 v += (16 * (a - c) + k - 1) // (2 * k)
             return v if self.points_inside(x, v) else INVALID
 
@@ -151,7 +151,29 @@ class Chain:
                     least, value = cost[y][seen_from][d], 16 * (self.smallest + d)
             return value
 
-        return self.over_pixels(left), self.over_pixels(right)
+        def margin(x, y):
+            s = cost[y][x]
+            best = s.index(min(s))
+            rivals = [s[d] for d in range(self.count) if abs(d - best) > 1]
+            if not rivals:
+                return 255
+            rival = min(rivals)
+            return 255 * (rival - s[best]) // rival if rival > 0 else 0
+
+        return self.over_pixels(left), self.over_pixels(right), self.over_pixels(margin)
+
+    def texture(self, disparities, g):
+        least = self.case["texture"]
+        if least == 0:
+            return disparities
+        e = self.over_pixels(lambda x, y: min(abs(self.derivative(g, x, y, True)), self.case["prefilter_cap"]))
+        block = range(-self.radius, self.radius + 1)
+
+        def kept(x, y):
+            t = sum(self.at(e, x + i, y + j) for j in block for i in block)
+            return disparities[y][x] if t >= least else INVALID
+
+        return self.over_pixels(kept)
 
     def lr_check(self, left, right):
         if self.case["lr_check"] == "off":
@@ -166,25 +188,172 @@ class Chain:
 
         return self.over_pixels(checked)
 
+    def speckle(self, disparities):
+        window, step = self.case["speckle_window"], 16 * self.case["speckle_range"]
+        result = [row[:] for row in disparities]
+        done = set()
+        for y in range(self.height):
+            for x in range(self.width):
+                if disparities[y][x] == INVALID or (x, y) in done:
+                    continue
+                region, waiting = {(x, y)}, [(x, y)]
+                while waiting:
+                    i, j = waiting.pop()
+                    for k, l in ((i - 1, j), (i + 1, j), (i, j - 1), (i, j + 1)):
+                        if self.inside(k) and 0 <= l < self.height and (k, l) not in region:
+                            v, w = disparities[j][i], disparities[l][k]
+                            if w != INVALID and abs(v - w) <= step:
+                                region.add((k, l))
+                                waiting.append((k, l))
+                done |= region
+                if len(region) <= window:
+                    for i, j in region:
+                        result[j][i] = INVALID
+        return result
+
     def median(self, disparities):
         if self.case["median"] == "off":
             return disparities
+        side = self.case["median"]
+        steps = range(-(side // 2), side // 2 + 1)
 
-        def fifth(x, y):
-            v = sorted(self.at(disparities, x + i, y + j) for j in (-1, 0, 1) for i in (-1, 0, 1))[4]
+        def middle(x, y):
+            v = sorted(self.at(disparities, x + i, y + j) for j in steps for i in steps)[side * side // 2]
             return v if self.points_inside(x, v) else INVALID
 
-        return self.over_pixels(fifth)
+        return self.over_pixels(middle)
+
+    def weighted_median(self, disparities, gray):
+        if self.case["weighted_median"] == "off":
+            return disparities
+        spacing, sigma = (self.case["weighted_median"] + 1) // 2, self.case["weighted_median_sigma"]
+        decay = (65536 + sigma // 2) // sigma
+        steps = [spacing * i for i in (-2, -1, 0, 1, 2)]
+
+        def weight(difference):
+            t = (difference * decay) >> 8
+            return (64 * (512 - t % 256)) >> (t // 256)
+
+        def middle(x, y):
+            if disparities[y][x] == INVALID:
+                return INVALID
+            around = [(x + i, y + j) for j in steps for i in steps if self.inside(x + i) and 0 <= y + j < self.height]
+            valid = [(disparities[v][u], weight(abs(gray[v][u] - gray[y][x]))) for u, v in around]
+            valid = sorted(pair for pair in valid if pair[0] != INVALID)
+            total, reached = sum(w for _, w in valid), 0
+            for value, w in valid:
+                reached += w
+                if 2 * reached >= total:
+                    return value
+
+        return self.over_pixels(middle)
+
+    def wls(self, disparities, gray):
+        if self.case["wls"] == "off":
+            return disparities
+        strength, sigma = map(float, self.case["wls"].split(","))
+        term = total = 1.0
+        for k in range(1, 201):
+            term = term * (1.0 / sigma) / k
+            total += term
+        decay = 1.0 / total
+        bits = 31 - (16 * self.count - 1).bit_length()
+        values = self.over_pixels(lambda x, y: (0, 0))
+        for x, y in ((x, y) for y in range(self.height) for x in range(self.width)):
+            if disparities[y][x] != INVALID:
+                values[y][x] = ((disparities[y][x] - 16 * self.smallest) << bits, 2**30)
+
+        def solve(line, coupling):
+            def blend(a, b, share):
+                return tuple((u * share + v * (65536 - share) + 32768) >> 16 for u, v in zip(a, b))
+
+            mean, weight, means, shares = (0, 0), 64, [], []
+            for i, (x, y) in enumerate(line):
+                mean = blend(values[y][x], mean, 2**22 // weight)
+                means.append(mean)
+                c = 0
+                if i + 1 < len(line):
+                    u, v = line[i + 1]
+                    c = coupling[abs(gray[y][x] - gray[v][u])]
+                shares.append(65536 * weight // (weight + c))
+                weight = 64 + (((65536 - shares[-1]) * weight) >> 16)
+            solution = (0, 0)
+            for (x, y), mean, share in reversed(list(zip(line, means, shares))):
+                solution = values[y][x] = blend(mean, solution, share)
+
+        for divisor in (1.0, 4.0, 16.0):
+            coupling, w = [], 1.0
+            for _ in range(256):
+                coupling.append(max(1, math.floor(64.0 * strength / divisor * w + 0.5)))
+                w *= decay
+            for y in range(self.height):
+                solve([(x, y) for x in range(self.width)], coupling)
+            for x in range(self.width):
+                solve([(x, y) for y in range(self.height)], coupling)
+
+        def quotient(x, y):
+            product, confidence = values[y][x]
+            if confidence < 2**14:
+                return INVALID
+            above = ((product << (31 - bits)) // confidence + 1) >> 1
+            return 16 * self.smallest + min(above, 16 * (self.count - 1))
+
+        return self.over_pixels(quotient)
+
+    def confidence(self, disparities, margins):
+        return self.over_pixels(lambda x, y: 0 if disparities[y][x] == INVALID else max(margins[y][x], 1))
+
+    def nearest(self, disparities, x, y, directions):
+        found = []
+        for dx, dy in directions:
+            i, j = x + dx, y + dy
+            while self.inside(i) and 0 <= j < self.height:
+                if disparities[j][i] != INVALID:
+                    found.append(disparities[j][i])
+                    break
+                i, j = i + dx, j + dy
+        return sorted(found)
+
+    def fill(self, disparities, right):
+        limit = 1 if self.case["lr_check"] == "off" else self.case["lr_check"]
+
+        def mismatch(x, y):
+            for d in range(self.smallest, self.smallest + self.count):
+                if self.inside(x - d) and right[y][x - d] != INVALID and abs(right[y][x - d] // 16 - d) <= limit:
+                    return True
+            return False
+
+        def step(m, directions, choose):
+            def value(x, y):
+                values = self.nearest(m, x, y, directions) if m[y][x] == INVALID else []
+                return choose(x, y, values) if values else m[y][x]
+
+            return self.over_pixels(value)
+
+        row, column = [(-1, 0), (1, 0)], [(0, -1), (0, 1)]
+        smallest = lambda x, y, values: values[0]
+        median = lambda x, y, values: values[(len(values) - 1) // 2]
+        second = lambda x, y, values: values[min(1, len(values) - 1)]
+        kind = self.case["fill"]
+        if kind == "none":
+            return disparities
+        if kind == "rays":
+            disparities = step(disparities, row, lambda x, y, v: INVALID if mismatch(x, y) else smallest(x, y, v))
+            disparities = step(disparities, EIGHT, median)
+        if kind == "hirschmuller":
+            disparities = step(disparities, EIGHT, lambda *a: median(*a) if mismatch(*a[:2]) else second(*a))
+        return step(step(disparities, row, smallest), column, smallest)
 
     def run(self, left, right):
         """All stages in the order of the chain: (name, C type, values)."""
-        sides = []
+        sides, grays = [], []
         for side, samples in (("left", left), ("right", right)):
             gray = self.gray(self.case["format"], samples)
             plane = self.prefilter(gray)
             yield "gray_" + side, "B", gray
             yield "prefilter_" + side, "B", plane
             sides.append(plane)
+            grays.append(gray)
         columns = self.sad_columns(*sides)
         yield "sad_columns", "H", columns
         if self.case["method"] == "sgm":
@@ -195,12 +364,25 @@ class Chain:
             yield "sgm_aggregate", "H", cost
         else:
             cost = self.block_sums(columns)
-        view, other = self.winner(cost)
+        view, other, margins = self.winner(cost)
         yield "winner_left", "h", view
         yield "winner_right", "h", other
+        yield "margins", "B", margins
+        view = self.texture(view, grays[0])
+        yield "texture", "h", view
         view = self.lr_check(view, other)
         yield "lr_check", "h", view
-        yield "median", "h", self.median(view)
+        view = self.speckle(view)
+        yield "speckle", "h", view
+        view = self.median(view)
+        yield "median", "h", view
+        view = self.fill(view, other)
+        yield "fill", "h", view
+        view = self.weighted_median(view, grays[0])
+        yield "weighted_median", "h", view
+        view = self.wls(view, grays[0])
+        yield "wls", "h", view
+        yield "confidence", "B", self.confidence(view, margins)
 
 
 def flat(values):
@@ -235,7 +417,8 @@ def run_case(folder):
 
 EXAMPLE = dict(
     width=6, height=1, format="gray8", method="sgm", paths=4, min_disparity=0, disparities=3, block=3, prefilter="none",
-    prefilter_cap=31, p1=2, p2=6, uniqueness=0, lr_check=0, median=3, subpixel=True,
+    prefilter_cap=31, p1=2, p2=6, texture=0, uniqueness=0, lr_check=0, speckle_window=0, speckle_range=2, median=3,
+    fill="none", subpixel="parabola", weighted_median="off", wls="off",
 )
 EXAMPLE_PAIR = [10, 40, 70, 60, 200, 90], [40, 66, 190, 210, 90, 90]
 

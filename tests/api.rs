@@ -42,10 +42,10 @@ const REFUSED: &[(Change, &str, &str, &str)] = &[
     (|p| p.weighted_median = Some(16), "weighted-median", "16", "off, or a radius from 1 to 15"),
     (|p| p.weighted_median_sigma = 0, "weighted-median-sigma", "0", "1 to 255"),
     (|p| p.weighted_median_sigma = 256, "weighted-median-sigma", "256", "1 to 255"),
-    (|p| p.wls = Some(Wls { lambda: 0.0, sigma: 1.0 }), "wls-lambda", "0", "finite and more than 0"),
-    (|p| p.wls = Some(Wls { lambda: f32::NAN, sigma: 1.0 }), "wls-lambda", "NaN", "finite and more than 0"),
-    (|p| p.wls = Some(Wls { lambda: 1.0, sigma: f32::INFINITY }), "wls-sigma", "inf", "finite and more than 0"),
-    (|p| p.wls = Some(Wls { lambda: 1.0, sigma: -1.0 }), "wls-sigma", "-1", "finite and more than 0"),
+    (|p| p.wls = Some(Wls { lambda: -1.0, sigma: 1.0 }), "wls-lambda", "-1", "0 to 1000000"),
+    (|p| p.wls = Some(Wls { lambda: f32::NAN, sigma: 1.0 }), "wls-lambda", "NaN", "0 to 1000000"),
+    (|p| p.wls = Some(Wls { lambda: 1.0, sigma: f32::INFINITY }), "wls-sigma", "inf", "0.1 to 1000"),
+    (|p| p.wls = Some(Wls { lambda: 1.0, sigma: -1.0 }), "wls-sigma", "-1", "0.1 to 1000"),
     (|p| (p.method, p.cost) = (Method::Sgm, Cost::Ncc), "cost", "ncc", "another one with method sgm"),
     (|p| (p.method, p.cost, p.block) = (Method::Bm, Cost::Ncc, 1), "block", "1", "3 to 19 with cost ncc"),
     (|p| (p.method, p.cost, p.block) = (Method::Bm, Cost::Ncc, 21), "block", "21", "3 to 19 with cost ncc"),
@@ -78,7 +78,7 @@ fn a_refused_parameter_is_named_with_what_is_allowed() {
 /// The last value that each rule allows, on both sides.
 #[test]
 fn the_ends_of_the_ranges_are_allowed() {
-    let ends: [Change; 12] = [
+    let ends: [Change; 13] = [
         |p| (p.min_disparity, p.disparities) = (-2047, 4095),
         |p| (p.min_disparity, p.disparities) = (2047, 1),
         |p| p.disparities = 1,
@@ -90,6 +90,7 @@ fn the_ends_of_the_ranges_are_allowed() {
         |p| (p.p1, p.p2) = (0, 0),
         |p| (p.p1, p.p2) = (127, 127),
         |p| p.uniqueness = 99,
+        |p| p.texture = Params::MAX_TEXTURE,
         |p| p.lr_check = Some(4095),
     ];
     let setup = support::device();
@@ -425,5 +426,32 @@ fn the_check_finds_each_spoilt_byte() {
             let disparities: BTreeSet<_> = reached.iter().map(|(_, _, d)| d).collect();
             assert_eq!(reached.len(), places.len() * disparities.len(), "{spoilt}: {reached:?}");
         }
+    }
+}
+
+/// The confidence beside the map: only where it is asked for, the reference's, and 0 just where there is no disparity.
+#[test]
+fn the_confidence_comes_with_the_map() {
+    let (left, right) = support::pair(61, 23, 6);
+    for mut params in [Params::sgm(16), Params::bm(16)] {
+        params.texture = 100;
+        assert_eq!(reference::compute_all(&left, &right, &params).unwrap().confidence, None);
+        params.confidence = true;
+        let expected = reference::compute_all(&left, &right, &params).unwrap();
+        assert_eq!(expected.map, reference::compute(&left, &right, &params).unwrap());
+        let confidence = expected.confidence.as_ref().unwrap();
+        let zeros = confidence.data.iter().map(|&c| c == 0);
+        assert!(zeros.eq(expected.map.data.iter().map(|&v| v == DisparityMap::INVALID)), "{params:?}, seed 6");
+        let kinds: BTreeSet<u8> = confidence.data.iter().copied().collect();
+        assert!(kinds.len() > 20, "only {kinds:?} for {params:?}, seed 6");
+
+        let Some((_, device, queue)) = support::device() else { continue };
+        let matcher = StereoMatcher::new(&device, &queue, 61, 23, left.format(), &params).unwrap();
+        assert_eq!(matcher.compute_all(&left, &right).unwrap(), expected, "{params:?}, seed 6");
+        assert!(matcher.confidence().is_some_and(|buffer| buffer.size() >= 64 * 23));
+        params.confidence = false;
+        let matcher = StereoMatcher::new(&device, &queue, 61, 23, left.format(), &params).unwrap();
+        assert!(matcher.confidence().is_none());
+        assert_eq!(matcher.compute_all(&left, &right).unwrap().confidence, None);
     }
 }

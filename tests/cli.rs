@@ -1095,6 +1095,20 @@ fn a_full_stdout_is_an_error() {
     is_one_line_error(&output, &["stdout"]);
 }
 
+#[test]
+fn the_gallery_shows_every_picture_and_they_are_small() {
+    let docs = Path::new(env!("CARGO_MANIFEST_DIR")).join("docs");
+    let page = fs::read_to_string(docs.join("GALLERY.md")).unwrap();
+    let shown: Vec<_> = page.split("](").filter_map(|part| part.split_once(".jpg)")).map(|(name, _)| name).collect();
+    assert!(shown.len() > 10);
+    let pictures = contents(&docs.join("images/gallery"));
+    assert_eq!(pictures.len(), shown.len());
+    for name in shown {
+        assert!(pictures.contains_key(&docs.join(format!("{name}.jpg"))), "{name}");
+    }
+    assert!(pictures.values().map(Vec::len).sum::<usize>() < 1_500_000);
+}
+
 // Adapters: these hold with and without one.
 
 #[test]

@@ -99,7 +99,7 @@ fn a_shifted_pair_gives_the_shift() {
         for mut params in chains(16) {
             params.min_disparity = min_disparity;
             params.prefilter_cap = 127; // clipped noise is flat
-            for subpixel in [Subpixel::Off, Subpixel::Parabola] {
+            for subpixel in [Subpixel::Off, Subpixel::Parabola, Subpixel::Equiangular] {
                 params.subpixel = subpixel;
                 let map = compute(&setup, &left, &right, &params);
                 let inside = |x: i64| x >= border && x < i64::from(width) - border;

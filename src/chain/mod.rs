@@ -4,6 +4,8 @@ mod aggregation;
 mod cost;
 mod filters;
 mod planes;
+#[cfg(test)]
+mod tests;
 
 use crate::Method;
 use crate::steps::Builder;
@@ -16,9 +18,12 @@ pub(crate) struct Made {
     pub(crate) right_map: wgpu::Buffer,
     /// The map that is read back.
     pub(crate) output: wgpu::Buffer,
+    /// The confidence of that map, if it is wanted.
+    pub(crate) confidence: Option<wgpu::Buffer>,
 }
 
-/// The maps of both views.
+/// The maps of both views, and behind the right one, if a confidence is wanted, the margins of the left one's winners:
+/// `winner` has no room for one more buffer.
 pub(crate) struct Views {
     left: wgpu::Buffer,
     right: wgpu::Buffer,
@@ -28,11 +33,13 @@ pub(crate) struct Views {
 pub(crate) fn chain(b: &mut Builder<'_>) -> Made {
     let sources = planes::sources(b);
     let planes = planes::planes(b, &sources);
-    let views = Views { left: b.buffer("winner.left", b.sizes.map), right: b.buffer("winner.right", b.sizes.map) };
+    let views =
+        Views { left: b.buffer("winner.left", b.sizes.map), right: b.buffer("winner.right", b.sizes.right_map) };
     match b.params.method {
         Method::Bm => cost::block_match(b, &planes, &views),
         Method::Sgm => aggregation::winner(b, &planes, &views),
     }
-    let output = filters::filtered(b, &views);
-    Made { sources, right_map: views.right, output }
+    let output = filters::filtered(b, &views, &planes.grays[0]);
+    let confidence = b.params.confidence.then(|| filters::confidence(b, &views, &output));
+    Made { sources, right_map: views.right, output, confidence }
 }

@@ -2,7 +2,7 @@
 
 use crate::buffers::{Frame, Pass, TEXELS, TEXTURE_ROW};
 use crate::kernels;
-use crate::steps::Bound::{Buffer, Texture};
+use crate::steps::Bound::{self, Buffer, Texture};
 use crate::steps::{Builder, Output};
 use crate::{Cost, PixelFormat, Prefilter};
 
@@ -10,6 +10,8 @@ use crate::{Cost, PixelFormat, Prefilter};
 pub(super) struct Planes {
     pub(super) buffers: [wgpu::Buffer; 2],
     pub(super) textures: Vec<wgpu::TextureView>,
+    /// The gray images.
+    pub(super) grays: Vec<wgpu::TextureView>,
 }
 
 /// An image with a value a pixel: in a texture, of 8 or 16 bits.
@@ -18,6 +20,25 @@ struct Picture {
     channel: usize,
     texels: wgpu::TextureView,
     deep: bool,
+}
+
+impl Picture {
+    /// A step of a kernel that reads the picture: [`Builder::step`], compiled for its depth.
+    fn step(
+        &self,
+        b: &mut Builder<'_>,
+        name: &str,
+        storage: &[Bound<'_>],
+        pass: Pass,
+        lines: u32,
+        rows: u32,
+        output: Output,
+    ) {
+        let depth = if self.deep { PixelFormat::Gray16 } else { PixelFormat::Gray8 };
+        let format = std::mem::replace(&mut b.format, depth);
+        b.step(name, storage, pass, lines, rows, output);
+        b.format = format;
+    }
 }
 
 /// The textures into which images are uploaded.
@@ -31,7 +52,7 @@ pub(super) fn planes(b: &mut Builder<'_>, sources: &[wgpu::Texture; 2]) -> Plane
     let Frame { width, height, min_disparity, block_radius, left_stride, right_stride, .. } = b.sizes.frame;
     let buffers = [b.buffer("features.left", b.sizes.left), b.buffer("features.right", b.sizes.right)];
     let scratch = Sums::new(b);
-    let mut textures = Vec::new();
+    let (mut textures, mut grays) = (Vec::new(), Vec::new());
     for (side, source) in sources.iter().enumerate() {
         let source = source.create_view(&wgpu::TextureViewDescriptor::default());
         let radius = block_radius as i32;
@@ -45,6 +66,7 @@ pub(super) fn planes(b: &mut Builder<'_>, sources: &[wgpu::Texture; 2]) -> Plane
         let channels = b.params.channels();
         let planes = b.params.planes() / channels;
         let luma = gray(b, &source, side);
+        grays.push(luma.clone());
         for channel in 0..channels {
             let picture = match (b.params.color_cost, b.format) {
                 (false, PixelFormat::Gray8 | PixelFormat::Rgba8) => {
@@ -73,16 +95,16 @@ pub(super) fn planes(b: &mut Builder<'_>, sources: &[wgpu::Texture; 2]) -> Plane
                     Output::WindowSums { side, channel: 0, filtered: true, window: block },
                 );
             }
-            let pass = Pass { deep: picture.deep.into(), ..pass };
             let storage = [Texture(&picture.texels), Buffer(&scratch.sums), Buffer(&buffers[side])];
-            b.step("features", &storage, pass, pass.stride, height, output);
+            picture.step(b, "features", &storage, pass, pass.stride / 4, height, output);
         }
         if b.sizes.small_block && !b.plan.lanes {
             let rows = b.params.planes() * height;
             textures.push(b.copy_to_texture(place.stride, rows, wgpu::TextureFormat::R32Uint));
         }
+        grays.push(luma);
     }
-    Planes { buffers, textures }
+    Planes { buffers, textures, grays }
 }
 
 /// Stage `gray`: luma in 8 bits.
@@ -126,9 +148,8 @@ fn prefilter(b: &mut Builder<'_>, picture: &Picture, scratch: &Sums, to: &wgpu::
         let window = b.params.prefilter_window;
         scratch.compute(b, picture, window, Output::WindowSums { side, channel, filtered: false, window });
     }
-    let pass = Pass { deep: picture.deep.into(), ..pass };
     let storage = [Texture(&picture.texels), Buffer(&scratch.sums), Buffer(to)];
-    b.step("prefilter", &storage, pass, pass.stride / 4, b.sizes.frame.height, output);
+    picture.step(b, "prefilter", &storage, pass, pass.stride / 4, b.sizes.frame.height, output);
 }
 
 /// Stage `window_sums`: where it is computed, and what it is computed with. Two words if nothing needs it: the kernels
@@ -147,11 +168,11 @@ impl Sums {
     /// The sums over the windows around all pixels of a picture.
     fn compute(&self, b: &mut Builder<'_>, picture: &Picture, window: u32, output: Output) {
         let Frame { width, height, .. } = b.sizes.frame;
-        let pass = Pass { window, deep: picture.deep.into(), ..Pass::default() };
+        let pass = Pass { window, ..Pass::default() };
         let segments = |side: u32| side.div_ceil(kernels::segment(&b.plan));
         let (across, down) = (segments(width), segments(height));
         let storage = [Texture(&picture.texels), Buffer(&self.columns)];
-        b.step("window_columns", &storage, pass, width.div_ceil(4), down, Output::Part);
+        picture.step(b, "window_columns", &storage, pass, width.div_ceil(4), down, Output::Part);
         b.step("window_sums", &[Buffer(&self.columns), Buffer(&self.sums)], pass, height, across, output);
     }
 }

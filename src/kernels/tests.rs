@@ -8,11 +8,11 @@ use std::path::{Path, PathBuf};
 
 use super::*;
 use crate::buffers::{Frame, Pass};
-use crate::{Schedule, StereoMatcher};
+use crate::{Fill, Median, Schedule, StereoMatcher, Wls};
 use wgpu::naga;
 
 #[path = "../../tests/support/mod.rs"]
-mod support;
+pub(crate) mod support;
 mod unrolling;
 
 thread_local! {
@@ -55,9 +55,20 @@ fn specialisations() -> Vec<(Params, PixelFormat, Plan)> {
         for paths in [Paths::Three, Paths::Four, Paths::Eight] {
             for prefilter in [Prefilter::XSobel, Prefilter::Sobel, Prefilter::None] {
                 for base in [Params::sgm(disparities), Params::bm(disparities)] {
-                    for subpixel in [Subpixel::Off, Subpixel::Parabola] {
-                        let params = Params { paths, prefilter, subpixel, ..base.clone() };
+                    for subpixel in [Subpixel::Off, Subpixel::Parabola, Subpixel::Equiangular] {
+                        if subpixel == Subpixel::Equiangular && paths != Paths::Four {
+                            continue; // one function differs, whatever the paths
+                        }
+                        let confidence = subpixel == Subpixel::Equiangular;
+                        let params = Params { paths, prefilter, subpixel, confidence, ..base.clone() };
                         let params = Params { block: if subpixel == Subpixel::Off { 21 } else { 5 }, ..params };
+                        // A filter of each kind, and every spacing of the weighted median.
+                        let params = Params {
+                            median: if subpixel == Subpixel::Off { Median::Five } else { Median::Three },
+                            weighted_median: Some(disparities % 15 + 1),
+                            wls: Some(Wls { lambda: 8000.0, sigma: 1.5 }),
+                            ..params
+                        };
                         for (i, plan) in plans(&params).into_iter().enumerate() {
                             let formats = formats.iter().take(if i == 0 { 4 } else { 1 });
                             all.extend(formats.map(|&format| (params.clone(), format, plan)));
@@ -236,6 +247,11 @@ fn frame_layout() -> (Vec<(String, u32, String)>, u32) {
         right_stride,
         map_stride,
         volume_stride,
+        map_words,
+        texture,
+        speckle_window,
+        speckle_range,
+        fill_max_difference,
     })
 }
 
@@ -256,8 +272,9 @@ fn pass_layout() -> (Vec<(String, u32, String)>, u32) {
         lead,
         stride,
         first_plane,
-        deep,
-        window
+        window,
+        row_step,
+        occlusions
     })
 }
 
@@ -440,8 +457,44 @@ fn any(params: &mut Params) {
     (params.p1, params.p2, params.uniqueness) = (12, 72, 0);
 }
 
+fn five(params: &mut Params) {
+    params.median = Median::Five;
+}
+
+fn weighted(params: &mut Params) {
+    (params.weighted_median, params.uniqueness) = (Some(5), 0);
+}
+
+fn wls(params: &mut Params) {
+    params.wls = Some(Wls { lambda: 50.0, sigma: 20.0 });
+}
+
 fn eight(params: &mut Params) {
     params.paths = Paths::Eight;
+}
+
+fn equiangular(params: &mut Params) {
+    params.subpixel = Subpixel::Equiangular;
+}
+
+/// A threshold about which many sums lie, and are equal to.
+fn texture(params: &mut Params) {
+    (params.texture, params.prefilter_cap, params.uniqueness) = (60, 3, 0);
+}
+
+fn confidence(params: &mut Params) {
+    params.confidence = true;
+}
+
+/// Holes of many sizes, most of them mismatches.
+fn rays(params: &mut Params) {
+    (params.p1, params.p2, params.fill) = (2, 9, Fill::Rays);
+}
+
+/// Small regions of many sizes.
+fn speckle(params: &mut Params) {
+    (params.p1, params.p2, params.lr_check) = (0, 3, None);
+    (params.speckle_window, params.speckle_range) = (6, 1);
 }
 
 /// Invocations that share a pixel's disparities.
@@ -449,7 +502,7 @@ fn lanes(params: &mut Params) {
     (params.schedule, params.disparities) = (Schedule::Lanes, 50);
 }
 
-type Setup = (wgpu::Adapter, wgpu::Device, wgpu::Queue);
+pub(crate) type Setup = (wgpu::Adapter, wgpu::Device, wgpu::Queue);
 
 /// One rule a row: a weight, a rounding, a border, a tie, a penalty, a test of the winner.
 const MUTANTS: &[Mutant] = &[
@@ -468,12 +521,12 @@ const MUTANTS: &[Mutant] = &[
         params.prefilter = Prefilter::Normalized
     }),
     mutant("window_sums", "frame.width) - 1)", "frame.width) - 2)", |params| params.prefilter = Prefilter::Normalized),
-    mutant("features", "row[k] < other[k]", "row[k] <= other[k]", |params| params.cost = Cost::Census),
-    mutant("features", "opposite(other)", "other", |params| {
+    mutant("features", "~(a ^ b) & low_bits", "low_bits", |params| params.cost = Cost::Census),
+    mutant("features", "moved(other, -towards)", "moved(other, towards)", |params| {
         params.cost = Cost::Census;
         params.census = Census::CentreSymmetric;
     }),
-    mutant("features", "min(last - x, 3)", "3", |params| params.cost = Cost::CensusSobel),
+    mutant("features", "low_bytes(last - x)", "low_bytes(last - x + 2)", |params| params.cost = Cost::CensusSobel),
     mutant("features", "vec4(half)", "vec4(0)", |params| params.cost = Cost::ZeroMeanSad),
     mutant("features", "min(before, after)", "before", |params| params.cost = Cost::BirchfieldTomasi),
     mutant("prefilter", "2 * cap", "2 * cap - 1", |params| params.prefilter = Prefilter::Sobel),
@@ -526,20 +579,23 @@ const MUTANTS: &[Mutant] = &[
     mutant("winner", "pass_.volume_row * frame.volume_stride", "0u", |_| ()),
     mutant("winner", "least_key(costs) + member * OWN", "least_key(costs)", lanes),
     mutant("winner", "min(entering, COST_NONE << 12u)", "COST_NONE << 12u", lanes),
-    mutant("winner", "sum_of_members(vec3(", "(vec3(", lanes),
+    mutant("winner", "neighbours_and_rival(vec3(", "(vec3(", lanes),
+    mutant("winner", "255u * (rival - here)", "256u * (rival - here)", confidence),
+    mutant("winner", "is_before | is_after", "is_before", confidence),
     mutant("winner", "frame.p1", "frame.p2", |_| ()),
     mutant("winner", "PATHS *", "(PATHS - 1u) *", |_| ()),
-    mutant("winner", "curvature - 1u", "curvature", |_| ()),
-    mutant("winner", "<= vec4(limit)", "< vec4(limit)", |params| params.uniqueness = 1),
+    mutant("winner", "k - 1u", "k", |_| ()),
+    mutant("winner", "max(before, after)", "before", equiangular),
+    mutant("winner", "known.z <= limit", "known.z < limit", |params| params.uniqueness = 1),
     mutant("winner", "(100u - UNIQUENESS)", "(99u - UNIQUENESS)", |params| params.uniqueness = 10),
     mutant("winner", "disparity + 8", "disparity + 7", any),
     mutant("winner", "seen < i32(frame.width)", "seen <= i32(frame.width)", |_| ()),
-    mutant("block_match", "<= vec4(limit)", "< vec4(limit)", |params| {
+    mutant("block_match", "known.z <= limit", "known.z < limit", |params| {
         bm_pixel(params);
         params.shader_checks = true;
     }),
     mutant("block_match", "2u * frame.block_radius", "2u * frame.block_radius - 1u", bm_columns),
-    mutant("block_match", "curvature - 1u", "curvature", bm_columns),
+    mutant("block_match", "k - 1u", "k", bm_columns),
     mutant("block_match_small", "frame.height) - 1)", "frame.height) - 2)", bm),
     mutant("block_match_small", "best * 100u", "best * 110u", bm),
     mutant("block_match_small", "7u << u32(clamp", "6u << u32(clamp", bm),
@@ -547,14 +603,94 @@ const MUTANTS: &[Mutant] = &[
     mutant("block_match_small", "BLOCK) - start", "BLOCK) - start - 1", bm),
     mutant("block_match_small", "1u) + SLICE", "1u)", bm_far),
     mutant("block_match_small", "x4 - frame.min_disparity", "x4", bm),
-    mutant("block_match_small", "curvature - 1u", "curvature", bm),
+    mutant("block_match_small", "k - 1u", "k", bm),
+    mutant("block_match_small", "max(before, after)", "after", |params| {
+        bm(params);
+        equiangular(params);
+    }),
     mutant("block_match_small", "0x7f7f7f7fu", "0x7f7f7f7eu", bm),
+    mutant("texture_columns", "weight * (here &", "(here &", texture),
+    mutant("texture_columns", "let row = clamp(y, 0,", "let row = clamp(y, 1,", texture),
+    mutant("texture_columns", "vec4(s.even.yzw, s.after)", "vec4(s.even.yzw, 0u)", texture),
+    mutant("texture_columns", "y - r)", "y - r + 1)", texture),
+    mutant("texture", ">= vec4(frame.texture)", "> vec4(frame.texture)", texture),
+    mutant("texture", "select(values, vec4(left)", "select(values, vec4(0u)", |params| {
+        texture(params);
+        params.min_disparity = -20;
+    }),
+    mutant("texture", "(last & 4u) != 0u", "(last & 4u) == 0u", texture),
     mutant("lr_check", "frame.lr_max_difference", "(frame.lr_max_difference + 1u)", |_| ()),
     mutant("lr_check", "(value + 8)", "value", |_| ()),
+    mutant("confidence", "max(margins, vec4(1u))", "margins", |params| {
+        bm_pixel(params);
+        confidence(params);
+        params.uniqueness = 0;
+    }),
+    mutant("confidence", "frame.map_words / 4u", "0u", confidence),
+    mutant("confidence", "vec4(0u), values ==", "vec4(1u), values ==", confidence),
+    mutant("speckle_rows", "(bits & 4u)", "(bits & 2u)", speckle),
+    mutant("speckle_rows", "vec4(p.before, p.odd.xyz)", "vec4(INVALID, p.odd.xyz)", speckle),
+    mutant("speckle_link", "low = first + firstTrailingBit(rest)", "low = first", speckle),
+    mutant("speckle_link", "vec4(frame.speckle_range)", "vec4(frame.speckle_range + 40)", speckle),
+    mutant("speckle_flatten", "atomicStore(&parents[at], root)", "atomicStore(&parents[at], at)", speckle),
+    mutant("speckle_count", "1u + firstTrailingBit(~(along >> (start + 1u)))", "1u", speckle),
+    mutant("speckle", "<= frame.speckle_window", "< frame.speckle_window", speckle),
+    mutant(
+        "speckle_flatten",
+        "pixel + 2u * frame.map_stride, root",
+        "pixel + 2u * frame.map_stride + 1u, root",
+        speckle,
+    ),
+    mutant("speckle", "vec4(2u, 8u, 32u, 128u))", "vec4(2u, 8u, 32u, 64u))", speckle),
+    mutant("fill_rows", "last = odd.w", "last = even.w", |params| params.fill = Fill::Background),
+    mutant("fill_rows", "odd.y = after(even.z, odd.y)", "odd.y = after(odd.z, odd.y)", rays),
+    mutant("fill_lines", "first + n, last - n", "first + n, first + n", rays),
+    mutant("fill_lines", "-7 - 8 * group", "1 - 8 * group", rays),
+    mutant("fill_lines", "8 * group + 7", "8 * group", rays),
+    mutant("fill_lines", "u32(x & 7)", "u32(x & 6)", rays),
+    mutant("fill_seen", "(value >> 4u) + frame.fill_max_difference", "(value >> 4u)", rays),
+    mutant("fill_seen", "31u - to_bit", "32u - to_bit", rays),
+    mutant("fill_between", "select(min(a, b), max(a, b)", "select(max(a, b), max(a, b)", |params| {
+        params.fill = Fill::Background
+    }),
+    mutant("fill_between", "pass_.occlusions == 1u", "false", rays),
+    mutant("fill_rays", "(valid - 1u) / 2u", "valid / 2u", rays),
+    mutant("fill_rays", "min(valid - 1u, 1u)", "min(valid - 1u, 2u)", |params| {
+        rays(params);
+        params.fill = Fill::Hirschmuller;
+    }),
+    mutant("fill_rays", "place(x, y, -1)", "place(x, y, 0)", rays),
     mutant("median", "7) == beyond", "7) == beyond + 9", |_| ()),
     mutant("median", "select(before, even.x, i == 0u)", "before", |params| params.min_disparity = -20),
     mutant("median", "min(id.y + 1u, frame.height - 1u)", "id.y", |_| ()),
-    mutant("median", "points_inside(x, value)", "true", any),
+    mutant("median", "(seen >= vec4(0)) & (seen < vec4(i32(frame.width)))", "seen == seen", any),
+    mutant("median_five", "beyond + 1", "beyond", five),
+    mutant("median_five", "y + 2", "y + 1", five),
+    mutant("median_five", "middle.d, min(low[0], high[0])", "middle.c, min(low[0], high[0])", five),
+    mutant(
+        "median_five",
+        "select(vec2(map_value(before, 0u), map_value(before, 1u)), vec2(even.x), i == 0u)",
+        "vec2(map_value(before, 0u), map_value(before, 1u))",
+        |params| {
+            five(params);
+            params.min_disparity = -20;
+        },
+    ),
+    mutant("weighted_median", "2u * reached >= total", "3u * reached >= total", weighted),
+    mutant("weighted_median", "512u - (halvings & 255u)", "512u", weighted),
+    mutant("weighted_median", "select(i32(frame.width + 8u * AROUND), 0, y == i32(row))", "0", weighted),
+    mutant("weighted_median", "0xffffu), (even >= vec4(0))", "0xffffu), (even >= vec4(-8))", weighted),
+    mutant("weighted_median", "exchange(keys, 2u, 2u, 6u);", "", weighted),
+    mutant("weighted_median", "(i & 1u) == 1u", "(i & 1u) == 0u", weighted),
+    mutant("weighted_median", "middle(&keys), valid", "middle(&keys), true", weighted),
+    mutant("wls_start", "16 * frame.min_disparity", "16 * frame.min_disparity - 1", wls),
+    mutant("wls_start", "disparity == INVALID", "false", wls),
+    mutant("wls_forward", "0u, i + 1u == pass_.rows", "9u, i + 1u == pass_.rows", wls),
+    mutant("wls_forward", "pass_.shift +", "0u +", wls),
+    mutant("wls_forward", "+ 32768u", "", wls),
+    mutant("wls_forward", "+ 16u;", "+ 15u;", wls),
+    mutant("wls_backward", "pass_.rows - 1u - i", "i", wls),
+    mutant("wls", "(bits + 1u)", "bits", wls),
 ];
 
 /// The check finds each mutant, and in the stage that it is in: the stages before stay exact.

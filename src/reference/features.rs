@@ -32,7 +32,7 @@ impl Features {
 /// - `zsad`: the value less the mean of the block around it, clamp(round(v - mean), -127, 127) + 127;
 /// - `bt`: the value v, and the smallest and the largest of v, floor((v + left) / 2) and floor((v + right) / 2);
 /// - `sad-xy`: clamp(gx, -cap, cap) + cap and the same of gy;
-/// - `census`: the census string, eight bits a byte;
+/// - `census`: the census string;
 /// - `census-sobel`: the census string, then as `sad-xy`; `ad-census`: the census string, then the value.
 pub fn features(images: &[Plane<u16>], unit: i32, params: &Params) -> Features {
     let (width, height) = (images[0].width, images[0].height);
@@ -79,21 +79,29 @@ pub fn features(images: &[Plane<u16>], unit: i32, params: &Params) -> Features {
     Features { width, height, planes: data.len() / (width * height), data }
 }
 
-/// The census string of a pixel as bytes, the last bit lowest in the first byte. The neighbours are taken row by row from
-/// the top, in a row from the left, without the centre: 1 where a neighbour is less than the centre. Centre-symmetric: of
-/// the first 31 pixels of 9 columns x 7 rows, 1 where one is less than the one opposite to it.
+/// The census string of a pixel, a byte a row of the window from the top: bit 4 + dx is 1 where the neighbour dx columns
+/// to the right is less than the centre, which is never less than itself. For the fifth column to the right of 9 there
+/// is a last byte: its bit p belongs to row p.
+///
+/// Centre-symmetric: of 9 columns x 7 rows only the three rows above the centre, and a bit is 1 where a neighbour is less
+/// than the one opposite to it. Bits 3 to 6 of the last byte belong to the row of the centre, to dx = -4 to -1.
 fn census(image: &Plane<u16>, x: i64, y: i64, window: Census) -> Vec<u8> {
-    let (columns, rows) = match window {
-        Census::Five => (5, 5),
-        Census::Seven => (7, 7),
-        Census::NineBySeven | Census::CentreSymmetric => (9, 7),
+    let at = |dx: i64, dy: i64| image.clamped(x + dx, y + dy);
+    let (side, above, below) = match window {
+        Census::Five => (2, 2, 2),
+        Census::Seven => (3, 3, 3),
+        Census::NineBySeven => (4, 3, 3),
+        Census::CentreSymmetric => (4, 3, -1),
     };
-    let centre = columns * rows / 2;
-    let at = |i: i64| image.clamped(x + i % columns - columns / 2, y + i / columns - rows / 2);
-    let bits: Vec<bool> = match window {
-        Census::CentreSymmetric => (0..centre).map(|i| at(i) < at(2 * centre - i)).collect(),
-        _ => (0..columns * rows).filter(|&i| i != centre).map(|i| at(i) < at(centre)).collect(),
-    };
-    let string = bits.iter().fold(0, |string: u64, &bit| string << 1 | u64::from(bit));
-    string.to_le_bytes()[..bits.len().div_ceil(8)].into()
+    let symmetric = window == Census::CentreSymmetric;
+    let less = |dx: i64, dy: i64| u8::from(at(dx, dy) < if symmetric { at(-dx, -dy) } else { at(0, 0) });
+    let rows = -above..=below;
+    let mut bytes: Vec<u8> =
+        rows.clone().map(|dy| (-side..=side.min(3)).map(|dx| less(dx, dy) << (4 + dx)).sum()).collect();
+    if side == 4 {
+        let last: u8 = rows.map(|dy| less(4, dy) << (dy + above)).sum();
+        let beside: u8 = (-4..0).map(|dx| less(dx, 0) << (7 + dx)).sum();
+        bytes.push(if symmetric { last + beside } else { last });
+    }
+    bytes
 }

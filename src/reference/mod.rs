@@ -5,8 +5,10 @@
 //! accepts, and each other's results: they check neither again.
 
 mod block_match;
+mod confidence;
 mod cost_columns;
 mod features;
+mod fill;
 mod gray;
 mod halve;
 mod lr_check;
@@ -16,12 +18,18 @@ mod mi_histogram;
 mod mi_table;
 mod prefilter;
 mod sgm_aggregate;
+mod speckle;
+mod texture;
+mod weighted_median;
 mod window_sums;
 mod winner;
+mod wls;
 
 pub use block_match::{block_match, block_sums};
+pub use confidence::{confidence, margin};
 pub use cost_columns::{cost_columns, pixel_cost};
 pub use features::{Features, features};
+pub use fill::fill;
 pub use gray::{Channel, deep_gray, depth_unit, gray};
 pub use halve::{Round, halve, rounds};
 pub use lr_check::lr_check;
@@ -31,13 +39,19 @@ pub use mi_histogram::mi_histogram;
 pub use mi_table::{logarithm, mi_narrowing, mi_prior, mi_table};
 pub use prefilter::prefilter;
 pub use sgm_aggregate::{Direction, aggregate_direction, sgm_aggregate};
+pub use speckle::speckle;
+pub use texture::texture;
+pub(crate) use weighted_median::{median_decay, median_spacing};
+pub use weighted_median::{median_weight, weighted_median};
 pub use window_sums::window_sum;
 pub use winner::{Views, points_inside, winner};
+pub(crate) use wls::wls_bits;
+pub use wls::{wls, wls_couplings};
 
 use rayon::prelude::*;
 use std::time::Instant;
 
-use crate::{Cost, DisparityMap, Error, Image, Median, Method, Params, Prefilter, StageTime};
+use crate::{Cost, DisparityMap, Error, Fill, Image, Matched, Method, Params, Prefilter, StageTime};
 
 /// An image, row by row from the top.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -96,7 +110,15 @@ impl<T: Copy + Default> Volume<T> {
 /// # Errors
 /// As [`Params::validate`], and [`Error::Image`] if the two sizes differ.
 pub fn compute(left: &Image, right: &Image, params: &Params) -> Result<DisparityMap, Error> {
-    Ok(compute_timed(left, right, params)?.0)
+    Ok(compute_all(left, right, params)?.map)
+}
+
+/// As [`compute`], with the confidence if [`Params::confidence`] asks for it.
+///
+/// # Errors
+/// As [`compute`].
+pub fn compute_all(left: &Image, right: &Image, params: &Params) -> Result<Matched, Error> {
+    Ok(compute_all_timed(left, right, params)?.0)
 }
 
 /// As [`compute`], with the time of each stage.
@@ -104,57 +126,65 @@ pub fn compute(left: &Image, right: &Image, params: &Params) -> Result<Disparity
 /// # Errors
 /// As [`compute`].
 pub fn compute_timed(left: &Image, right: &Image, params: &Params) -> Result<(DisparityMap, Vec<StageTime>), Error> {
+    let (matched, times) = compute_all_timed(left, right, params)?;
+    Ok((matched.map, times))
+}
+
+/// As [`compute_all`], with the time of each stage.
+///
+/// # Errors
+/// As [`compute`].
+pub fn compute_all_timed(left: &Image, right: &Image, params: &Params) -> Result<(Matched, Vec<StageTime>), Error> {
     params.validate()?;
     crate::matcher::check_pair(left, right)?;
     let (width, height) = (left.width(), left.height());
     let mut clock = Clock { last: Instant::now(), times: Vec::new() };
+    let luma = gray(left, Channel::Luma);
     let (left, right) = clock.stage("gray", (images(left, params), images(right, params)));
     let (left, right) = clock.stage("prefilter", (left.prefiltered(params), right.prefiltered(params)));
-    let mut pyramid = vec![clock.stage("features", (left.features(params), right.features(params)))];
+    let mut pyramid = vec![clock.stage("features", [left.features(params), right.features(params)])];
     let rounds = rounds(width, height, params);
     for _ in 0..rounds[0].halvings {
-        let (left, right) = &pyramid[pyramid.len() - 1];
-        let halved = (halve(left), halve(right));
+        let halved = pyramid[pyramid.len() - 1].each_ref().map(halve);
         pyramid.push(clock.stage("halve", halved));
     }
     let mut before: Option<(DisparityMap, u32)> = None;
-    for Round { halvings, params } in &rounds {
-        let (left, right) = &pyramid[*halvings as usize];
-        let mut table = Vec::new();
-        if params.cost == Cost::MutualInformation {
-            let (map, halved) = match &before {
-                Some((map, before)) => (Some(map), before - halvings),
-                None => (None, 0),
-            };
-            let counts = clock.stage("mi_histogram", mi_histogram(left, right, map, halved));
-            table = clock.stage("mi_table", mi_table(&counts, (left.width * left.height) as u64));
-        }
-        before = Some((matched(left, right, &table, params, &mut clock), *halvings));
+    for Round { halvings, params } in &rounds[..rounds.len() - 1] {
+        let sides = &pyramid[*halvings as usize];
+        let table = clock.table(sides, before.as_ref(), *halvings, params);
+        let Views { left, right, .. } = clock.views(sides, &table, params);
+        let map = match params.lr_check {
+            Some(max_difference) => clock.stage("lr_check", lr_check(&left, &right, max_difference)),
+            None => left,
+        };
+        before = Some((map, *halvings));
     }
-    let map = before.map_or_else(|| DisparityMap { width: 0, height: 0, data: Vec::new() }, |(map, _)| map);
-    Ok((map, clock.times))
-}
-
-/// The map of a round, from the features that the cost compares, with the table of [`mi_table`] for the costs that have one.
-fn matched(left: &Features, right: &Features, table: &[u8], params: &Params, clock: &mut Clock) -> DisparityMap {
-    let columns = clock.stage("cost_columns", cost_columns(left, right, table, params));
-    let Views { left, right } = match params.method {
-        Method::Bm => clock.stage("block_match", block_match(&columns, params)),
-        Method::Sgm => {
-            let cost = clock.stage("matching_cost", matching_cost(&columns, params));
-            drop(columns);
-            let sum = clock.stage("sgm_aggregate", sgm_aggregate(&cost, params));
-            clock.stage("winner", winner(&sum, params))
-        }
-    };
+    let table = clock.table(&pyramid[0], before.as_ref(), 0, params);
+    let Views { left, right, margins } = clock.views(&pyramid[0], &table, params);
     let mut map = left;
+    if params.texture > 0 {
+        map = clock.stage("texture", texture(&map, &luma, params));
+    }
     if let Some(max_difference) = params.lr_check {
         map = clock.stage("lr_check", lr_check(&map, &right, max_difference));
     }
-    if params.median == Median::Three {
-        map = clock.stage("median", median(&map));
+    if params.speckle_window > 0 {
+        map = clock.stage("speckle", speckle(&map, params.speckle_window, params.speckle_range));
     }
-    map
+    if let Some(side) = params.median.side() {
+        map = clock.stage("median", median(&map, side));
+    }
+    if params.fill != Fill::None {
+        map = clock.stage("fill", fill(&map, &right, params));
+    }
+    if let Some(radius) = params.weighted_median {
+        map = clock.stage("weighted_median", weighted_median(&map, &luma, radius, params));
+    }
+    if let Some(settings) = &params.wls {
+        map = clock.stage("wls", wls(&map, &luma, settings, params));
+    }
+    let confidence = params.confidence.then(|| clock.stage("confidence", confidence(&map, &margins)));
+    Ok((Matched { map, confidence }, clock.times))
 }
 
 /// An image as the chain takes it: luma, or with [`Params::color_cost`] red, green and blue.
@@ -195,11 +225,48 @@ struct Clock {
 }
 
 impl Clock {
+    /// What a match costs in a round, from the map of the round before and how often that was halved. Empty for the costs
+    /// that know no table.
+    fn table(
+        &mut self,
+        [left, right]: &[Features; 2],
+        before: Option<&(DisparityMap, u32)>,
+        halvings: u32,
+        params: &Params,
+    ) -> Vec<u8> {
+        if params.cost != Cost::MutualInformation {
+            return Vec::new();
+        }
+        let counts = match before {
+            Some((map, halved)) => mi_histogram(left, right, Some(map), halved - halvings),
+            None => mi_histogram(left, right, None, 0),
+        };
+        let counts = self.stage("mi_histogram", counts);
+        self.stage("mi_table", mi_table(&counts, (left.width * left.height) as u64))
+    }
+
+    /// Both views, from what the cost compares.
+    fn views(&mut self, [left, right]: &[Features; 2], table: &[u8], params: &Params) -> Views {
+        let columns = self.stage("cost_columns", cost_columns(left, right, table, params));
+        match params.method {
+            Method::Bm => self.stage("block_match", block_match(&columns, params)),
+            Method::Sgm => {
+                let cost = self.stage("matching_cost", matching_cost(&columns, params));
+                drop(columns);
+                let sum = self.stage("sgm_aggregate", sgm_aggregate(&cost, params));
+                self.stage("winner", winner(&sum, params))
+            }
+        }
+    }
+
     /// Notes the time since the stage before, in which `result` was computed.
     fn stage<T>(&mut self, name: &str, result: T) -> T {
         let now = Instant::now();
         let ms = now.duration_since(self.last).as_secs_f64() * 1e3;
-        self.times.push(StageTime { name: name.into(), ms });
+        match self.times.iter_mut().find(|time| time.name == name) {
+            Some(time) => time.ms += ms,
+            None => self.times.push(StageTime { name: name.into(), ms }),
+        }
         self.last = now;
         result
     }

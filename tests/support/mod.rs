@@ -101,7 +101,7 @@ pub fn assert_equal(checks: &[StageCheck], adapter: &wgpu::Adapter, case: &dyn s
 
 /// Parameters from a seed: every setting, every range.
 pub fn random_params(random: &mut ChaCha8Rng) -> Params {
-    use gpu_stereo::{Median, Paths, Prefilter, Schedule, Subpixel};
+    use gpu_stereo::{Fill, Median, Paths, Prefilter, Schedule, Subpixel};
     let disparities = *[1, 2, 3, 7, 15, 16, 17, 31, 33, 48, 64, 65, 97, 130].get(random.random_range(0..14)).unwrap();
     let mut params = if random.random_bool(0.3) { Params::bm(disparities) } else { Params::sgm(disparities) };
     params.min_disparity = *[0, 0, 0, 1, 5, -1, -7, -40, 30].get(random.random_range(0..9)).unwrap();
@@ -115,7 +115,7 @@ pub fn random_params(random: &mut ChaCha8Rng) -> Params {
     params.uniqueness = if random.random() { 0 } else { random.random_range(1..=99) };
     params.lr_check = if random.random_bool(0.3) { None } else { Some(random.random_range(0..4)) };
     params.median = if random.random_bool(0.3) { Median::Off } else { Median::Three };
-    params.subpixel = if random.random_bool(0.7) { Subpixel::Parabola } else { Subpixel::Off };
+    params.subpixel = [Subpixel::Off, Subpixel::Parabola, Subpixel::Equiangular][random.random_range(0..3)];
     params.shader_checks = random.random_bool(0.3);
     use gpu_stereo::{Census, Cost};
     const COSTS: [Cost; 8] = [
@@ -138,5 +138,29 @@ pub fn random_params(random: &mut ChaCha8Rng) -> Params {
     }
     params.prefilter_window = 2 * random.random_range(1..=25) + 1;
     params.schedule = [Schedule::Auto, Schedule::Lines, Schedule::Lanes][random.random_range(0..3)];
+    params.confidence = random.random();
+    if random.random_bool(0.3) {
+        params.texture = random.random_range(0..=params.block * params.block * params.prefilter_cap / 2);
+    }
+    if random.random_bool(0.3) {
+        params.median = Median::Five;
+    }
+    if random.random_bool(0.4) {
+        params.weighted_median = Some(random.random_range(1..=15));
+        params.weighted_median_sigma = random.random_range(1..=255);
+    }
+    if random.random_bool(0.3) {
+        let lambda = *[0.0, 0.7, 50.0, 8000.0, 1e6].get(random.random_range(0..5)).unwrap();
+        params.wls =
+            Some(gpu_stereo::Wls { lambda, sigma: *[0.1, 1.5, 1000.0].get(random.random_range(0..3)).unwrap() });
+    }
+    params.speckle_window = if random.random_bool(0.7) { 0 } else { random.random_range(1..20) };
+    params.speckle_range = random.random_range(0..4);
+    params.fill = match random.random_range(0..10) {
+        0..6 => Fill::None,
+        6 => Fill::Background,
+        7 | 8 => Fill::Rays,
+        _ => Fill::Hirschmuller,
+    };
     params
 }

@@ -1,0 +1,33 @@
+// Appended to the kernels that read a map eight pixels at a time; bit j of a mask is about pixel j of eight.
+
+@group(0) @binding(2) var map: texture_storage_2d<rgba32uint, read>;
+
+struct Eight {
+    even: vec4<i32>,
+    odd: vec4<i32>,
+    before: i32,
+}
+
+fn map_at(index: u32) -> vec4<u32> {
+    return textureLoad(map, vec2(index % TEXELS, index / TEXELS));
+}
+
+// The pixels of a row from column 8 i on, and the one before; those outside the image are invalid.
+fn eight(row: u32, i: u32) -> Eight {
+    let at = row * (frame.map_stride / 4u) + i;
+    let words = bitcast<vec4<i32>>(map_at(at));
+    let inside = i32(frame.width) - i32(8u * i);
+    return Eight(
+        select(vec4(INVALID), (words << vec4(16u)) >> vec4(16u), vec4(0, 2, 4, 6) < vec4(inside)),
+        select(vec4(INVALID), words >> vec4(16u), vec4(1, 3, 5, 7) < vec4(inside)),
+        select(map_value(map_at(max(at, 1u) - 1u).w, 1u), INVALID, i == 0u));
+}
+
+fn mask(even: vec4<bool>, odd: vec4<bool>) -> u32 {
+    let bits = select(vec4(0u), vec4(1u, 4u, 16u, 64u), even) | select(vec4(0u), vec4(2u, 8u, 32u, 128u), odd);
+    return bits.x | bits.y | bits.z | bits.w;
+}
+
+fn pack_eight(even: vec4<i32>, odd: vec4<i32>) -> vec4<u32> {
+    return (bitcast<vec4<u32>>(even) & vec4(0xffffu)) | (bitcast<vec4<u32>>(odd) << vec4(16u));
+}

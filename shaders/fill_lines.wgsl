@@ -1,0 +1,45 @@
+// fill_lines: as fill_rows, on lines that go dx columns to the right from row to row: the nearest above, and below.
+// map (i16, in a texture) -> nearest (i16, [y][line, eight][above, below]; a line is named by its column in row 0)
+// One invocation: eight neighbouring lines, one way.
+// Reference: src/reference/fill.rs
+
+@group(0) @binding(3) var<storage, read_write> nearest: array<vec4<u32>>;
+
+@compute @workgroup_size(LANES)
+fn main(@builtin(global_invocation_id) id: vec3<u32>) {
+    if id.x >= pass_.lines {
+        return;
+    }
+    let stride = i32(frame.map_stride / 4u);
+    let width = i32(frame.width);
+    let group = i32(id.x) - i32(pass_.shift);
+    // The rows in which one of the eight lies in the image.
+    var first = 0;
+    var last = i32(frame.height) - 1;
+    if pass_.dx > 0 {
+        first = max(first, -7 - 8 * group);
+        last = min(last, width - 1 - 8 * group);
+    } else if pass_.dx < 0 {
+        first = max(first, 8 * group - width + 1);
+        last = min(last, 8 * group + 7);
+    }
+    var even = vec4(INVALID);
+    var odd = vec4(INVALID);
+    for (var n = 0; n <= last - first; n++) {
+        let y = select(first + n, last - n, id.y == 1u);
+        let x = 8 * group + pass_.dx * y;
+        let at = x >> 3u;
+        let a = map_at(u32(y * stride + clamp(at, 0, stride - 1)));
+        let b = map_at(u32(y * stride + clamp(at + 1, 0, stride - 1)));
+        let offset = u32(x & 7);
+        let words = bitcast<vec4<i32>>(
+            from_byte(from_word(a, b, offset >> 1u), from_word(b, b, offset >> 1u).x, 2u * offset));
+        let columns = vec4(x) + vec4(0, 2, 4, 6);
+        let e = select(vec4(INVALID), (words << vec4(16u)) >> vec4(16u), (columns >= vec4(0)) & (columns < vec4(width)));
+        let o = select(vec4(INVALID), words >> vec4(16u), (columns >= vec4(-1)) & (columns < vec4(width - 1)));
+        even = select(e, even, e == vec4(INVALID));
+        odd = select(o, odd, o == vec4(INVALID));
+        let slot = y * (stride + 1) + group - ((-pass_.dx * y) >> 3u);
+        nearest[2u * u32(slot) + id.y] = pack_eight(even, odd);
+    }
+}

@@ -1,0 +1,29 @@
+// speckle_count: the pixels of each region, counted at its root until they are more than the window.
+// map (i16, in a texture), parents (u32) -> counts (u32), parents (of the first pixel of a run of eight: the root)
+// One invocation: eight pixels of a row.
+// Reference: src/reference/speckle.rs
+
+@group(0) @binding(3) var<storage, read_write> counts: array<atomic<u32>>;
+@group(0) @binding(4) var<storage, read_write> parents: array<atomic<u32>>;
+
+@compute @workgroup_size(LANES)
+fn main(@builtin(global_invocation_id) id: vec3<u32>) {
+    let stride = frame.map_stride / 4u;
+    if id.x >= stride || id.y >= frame.height {
+        return;
+    }
+    let p = eight(id.y, id.x);
+    let along = joined_along(p);
+    let first = 8u * (id.y * stride + id.x);
+    var starts = run_starts(p, along);
+    while starts != 0u {
+        let start = firstTrailingBit(starts);
+        starts &= starts - 1u;
+        let root = root_of(first + start);
+        atomicStore(&parents[first + start], root);
+        // A count only grows: beyond the window no more need be known.
+        if atomicLoad(&counts[root]) <= frame.speckle_window {
+            atomicAdd(&counts[root], 1u + firstTrailingBit(~(along >> (start + 1u))));
+        }
+    }
+}

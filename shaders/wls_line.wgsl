@@ -1,0 +1,18 @@
+// Appended to the two kernels of the stage wls that walk lines.
+
+// Disparity above the smallest times confidence, and confidence.
+@group(0) @binding(2) var<storage, read_write> values: array<vec2<u32>>;
+// Of 65536: what the mean with the pixels before has in the solution. The rest is that of the pixel after.
+@group(0) @binding(3) var<storage, read_write> shares: array<u32>;
+
+// share / 65536 of a and the rest of b, to the nearest number, a half upwards.
+fn blend(a: vec2<u32>, b: vec2<u32>, share: u32) -> vec2<u32> {
+    let rest = 65536u - share;
+    let low = (a & vec2(0xffffu)) * share + (b & vec2(0xffffu)) * rest + 32768u;
+    return (a >> vec2(16u)) * share + (b >> vec2(16u)) * rest + (low >> vec2(16u));
+}
+
+// A line's pixels lie pass_.dx apart, the first ones of neighbouring lines pass_.dy.
+fn pixel(line: u32, i: u32) -> u32 {
+    return line * u32(pass_.dy) + i * u32(pass_.dx);
+}

@@ -1,0 +1,86 @@
+use crate::{DisparityMap, Fill, Params};
+
+const INVALID: i16 = DisparityMap::INVALID;
+
+/// A direction in which a ray goes from pixel to pixel.
+type Ray = (i64, i64);
+
+const AXES: [[Ray; 2]; 2] = [[(-1, 0), (1, 0)], [(0, -1), (0, 1)]];
+const RAYS: [Ray; 8] = [(-1, 0), (1, 0), (0, -1), (0, 1), (-1, -1), (1, 1), (-1, 1), (1, -1)];
+
+/// Stage `fill`: invalid pixels are given a value. A map without any valid pixel stays as it is.
+///
+/// - [`Fill::Background`]: the smaller of the two nearest values of the row, or the only one; then, in rows without a
+///   value, the same of the column. As `interpolateBackground` of the KITTI development kit, but that the kit leaves rows
+///   without a value between rows that have some.
+/// - [`Fill::Rays`]: occlusions take the smaller of the two nearest values of the row, or the only one; then each pixel that
+///   is still invalid takes the median along eight rays; then the background.
+/// - [`Fill::Hirschmuller`]: occlusions take the second lowest value along eight rays and mismatches the median; then the
+///   background. Hirschmüller 2008, section 2.6.
+///
+/// A pixel is a mismatch if a disparity of the range leads to a pixel of the right view that has it, or one that differs
+/// by at most `lr_check` (1 if the check is off); otherwise an occlusion.
+pub fn fill(map: &DisparityMap, right: &DisparityMap, params: &Params) -> DisparityMap {
+    let occluded = |x, y| !mismatch(right, params, x, y);
+    let map = match params.fill {
+        Fill::None | Fill::Background => map.clone(),
+        Fill::Rays => {
+            let row = |x, y| if occluded(x, y) { farther(&nearest(map, &AXES[0], x, y)) } else { INVALID };
+            let map = filled(map, row);
+            filled(&map, |x, y| median(&nearest(&map, &RAYS, x, y)))
+        }
+        Fill::Hirschmuller => filled(map, |x, y| {
+            let values = nearest(map, &RAYS, x, y);
+            if occluded(x, y) { second_lowest(&values) } else { median(&values) }
+        }),
+    };
+    if params.fill == Fill::None {
+        return map;
+    }
+    let map = filled(&map, |x, y| farther(&nearest(&map, &AXES[0], x, y)));
+    filled(&map, |x, y| farther(&nearest(&map, &AXES[1], x, y)))
+}
+
+/// The map with `value(x, y)` where it is invalid.
+fn filled(map: &DisparityMap, value: impl Fn(i64, i64) -> i16) -> DisparityMap {
+    let width = map.width as usize;
+    let fill = |(i, &v): (usize, &i16)| if v == INVALID { value((i % width) as i64, (i / width) as i64) } else { v };
+    DisparityMap { data: map.data.iter().enumerate().map(fill).collect(), ..*map }
+}
+
+/// The nearest valid value on each ray that has one, in ascending order.
+fn nearest(map: &DisparityMap, rays: &[Ray], x: i64, y: i64) -> Vec<i16> {
+    let (width, height) = (i64::from(map.width), i64::from(map.height));
+    let on = |&(dx, dy): &Ray| {
+        let points = (1..).map(|n| (x + n * dx, y + n * dy));
+        let inside = points.take_while(|&(x, y)| (0..width).contains(&x) && (0..height).contains(&y));
+        inside.map(|(x, y)| map.data[(y * width + x) as usize]).find(|&value| value != INVALID)
+    };
+    let mut values: Vec<i16> = rays.iter().filter_map(on).collect();
+    values.sort_unstable();
+    values
+}
+
+fn farther(values: &[i16]) -> i16 {
+    values.first().copied().unwrap_or(INVALID)
+}
+
+fn second_lowest(values: &[i16]) -> i16 {
+    values.get(1).copied().unwrap_or(farther(values))
+}
+
+/// The lower one of an even number.
+fn median(values: &[i16]) -> i16 {
+    values.get(values.len().saturating_sub(1) / 2).copied().unwrap_or(INVALID)
+}
+
+fn mismatch(right: &DisparityMap, params: &Params, x: i64, y: i64) -> bool {
+    let (width, most) = (i64::from(right.width), i64::from(params.lr_check.unwrap_or(1)));
+    let first = i64::from(params.min_disparity);
+    (first..first + i64::from(params.disparities)).any(|d| {
+        (0..width).contains(&(x - d)) && {
+            let seen = right.data[(y * width + x - d) as usize];
+            seen != INVALID && (i64::from(seen >> 4) - d).abs() <= most
+        }
+    })
+}
