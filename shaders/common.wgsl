@@ -43,6 +43,10 @@ struct Pass {
     window: u32,          // side of the window that is summed
     row_step: u32,        // rows from one border of two bands to the next
     occlusions: u32,      // 1: occlusions are filled in another way than mismatches
+    halvings: u32,        // of the images of a map, beyond those of the images at hand
+    narrowing: u32,       // bits by which entries of a table are shifted down
+    prior: u32,           // what is added to them
+    logarithms: u32,      // 1: their logarithms are taken
 }
 
 @group(0) @binding(0) var<uniform> frame: Frame;

@@ -50,6 +50,10 @@ pub(crate) struct Pass {
     pub(crate) window: u32,
     pub(crate) row_step: u32,
     pub(crate) occlusions: u32,
+    pub(crate) halvings: u32,
+    pub(crate) narrowing: u32,
+    pub(crate) prior: u32,
+    pub(crate) logarithms: u32,
 }
 
 /// Neighbouring rows that are worked on together.

@@ -36,7 +36,7 @@ fn plans(params: &Params) -> BTreeSet<Plan> {
 }
 
 /// All costs.
-const COSTS: [Cost; 8] = [
+const COSTS: [Cost; 9] = [
     Cost::Sad,
     Cost::Ssd,
     Cost::ZeroMeanSad,
@@ -45,6 +45,7 @@ const COSTS: [Cost; 8] = [
     Cost::Census,
     Cost::CensusSobel,
     Cost::AdCensus,
+    Cost::MutualInformation,
 ];
 
 /// Settings that between them give every constant of [`constants`] every kind of value.
@@ -274,7 +275,11 @@ fn pass_layout() -> (Vec<(String, u32, String)>, u32) {
         first_plane,
         window,
         row_step,
-        occlusions
+        occlusions,
+        halvings,
+        narrowing,
+        prior,
+        logarithms
     })
 }
 
@@ -332,7 +337,7 @@ fn bindings_agree_with_the_table() {
                 bindings.push((at.binding, kind));
             }
             bindings.sort();
-            let storage = kernel.storage(&plan).into_iter().map(|access| format!("{access:?}"));
+            let storage = kernel.storage(&params, &plan).into_iter().map(|access| format!("{access:?}"));
             let expected = ["Frame".to_string(), "Pass".to_string()].into_iter().chain(storage);
             let expected: Vec<(u32, String)> = (0..).zip(expected).collect();
             assert_eq!(bindings, expected, "{}: bindings in WGSL (left) and in the table (right)", kernel.name);
@@ -384,7 +389,7 @@ fn pipelines_and_matchers_are_made_without_a_driver() {
         for (params, format, plan) in specialisations_of(kernel) {
             if seen.insert(source(kernel, &params, format, &plan)) {
                 let made = crate::readback::guarded(&device, || {
-                    compile(&device, kernel, &source(kernel, &params, format, &plan), false, &plan)
+                    compile(&device, kernel, &source(kernel, &params, format, &plan), &params, &plan)
                 });
                 assert!(made.is_ok(), "{} with {params:?}, {format:?}: {}", kernel.name, made.unwrap_err());
             }
@@ -408,7 +413,7 @@ fn a_wrong_row_of_the_table_is_refused() {
         let row = Kernel { storage: &kernel.storage[1..], ..*kernel };
         let params = Params::sgm(64);
         let text = source(&row, &params, PixelFormat::Gray8, &PLAN);
-        let made = crate::readback::guarded(&device, || compile(&device, &row, &text, false, &PLAN));
+        let made = crate::readback::guarded(&device, || compile(&device, &row, &text, &params, &PLAN));
         assert!(made.is_err(), "{} was accepted with a binding too few", kernel.name);
     }
 }

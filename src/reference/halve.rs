@@ -12,13 +12,13 @@ pub struct Round {
 
 /// The most halvings, and the shortest side that they leave.
 const MOST_HALVINGS: u32 = 4;
-const SHORTEST_SIDE: u32 = 32;
+const SHORTEST_SIDE: u32 = 16;
 
 /// The rounds of the smallest images.
 const FIRST_ROUNDS: u32 = 3;
 
 /// The rounds of a match: three of the smallest images, then one of each larger size. The images are halved while the
-/// shorter side is at least 64, at most four times. One round for any other cost.
+/// shorter side is at least 32, at most four times. One round for any other cost.
 pub fn rounds(width: u32, height: u32, params: &Params) -> Vec<Round> {
     let last = Round { halvings: 0, params: params.clone() };
     if params.cost != Cost::MutualInformation {

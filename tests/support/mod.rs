@@ -162,5 +162,8 @@ pub fn random_params(random: &mut ChaCha8Rng) -> Params {
         7 | 8 => Fill::Rays,
         _ => Fill::Hirschmuller,
     };
+    if random.random_bool(0.1) {
+        (params.cost, params.color_cost) = (Cost::MutualInformation, false);
+    }
     params
 }
