@@ -301,13 +301,7 @@ pub(crate) struct Compiled {
 }
 
 /// Compiles `text`, a kernel's [`source`].
-pub(crate) fn compile(
-    device: &wgpu::Device,
-    kernel: &Kernel,
-    text: &str,
-    params: &Params,
-    plan: &Plan,
-) -> Compiled {
+pub(crate) fn compile(device: &wgpu::Device, kernel: &Kernel, text: &str, params: &Params, plan: &Plan) -> Compiled {
     let label = format!("gpu-stereo.{}", kernel.name);
     let buffer = |ty, has_dynamic_offset| wgpu::BindingType::Buffer { ty, has_dynamic_offset, min_binding_size: None };
     let storage = kernel.storage(params, plan);

@@ -4,8 +4,8 @@ use std::sync::OnceLock;
 
 use crate::buffers::{Frame, Sizes, TEXELS, TEXTURE_ROW};
 use crate::chain::{Made, chain};
-use crate::schedule::Plan;
 use crate::reference::{self, Round};
+use crate::schedule::Plan;
 use crate::steps::{Builder, Level, Step, row_bytes};
 use crate::{ConfidenceMap, DisparityMap, Error, Image, Matched, Params, PixelFormat, kernels, readback};
 
@@ -121,12 +121,7 @@ impl StereoMatcher {
         readback::guarded(device, || Self::build(device, queue, format, levels))
     }
 
-    fn build(
-        device: &wgpu::Device,
-        queue: &wgpu::Queue,
-        format: PixelFormat,
-        levels: Vec<Level>,
-    ) -> Self {
+    fn build(device: &wgpu::Device, queue: &wgpu::Queue, format: PixelFormat, levels: Vec<Level>) -> Self {
         let mut builder = Builder::new(device, &levels, format);
         let Made { sources, output, confidence } = chain(&mut builder);
         let (steps, device_bytes) = builder.finish(queue);
@@ -316,7 +311,8 @@ impl StereoMatcher {
     /// As [`StereoMatcher::compute`].
     pub fn compute_all_timed(&self, left: &Image, right: &Image) -> Result<(Matched, Vec<StageTime>), Error> {
         // Neighbouring steps of a stage are timed together.
-        let runs: Vec<&[Step]> = self.steps.chunk_by(|a, b| a.stage() == b.stage() && a.copy_to.is_none() && !b.clears).collect();
+        let runs: Vec<&[Step]> =
+            self.steps.chunk_by(|a, b| a.stage() == b.stage() && a.copy_to.is_none() && !b.clears).collect();
         let count = 2 * runs.len() as u32;
         let timed = self.device.features().contains(wgpu::Features::TIMESTAMP_QUERY);
         if !timed || count > wgpu::QUERY_SET_MAX_QUERIES {

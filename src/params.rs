@@ -539,13 +539,7 @@ impl Params {
             format!("from 1 to {most_cap} with this cost, whose largest value for a pixel must fit a byte"),
             "31 is usual",
         )?;
-        check(
-            self.cost != Cost::Ncc,
-            "cost",
-            format!("{:?}", self.cost),
-            "another one".into(),
-            "take census",
-        )
+        check(self.cost != Cost::Ncc, "cost", format!("{:?}", self.cost), "another one".into(), "take census")
     }
 
     /// The same for images that are halved so often, without what comes after the map of the left view.

@@ -261,9 +261,10 @@ impl<'a> Builder<'a> {
         };
         let row = &KERNELS[kernel];
         let text = kernels::source(row, &self.params, self.format, &self.plan);
-        let compiled = self.compiled.entry((kernel, text)).or_insert_with_key(|(_, text)| {
-            kernels::compile(self.device, row, text, &self.params, &self.plan)
-        });
+        let compiled = self
+            .compiled
+            .entry((kernel, text))
+            .or_insert_with_key(|(_, text)| kernels::compile(self.device, row, text, &self.params, &self.plan));
         let written = row.storage.iter().position(|access| *access == kernels::Access::Write);
         let Some(Bound::Buffer(buffer)) = written.map(|i| storage[i]) else {
             unreachable!("{name} writes no buffer");

@@ -90,7 +90,8 @@ fn mutual_information() {
     let sizes = [(1, 1), (1, 9), (9, 1), (50, 40), (67, 65), (64, 71), (131, 140), (20_000, 1), (1, 20_000)];
     for (seed, (width, height)) in (0..).zip(sizes) {
         let (left, right) = support::pair(width, height, seed);
-        for (i, setup, schedule) in [(0, &full, Schedule::Lines), (1, &full, Schedule::Lanes), (2, &bare, Schedule::Auto)]
+        for (i, setup, schedule) in
+            [(0, &full, Schedule::Lines), (1, &full, Schedule::Lanes), (2, &bare, Schedule::Auto)]
         {
             let mut params = if i == 1 { Params::bm(21) } else { Params::sgm(21) };
             (params.cost, params.schedule) = (Cost::MutualInformation, schedule);

@@ -100,7 +100,8 @@ fn rows(
                 Buffer(&views.left),
                 Buffer(&views.right),
             ];
-            let output = Output::Views { right: views.right.clone(), last: strip.first + strip.count == b.sizes.frame.height };
+            let output =
+                Output::Views { right: views.right.clone(), last: strip.first + strip.count == b.sizes.frame.height };
             b.step("winner", &storage, pass, strip.count, 1, output);
         }
     }

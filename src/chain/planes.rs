@@ -137,11 +137,7 @@ pub(super) fn values(
 }
 
 /// The planes of values that [`values`] left, or that were halved.
-pub(super) fn planes_of(
-    b: &mut Builder<'_>,
-    values: &[wgpu::TextureView; 2],
-    grays: &[wgpu::TextureView],
-) -> Planes {
+pub(super) fn planes_of(b: &mut Builder<'_>, values: &[wgpu::TextureView; 2], grays: &[wgpu::TextureView]) -> Planes {
     let wanted = std::mem::replace(&mut b.params.prefilter, Prefilter::None);
     let buffers = [b.buffer("features.left", b.sizes.left), b.buffer("features.right", b.sizes.right)];
     let scratch = Sums::new(b);

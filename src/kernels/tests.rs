@@ -507,6 +507,11 @@ fn lanes(params: &mut Params) {
     (params.schedule, params.disparities) = (Schedule::Lanes, 50);
 }
 
+/// A cost that is looked up in a table, on images that are halved once.
+fn mutual(params: &mut Params) {
+    (params.cost, params.prefilter, params.block) = (Cost::MutualInformation, Prefilter::None, 1);
+}
+
 pub(crate) type Setup = (wgpu::Adapter, wgpu::Device, wgpu::Queue);
 
 /// One rule a row: a weight, a rounding, a border, a tie, a penalty, a test of the winner.
@@ -536,6 +541,27 @@ const MUTANTS: &[Mutant] = &[
     mutant("features", "min(before, after)", "before", |params| params.cost = Cost::BirchfieldTomasi),
     mutant("prefilter", "2 * cap", "2 * cap - 1", |params| params.prefilter = Prefilter::Sobel),
     mutant("prefilter", "return root;", "return root + 1u;", |params| params.prefilter = Prefilter::Sobel),
+    mutant("halve", "+ 2u) >> 2u", "+ 1u) >> 2u", mutual),
+    mutant("halve", "pass_.lines - 1u", "pass_.lines - 2u", mutual),
+    mutant("mi_histogram", "+ 8) >> 4u", "+ 7) >> 4u", mutual),
+    mutant("mi_histogram", "value << pass_.halvings", "value", mutual),
+    mutant("mi_smooth", "6u * middle", "5u * middle", mutual),
+    mutant("mi_smooth", "fraction) * 11u", "fraction) * 9u", mutual),
+    mutant("mi_smooth", "vec4(values.x), four < 0", "values, four < 0", mutual),
+    mutant("mi_marginals", "select(256u, 1u, id.x < 256u)", "select(255u, 1u, id.x < 256u)", mutual),
+    mutant("mi_range", "max(found.y, ranges[l].y)", "ranges[l].y", mutual),
+    mutant("mi_table", "vec4(span / 2u)", "vec4(0u)", mutual),
+    mutant("mi_table", "vec4(span == 0u)", "vec4(false)", mutual),
+    mutant("mi_table", "vec4(32u)", "vec4(0u)", mutual),
+    mutant("cost_columns", "vec4(3u)) * 8u", "vec4(1u)) * 8u", |params| {
+        mutual(params);
+        wide(params);
+    }),
+    mutant("matching_cost_small", "vec4(3u)) * 8u", "vec4(1u)) * 8u", mutual),
+    mutant("matching_cost_lanes", "vec2(columns.w, l)", "vec2(columns.w, 0u)", |params| {
+        mutual(params);
+        lanes(params);
+    }),
     mutant("cost_columns", "frame.height) - 1)", "frame.height))", wide),
     mutant("cost_columns", "here + r)", "here + r - 1)", wide),
     mutant("cost_columns", "low * low", "low * low + 1u", |params| params.cost = Cost::Ssd),

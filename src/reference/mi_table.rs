@@ -4,7 +4,8 @@ const WEIGHTS: [u32; 7] = [1, 6, 15, 20, 15, 6, 1];
 /// A `rows` x 256 table smoothed along one axis, continued by its border: WEIGHTS of seven values, 3 before to 3 after.
 fn smoothed(table: &[u32], down: bool) -> Vec<u32> {
     let rows = table.len() / 256;
-    let at = |row: i64, column: i64| table[row.clamp(0, rows as i64 - 1) as usize * 256 + column.clamp(0, 255) as usize];
+    let at =
+        |row: i64, column: i64| table[row.clamp(0, rows as i64 - 1) as usize * 256 + column.clamp(0, 255) as usize];
     let sum = |i: usize| {
         let (row, column) = (i as i64 / 256, i as i64 % 256);
         let seven = (-3..=3).map(|k| if down { at(row + k, column) } else { at(row, column + k) });
