@@ -26,7 +26,7 @@ struct Frame {
 // What differs between dispatches.
 struct Pass {
     first_row: u32,       // in the image
-    rows: u32,
+    rows: u32,            // of a path that crosses rows: those that it comes to
     volume_row: u32,      // where first_row lies in the volume's buffer
     first_line: u32,      // of the paths of a direction
     lines: u32,
@@ -43,6 +43,13 @@ struct Pass {
     window: u32,          // side of the window that is summed
     row_step: u32,        // rows from one border of two bands to the next
     occlusions: u32,      // 1: occlusions are filled in another way than mismatches
+    reversed: u32,        // 1: the images are taken mirrored
+    entry: i32,           // row of the band at which paths enter
+    carry_from: u32,      // row of carry_in and of carry_out
+    carry_to: u32,
+    slot: u32,            // pixels of a volume: before the one that is written, or from one to the next in a buffer
+    penalty_offset: i32,  // from a pixel to where P2 of the step into it is
+    penalty_shift: u32,   // to its byte there
     halvings: u32,        // of the images of a map, beyond those of the images at hand
     narrowing: u32,       // bits by which entries of a table are shifted down
     prior: u32,           // what is added to them

@@ -9,10 +9,18 @@
 // The value of the pixel at column x, clamped into the image, of the row that begins at pixel `row`; four of them.
 fn four_at(row: u32, x: i32) -> vec4<u32> {
     let start = clamp(x, 0, i32(frame.width) - 1);
-    let pixels = four_deep(row + u32(start));
+    let pixels = four_from(row, u32(start));
     let last = pixels[clamp(i32(frame.width) - 1 - start, 0, 3)];
     let beyond = vec4(x) + vec4(0, 1, 2, 3) >= vec4(i32(frame.width));
     return select(select(pixels, vec4(last), beyond), vec4(pixels.x), vec4(x < 0));
+}
+
+// The pixels of a row from a column on; of the mirrored image, if that is what the pass takes.
+fn four_from(row: u32, start: u32) -> vec4<u32> {
+    let left = min(frame.width - start, 4u);
+    let pixels = four_deep(row + select(start, frame.width - start - left, pass_.reversed == 1u));
+    let turned = vec4(pixels[left - 1u], pixels[max(left, 2u) - 2u], pixels[max(left, 3u) - 3u], pixels.x);
+    return select(pixels, turned, pass_.reversed == 1u);
 }
 
 @compute @workgroup_size(LANES)

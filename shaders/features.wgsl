@@ -25,8 +25,9 @@ struct Row {
 
 fn row_at(x: i32, y: i32) -> Row {
     let first = u32(x + 12);
-    let at = u32(clamp(y, 0, i32(frame.height) - 1)) * frame.gray_stride + (first >> 4u);
-    let texels = array(image_at(at), image_at(at + 1u), image_at(at + 2u));
+    let start = u32(clamp(y, 0, i32(frame.height) - 1)) * frame.gray_stride;
+    let at = start + u32((x + 12) >> 4u);
+    let texels = array(first_texel(start, x + 12), image_at(at + 1u), image_at(at + 2u));
     let a = from_word(texels[0], texels[1], first >> 2u);
     let b = from_word(texels[1], texels[2], first >> 2u);
     let c = from_byte(a, b.x, first);

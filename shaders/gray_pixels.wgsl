@@ -8,6 +8,13 @@ fn image_at(index: u32) -> vec4<u32> {
     return textureLoad(image, vec2(index % TEXELS, index / TEXELS));
 }
 
+// The texel that holds byte `first` of the row that begins at texel `row`. Bytes before the row repeat its first pixel.
+fn first_texel(row: u32, first: i32) -> vec4<u32> {
+    let texel = image_at(row + u32(max(first, 0)) / 16u);
+    let pixel = select((texel.x & 255u) * 0x01010101u, (texel.x & 0xffffu) * 0x10001u, DEEP == 1u);
+    return select(texel, vec4(pixel), first < 0);
+}
+
 fn bytes_of(word: u32) -> vec4<i32> {
     return vec4<i32>(unpack(word));
 }
@@ -18,13 +25,14 @@ fn halves_of(words: vec2<u32>, next: u32, odd: bool) -> vec4<i32> {
     return vec4<i32>(vec4(shifted.x & 0xffffu, shifted.x >> 16u, shifted.y & 0xffffu, shifted.y >> 16u));
 }
 
-// The pixels from column x on, which is -16 or more; rows are clamped into the image.
+// The pixels from column x on, which is -24 or more; rows are clamped into the image.
 fn pixels_from(x: i32, y: i32) -> Pixels {
     let first = u32(x + 16);
     let row = u32(clamp(y, 0, i32(frame.height) - 1));
     if DEEP == 1u {
-        let at = row * 2u * frame.gray_stride + (first >> 3u);
-        let texels = array(image_at(at), image_at(at + 1u), image_at(at + 2u), image_at(at + 3u));
+        let start = row * 2u * frame.gray_stride;
+        let at = start + u32((x + 16) >> 3u);
+        let texels = array(first_texel(start, 2 * (x + 16)), image_at(at + 1u), image_at(at + 2u), image_at(at + 3u));
         let a = from_word(texels[0], texels[1], first >> 1u);
         let b = from_word(texels[1], texels[2], first >> 1u);
         let c = from_word(texels[2], texels[3], first >> 1u);
@@ -32,8 +40,9 @@ fn pixels_from(x: i32, y: i32) -> Pixels {
         return Pixels(halves_of(a.xy, a.z, odd), halves_of(a.zw, b.x, odd), halves_of(b.xy, b.z, odd),
             halves_of(b.zw, c.x, odd), halves_of(c.xy, c.z, odd));
     }
-    let at = row * frame.gray_stride + (first >> 4u);
-    let texels = array(image_at(at), image_at(at + 1u), image_at(at + 2u));
+    let start = row * frame.gray_stride;
+    let at = start + u32((x + 16) >> 4u);
+    let texels = array(first_texel(start, x + 16), image_at(at + 1u), image_at(at + 2u));
     let a = from_word(texels[0], texels[1], first >> 2u);
     let b = from_word(texels[1], texels[2], first >> 2u);
     let words = from_byte(a, b.x, first);

@@ -17,7 +17,6 @@ const BACKWARDS: bool = false;
 fn main(@builtin(global_invocation_id) id: vec3<u32>, @builtin(local_invocation_index) local: u32) {
     let horizontal = pass_.dy == 0;
     let width = i32(frame.width);
-    let rows = i32(pass_.rows);
     let group = join_group(id.x, local);
     let writes = group < pass_.lines;
     if !writes && !BARRIERS {
@@ -26,13 +25,14 @@ fn main(@builtin(global_invocation_id) id: vec3<u32>, @builtin(local_invocation_
     let line = i32(pass_.first_line + min(group, pass_.lines - 1u));
     let enters = i32((u32(line) + pass_.shift) % frame.width);
     var x = select(enters, select(width - 1, 0, pass_.dx > 0), horizontal);
-    let y = select(select(rows - 1, 0, pass_.dy > 0), line, horizontal);
+    var y = select(pass_.entry, line, horizontal);
     var state: State;
     let before = x - pass_.dx;
+    let first_carry = pass_.carry_from * frame.volume_stride;
     if pass_.carried == 1u && before >= 0 && before < width {
         for (var s = 0u; s < SLICES; s++) {
             if in_volume(s * WIDTH) {
-                state[s] = slice_of(carry_in[slice_at(u32(before), s)]);
+                state[s] = slice_of(carry_in[slice_at(first_carry + u32(before), s)]);
             }
             for (var w = 0u; w < WIDTH; w++) {
                 state[s][w] |= beyond(s * WIDTH + w);
@@ -41,11 +41,13 @@ fn main(@builtin(global_invocation_id) id: vec3<u32>, @builtin(local_invocation_
     }
     let stride = i32(frame.volume_stride);
     var at = y * stride + x;
-    let steps = select(rows, width, horizontal);
+    let turn = select(-width, width, pass_.dx > 0);
+    let steps = select(i32(pass_.rows), width, horizontal);
     for (var i = 0; i < steps; i++) {
-        path_step(&state, u32(at), writes || !BARRIERS);
+        path_step(&state, u32(at), penalty(x, i32(pass_.first_row) + y), writes || !BARRIERS);
         at += pass_.dy * stride + pass_.dx;
         x += pass_.dx;
+        y += pass_.dy;
         // A mask in place of a branch, which would copy the state.
         let leaves = !horizontal && (x < 0 || x >= width);
         let keep = vec4(select(0xffffffffu, 0u, leaves));
@@ -54,7 +56,7 @@ fn main(@builtin(global_invocation_id) id: vec3<u32>, @builtin(local_invocation_
                 state[s][w] &= keep;
             }
         }
-        let back = select(0, pass_.dx * width, leaves);
+        let back = select(0, turn, leaves);
         x -= back;
         at -= back;
     }
@@ -64,14 +66,14 @@ fn main(@builtin(global_invocation_id) id: vec3<u32>, @builtin(local_invocation_
         if last >= 0 && last < width {
             for (var s = 0u; s < SLICES; s++) {
                 if in_volume(s * WIDTH) {
-                    carry_out[slice_at(u32(last), s)] = stored_of(state[s]);
+                    carry_out[slice_at(pass_.carry_to * frame.volume_stride + u32(last), s)] = stored_of(state[s]);
                 }
             }
         }
     }
 }
 
-fn path_step(state: ptr<function, State>, pixel: u32, writes: bool) {
+fn path_step(state: ptr<function, State>, pixel: u32, p2: u32, writes: bool) {
     var around = surroundings(state);
     for (var s = 0u; s < SLICES; s++) {
         var costs: Slice;
@@ -79,15 +81,15 @@ fn path_step(state: ptr<function, State>, pixel: u32, writes: bool) {
         if in_volume(s * WIDTH) {
             costs = costs_at(slice_at(pixel + pass_.volume_row * frame.volume_stride, s));
             if pass_.accumulate == 1u {
-                sums = slice_of(paths[slice_at(pixel, s)]);
+                sums = slice_of(paths[slice_at(pixel + pass_.slot, s)]);
             }
         }
-        let terms = path_slice(state, s, costs, &around);
+        let terms = path_slice(state, s, costs, p2, &around);
         for (var w = 0u; w < WIDTH; w++) {
             sums[w] += terms[w];
         }
         if in_volume(s * WIDTH) && writes {
-            paths[slice_at(pixel, s)] = stored_terms(sums);
+            paths[slice_at(pixel + pass_.slot, s)] = stored_terms(sums);
         }
     }
 }

@@ -1,7 +1,7 @@
 // winner: the disparity of the smallest S(d) = PATHS C(d) + sum of T(d) over all directions; the right view likewise.
 // cost, the T of all directions but the leftward one (pairs in a byte; u8, [y][x][d]) -> left_map, right_map (i16)
 //   The leftward direction of sgm_aggregate is walked here, so its T is never stored. PAIRED volumes hold two
-//   directions each, `forward` holds the rightward one.
+//   directions each, the i-th in buffer i % 3; `forward` holds the rightward one.
 // MEMBERS invocations: one row of the band, from right to left.
 // Reference: src/reference/winner.rs, src/reference/sgm_aggregate.rs
 
@@ -31,33 +31,42 @@ fn main(@builtin(global_invocation_id) id: vec3<u32>, @builtin(local_invocation_
     for (var i = 0; i < steps; i++) {
         let x = row_start() - i;
         if inside_row(x) {
-            walk(&state, &costs, strip_row * frame.volume_stride + u32(x));
+            let p2 = penalty(x, i32(pass_.first_row + strip_row));
+            walk(&state, &costs, strip_row * frame.volume_stride + u32(x), p2);
         }
         choose(&costs, &diagonal, &kept, pass_.first_row + strip_row, x, writes);
     }
 }
 
 // One step of the leftward path, and S of the pixel.
-fn walk(state: ptr<function, State>, costs: ptr<function, Costs>, strip_pixel: u32) {
+fn walk(state: ptr<function, State>, costs: ptr<function, Costs>, strip_pixel: u32, p2: u32) {
     let pixel = pass_.volume_row * frame.volume_stride + strip_pixel;
     var around = surroundings(state);
     for (var s = 0u; s < SLICES; s++) {
         var c: Slice;
-        var t: array<Slice, 4>;
+        var t: array<Slice, PAIRED + 1u>;
         if in_volume(s * WIDTH) {
             c = costs_at(slice_at(pixel, s));
             t[0] = slice_of(forward[slice_at(strip_pixel, s)]);
             t[1] = slice_of(paired0[slice_at(pixel, s)]);
-            if PAIRED == 3u {
-                t[2] = slice_of(paired1[slice_at(pixel, s)]);
-                t[3] = slice_of(paired2[slice_at(pixel, s)]);
+            for (var i = 1u; i < PAIRED; i++) {
+                let at = slice_at(pixel + i / 3u * pass_.slot, s);
+                switch i % 3u {
+                    case 0u: { t[i + 1u] = slice_of(paired0[at]); }
+                    case 1u: { t[i + 1u] = slice_of(paired1[at]); }
+                    default: { t[i + 1u] = slice_of(paired2[at]); }
+                }
             }
         }
-        let own = path_slice(state, s, c, &around);
+        let own = path_slice(state, s, c, p2, &around);
         for (var w = 0u; w < WIDTH; w++) {
             // Sums of bytes in the 16-bit halves of words.
-            let even = PATHS * evens(c[w]) + evens(own[w]) + evens(t[0][w]) + evens(t[1][w]) + evens(t[2][w]) + evens(t[3][w]);
-            let odd = PATHS * odds(c[w]) + odds(own[w]) + odds(t[0][w]) + odds(t[1][w]) + odds(t[2][w]) + odds(t[3][w]);
+            var even = PATHS * evens(c[w]) + evens(own[w]);
+            var odd = PATHS * odds(c[w]) + odds(own[w]);
+            for (var i = 0u; i < PAIRED + 1u; i++) {
+                even += evens(t[i][w]);
+                odd += odds(t[i][w]);
+            }
             let q = s * WIDTH + w;
             (*costs)[q][0] = unpack_pairs(even.x, odd.x);
             (*costs)[q][1] = unpack_pairs(even.y, odd.y);

@@ -1,7 +1,7 @@
 //! Sizes, strides and usages of every buffer, computed in one place before anything is created.
 
 use crate::schedule::Plan;
-use crate::{Cost, Error, Fill, Method, Params, PixelFormat, reference};
+use crate::{Cost, Error, Fill, Method, Params, PixelFormat, kernels, reference};
 
 /// The WGSL block `Frame`: what stays the same for all dispatches of a frame.
 #[repr(C)]
@@ -50,6 +50,13 @@ pub(crate) struct Pass {
     pub(crate) window: u32,
     pub(crate) row_step: u32,
     pub(crate) occlusions: u32,
+    pub(crate) reversed: u32,
+    pub(crate) entry: i32,
+    pub(crate) carry_from: u32,
+    pub(crate) carry_to: u32,
+    pub(crate) slot: u32,
+    pub(crate) penalty_offset: i32,
+    pub(crate) penalty_shift: u32,
     pub(crate) halvings: u32,
     pub(crate) narrowing: u32,
     pub(crate) prior: u32,
@@ -84,7 +91,13 @@ const COLUMNS_BYTES: u64 = 32 << 20;
 /// Texels of 16 bytes in a row of the textures that hold a copy of a buffer, which are filled line by line.
 pub(crate) const TEXELS: u32 = 1024;
 
-/// Bytes of such a row.
+/// Buffers of a band that hold the paths which cross rows.
+pub(crate) const PAIR_BUFFERS: usize = 3;
+
+/// Words of 4 bytes in a row of the textures that hold penalties.
+pub(crate) const WORDS: u32 = 2048;
+
+/// Bytes of a row of [`TEXELS`].
 pub(crate) const TEXTURE_ROW: u64 = 16 * TEXELS as u64;
 
 /// The most disparities that `block_match_small` takes: 32 for each of 8 slices.
@@ -104,6 +117,8 @@ pub(crate) struct Sizes {
     pub(crate) right: u64,
     /// Bytes of one disparity map.
     pub(crate) map: u64,
+    /// Bytes of the penalties of four directions.
+    pub(crate) penalties: u64,
     /// Bytes of the right view's map, and of the margins behind it if a confidence is wanted.
     pub(crate) right_map: u64,
     /// Bytes of the confidence.
@@ -204,6 +219,13 @@ impl Sizes {
                 return Err(Error::TooLarge { what: what.into(), needed, allowed, remedy: smaller });
             }
         }
+        let penalties = (64 * u64::from(width.div_ceil(16)) * u64::from(height)).next_multiple_of(4 * u64::from(WORDS));
+        let penalties_allowed = allowed.min(4 * u64::from(WORDS) * u64::from(limits.max_texture_dimension_2d));
+        if plan.adaptive && penalties > penalties_allowed {
+            let what = "the penalties of the pixels".into();
+            let remedy = "make the images smaller or switch adaptive_p2 off";
+            return Err(Error::TooLarge { what, needed: penalties, allowed: penalties_allowed, remedy });
+        }
         let map = texels(map_stride);
         let right_map = if params.confidence { 2 * map } else { map };
         fits("a disparity map with its confidence", right_map, smaller)?;
@@ -219,7 +241,9 @@ impl Sizes {
             fits("what the holes are filled with", nearest, "make the images smaller or leave the holes")?;
         }
         let fewer = "use fewer disparities or narrower images";
-        let volume_needs = volume_row.next_multiple_of(TEXTURE_ROW);
+        // A buffer holds as many volumes, one after the other.
+        let slots = u64::from(kernels::paired(params.paths)).div_ceil(PAIR_BUFFERS as u64);
+        let volume_needs = (slots * volume_row).next_multiple_of(TEXTURE_ROW);
         if params.method == Method::Sgm && volume_needs > volume_allowed {
             let what = "a row of the matching cost".into();
             return Err(Error::TooLarge { what, needed: volume_needs, allowed: volume_allowed, remedy: fewer });
@@ -236,7 +260,9 @@ impl Sizes {
         let whole = Rows { first: 0, count: height };
         let bands = match params.method {
             // `matching_cost_small` has an invocation for two rows and 16 disparities, 32 a workgroup.
-            Method::Sgm => cut(whole, most(volume_allowed, volume_row).min(side.saturating_mul(64) / (words / 4))),
+            Method::Sgm => {
+                cut(whole, most(volume_allowed, slots * volume_row).min(side.saturating_mul(64) / (words / 4)))
+            }
             Method::Bm => vec![whole],
         };
         let small_method = match params.method {
@@ -296,6 +322,7 @@ impl Sizes {
             confidence: map / 2,
             regions,
             nearest,
+            penalties,
             volume_row,
             columns_row,
             bands,

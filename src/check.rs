@@ -2,7 +2,7 @@
 
 use crate::buffers::{Frame, Rows};
 use crate::matcher::map_of;
-use crate::reference::{self, Channel, Direction, Features, Images, Plane, Views, Volume};
+use crate::reference::{self, Channel, Direction, Features, Images, Plane, Round, Views, Volume};
 use crate::steps::{Level, Output, Step};
 use crate::{Cost, DisparityMap, Error, Image, Method, Params, StereoMatcher, readback};
 
@@ -49,17 +49,21 @@ impl StageCheck {
 const SENTINEL: u8 = 0xa5;
 
 /// The reference's buffers, each computed when a step asks for it.
-struct Expected<'a> {
-    matcher: &'a StereoMatcher,
+struct Expected {
+    /// The left view of the mirrored pair, mirrored, if it was matched before.
+    matched: Option<DisparityMap>,
     luma: [Plane<u8>; 2],
     images: [Images; 2],
     prefiltered: [Images; 2],
     /// What the cost compares of both images, halved ever more often.
     pyramid: Vec<[Features; 2]>,
-    /// The level to which what follows belongs.
+    rounds: Vec<Round>,
+    /// The round to which what follows belongs, and its settings.
     level: Option<usize>,
+    params: Params,
     counts: Vec<u32>,
     table: Vec<u8>,
+    penalties: Option<Volume<u8>>,
     columns: Volume<u32>,
     cost: Volume<u8>,
     paths: Vec<(Direction, Volume<u8>)>,
@@ -68,25 +72,28 @@ struct Expected<'a> {
     checked: Option<DisparityMap>,
 }
 
-impl<'a> Expected<'a> {
-    fn new(matcher: &'a StereoMatcher, left: &Image, right: &Image) -> Self {
-        let params = &matcher.params;
+impl Expected {
+    fn new(params: &Params, left: &Image, right: &Image) -> Self {
         let luma = [left, right].map(|image| reference::gray(image, Channel::Luma));
         let images = [left, right].map(|image| reference::images(image, params));
         let prefiltered = [0, 1].map(|side: usize| images[side].prefiltered(params));
         let mut pyramid = vec![[0, 1].map(|side: usize| prefiltered[side].features(params))];
-        for _ in 0..matcher.levels[0].halvings {
+        let rounds = reference::rounds(left.width(), left.height(), params);
+        for _ in 0..rounds[0].halvings {
             pyramid.push(pyramid[pyramid.len() - 1].each_ref().map(reference::halve));
         }
         Self {
-            matcher,
+            matched: None,
             luma,
             images,
             prefiltered,
             pyramid,
+            rounds,
             level: None,
+            params: params.clone(),
             counts: Vec::new(),
             table: Vec::new(),
+            penalties: None,
             columns: Volume::new(0, 0, 0),
             cost: Volume::new(0, 0, 0),
             paths: Vec::new(),
@@ -95,50 +102,55 @@ impl<'a> Expected<'a> {
         }
     }
 
-    /// Goes on with another level.
+    /// Goes on with another round.
     fn enter(&mut self, level: usize) {
         let before = self.level.replace(level);
         if before == Some(level) {
             return;
         }
-        let Level { halvings, params, .. } = &self.matcher.levels[level];
-        let [left, right] = &self.pyramid[*halvings as usize];
+        let Round { halvings, params } = self.rounds[level].clone();
+        let [left, right] = &self.pyramid[halvings as usize];
         if params.cost == Cost::MutualInformation {
-            let halved = before.map_or(0, |before| self.matcher.levels[before].halvings - halvings);
+            let halved = before.map_or(0, |before| self.rounds[before].halvings - halvings);
             self.counts = reference::mi_histogram(left, right, self.checked.as_ref(), halved);
             self.table = reference::mi_table(&self.counts, (left.width * left.height) as u64);
         }
-        self.columns = reference::cost_columns(left, right, &self.table, params);
+        let adaptive = params.adaptive_p2 && params.method == Method::Sgm;
+        self.penalties = adaptive.then(|| reference::penalties(&self.luma[0], &params));
+        self.columns = reference::cost_columns(left, right, &self.table, &params);
         if params.method == Method::Sgm {
-            self.cost = reference::matching_cost(&self.columns, params);
+            self.cost = reference::matching_cost(&self.columns, &params);
         }
-        (self.paths, self.views, self.checked) = (Vec::new(), None, None);
-    }
-
-    /// The settings of the level.
-    fn params(&self) -> &'a Params {
-        &self.matcher.levels[self.level.unwrap_or(0)].params
+        (self.paths, self.views, self.checked, self.params) = (Vec::new(), None, None, params);
     }
 
     fn path(&mut self, direction: Direction) -> &Volume<u8> {
         let known = self.paths.iter().position(|(known, _)| *known == direction);
         let i = known.unwrap_or_else(|| {
-            let volume = reference::aggregate_direction(&self.cost, direction, self.params());
+            let volume = reference::aggregate_direction(&self.cost, self.penalties.as_ref(), direction, &self.params);
             self.paths.push((direction, volume));
             self.paths.len() - 1
         });
         &self.paths[i].1
     }
 
+    /// The right view that the filters read.
+    fn right_view(&mut self) -> DisparityMap {
+        match &self.matched {
+            Some(matched) => matched.clone(),
+            None => self.views().right.clone(),
+        }
+    }
+
     fn views(&mut self) -> &Views {
         if self.views.is_none() {
-            let params = self.params();
+            let params = &self.params.clone();
             let views = match params.method {
                 Method::Bm => reference::block_match(&self.columns, params),
                 Method::Sgm => {
                     let cost = &self.cost;
                     let mut sum = Volume::<u16>::new(cost.width, cost.height, cost.disparities);
-                    for &direction in Direction::all(params.paths) {
+                    for direction in Direction::all(params.paths) {
                         for (sum, &path) in sum.data.iter_mut().zip(&self.path(direction).data) {
                             *sum += u16::from(path);
                         }
@@ -182,13 +194,22 @@ impl StereoMatcher {
         mut spoil: impl FnMut(&str, &mut [u8]),
     ) -> Result<Vec<StageCheck>, Error> {
         readback::guarded(&self.device, || self.upload(left, right))??;
-        let mut expected = Expected::new(self, left, right);
+        let mut mirrored = self.steps.first().is_some_and(|step| step.mirrored);
+        let mut expected = match self.params.second_match() {
+            Some(second) => Expected::new(&second, &reference::mirrored(right)?, &reference::mirrored(left)?),
+            None => Expected::new(&self.params, left, right),
+        };
         let mut stages: Vec<StageCheck> = Vec::new();
-        let mut last_views = None;
-        let mut level = None;
+        let (mut last_views, mut level) = (None, None);
         for step in &self.steps {
-            // A level that follows a wrong one begins with wrong maps.
-            if level.replace(step.level) != Some(step.level) && stages.iter().any(|stage| stage.mismatches > 0) {
+            if mirrored && !step.mirrored {
+                expected = Expected { matched: expected.matched, ..Expected::new(&self.params, left, right) };
+                (mirrored, last_views, level) = (false, None, None);
+            }
+            // A level that follows a wrong one begins with a wrong map.
+            if level.replace(step.level).is_some_and(|before| before != step.level)
+                && stages.iter().any(|stage| stage.mismatches > 0)
+            {
                 break;
             }
             let fresh = match &step.output {
@@ -239,7 +260,7 @@ impl StereoMatcher {
     fn compare(
         &self,
         step: &Step,
-        expected: &mut Expected<'_>,
+        expected: &mut Expected,
         stage: &mut StageCheck,
         spoil: &mut impl FnMut(&str, &mut [u8]),
     ) -> Result<(), Error> {
@@ -343,6 +364,17 @@ impl StereoMatcher {
                     }
                 }
             }
+            Output::Penalties { first } => {
+                let Some(penalties) = &expected.penalties else { return Ok(()) };
+                for (y, row) in each_row(whole, &bytes, 64 * u64::from(width.div_ceil(16) as u32)) {
+                    for (x, values) in row.chunks_exact(4).take(width).enumerate() {
+                        for (k, &got) in values.iter().enumerate() {
+                            let expected = penalties.data[(y * width + x) * penalties.disparities + first + k];
+                            stage.compare(x, y, Some(first + k), expected.into(), got.into());
+                        }
+                    }
+                }
+            }
             Output::Cost { chunk, volume_row } => {
                 let first = u64::from(*volume_row) * sizes.volume_row;
                 for (y, row) in each_row(*chunk, &bytes[first as usize..], sizes.volume_row) {
@@ -354,14 +386,15 @@ impl StereoMatcher {
                     }
                 }
             }
-            Output::Paths { directions, band, .. } => {
+            Output::Paths { directions, band, volume_row, .. } => {
+                let first = u64::from(*volume_row) * sizes.volume_row;
                 // The device keeps T = L - C, summed over the directions so far.
                 for &direction in directions {
                     expected.path(direction);
                 }
                 let volumes: Vec<&Volume<u8>> =
                     expected.paths.iter().filter(|(d, _)| directions.contains(d)).map(|(_, volume)| volume).collect();
-                for (y, row) in each_row(*band, &bytes, sizes.volume_row) {
+                for (y, row) in each_row(*band, &bytes[first as usize..], sizes.volume_row) {
                     for (x, values) in row.chunks_exact(padded).take(width).enumerate() {
                         let at = (y * width + x) * disparities;
                         for (d, &got) in values[..disparities].iter().enumerate() {
@@ -376,16 +409,22 @@ impl StereoMatcher {
                 let left = map_of(sizes, &bytes);
                 let behind = self.fetch(step, right, spoil)?;
                 let right = map_of(sizes, &behind);
+                let wanted = expected.params.confidence;
                 let views = expected.views();
                 compare_maps(stage, &views.left, &left);
                 compare_maps(stage, &views.right, &right);
-                if params.confidence {
+                if wanted {
                     let margins = map_of(sizes, &behind[sizes.map as usize..]);
                     for (i, (&expected, &got)) in views.margins.data.iter().zip(&margins.data).enumerate() {
                         stage.compare(i % width, i / width, None, expected.into(), got.into());
                     }
                 }
                 expected.checked = Some(views.left.clone());
+            }
+            Output::Mirrored => {
+                let matched = reference::mirror(&expected.views().left);
+                compare_maps(stage, &matched, &map_of(sizes, &bytes));
+                expected.matched = Some(matched);
             }
             Output::Textured => {
                 if let Some(map) = &expected.checked {
@@ -397,7 +436,7 @@ impl StereoMatcher {
             Output::Checked => {
                 if let Some(map) = expected.checked.take() {
                     let max_difference = params.lr_check.unwrap_or(0);
-                    let checked = reference::lr_check(&map, &expected.views().right, max_difference);
+                    let checked = reference::lr_check(&map, &expected.right_view(), max_difference);
                     compare_maps(stage, &checked, &map_of(sizes, &bytes));
                     expected.checked = Some(checked);
                 }
@@ -416,7 +455,7 @@ impl StereoMatcher {
                 }
             }
             Output::Fill => {
-                let right = expected.views().right.clone();
+                let right = expected.right_view();
                 if let Some(checked) = &mut expected.checked {
                     *checked = reference::fill(checked, &right, params);
                     compare_maps(stage, checked, &map_of(sizes, &bytes));

@@ -2,7 +2,7 @@
 
 use std::collections::HashSet;
 
-use crate::buffers::TEXELS;
+use crate::buffers::{TEXELS, WORDS};
 use crate::params::{Census, Cost, Params, Paths, Prefilter, Subpixel};
 use crate::reference::{median_decay, median_spacing, wls_bits};
 use crate::schedule::{Exchange, GROUP_LANES, Plan, STRIP_LANES};
@@ -19,8 +19,10 @@ pub(crate) enum Access {
     Costs,
     /// What pairs of values cost: there only for [`Cost::MutualInformation`].
     Table,
+    /// The penalties of the pixels, where the plan has them.
+    Penalties,
 }
-use Access::{Costs, Read, Table, Texels, Write};
+use Access::{Costs, Penalties, Read, Table, Texels, Write};
 
 /// Fragments of which the plan or the settings choose some.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -29,6 +31,8 @@ pub(crate) enum Choice {
     Members,
     /// How many disparities a load or store moves, and where the cost is read.
     Volumes,
+    /// Where P2 comes from.
+    Penalty,
     /// How pixels are compared, as bytes.
     PixelCosts,
     /// How pixels are compared, as values of 16 bits.
@@ -62,7 +66,7 @@ macro_rules! wgsl {
     ($($file:literal),+) => { &[$(include_str!(concat!("../shaders/", $file, ".wgsl"))),+] };
 }
 
-const VOLUMES: &[Choice] = &[Choice::Members, Choice::Volumes];
+const PATHS: &[Choice] = &[Choice::Members, Choice::Volumes, Choice::Penalty];
 
 #[rustfmt::skip]
 pub(crate) const KERNELS: &[Kernel] = &[
@@ -72,6 +76,8 @@ pub(crate) const KERNELS: &[Kernel] = &[
     Kernel { name: "window_sums", stage: "window_sums", lanes: 64, sources: wgsl!("window_sums", "common"), choices: &[], storage: &[Read, Write] },
     Kernel { name: "prefilter", stage: "prefilter", lanes: 64, sources: wgsl!("prefilter", "gray_pixels", "placed", "bytes", "common"), choices: &[], storage: &[QUAD, Read, Write] },
     Kernel { name: "features", stage: "features", lanes: 64, sources: wgsl!("features", "gray_pixels", "placed", "bytes", "common"), choices: &[], storage: &[QUAD, Read, Write] },
+    Kernel { name: "penalties", stage: "penalties", lanes: 64, sources: wgsl!("penalties", "intensity_steps", "common"), choices: &[], storage: &[QUAD, Write] },
+    Kernel { name: "penalties_steep", stage: "penalties", lanes: 64, sources: wgsl!("penalties_steep", "intensity_steps", "common"), choices: &[], storage: &[QUAD, Write] },
     Kernel { name: "halve", stage: "halve", lanes: 64, sources: wgsl!("halve", "values", "common"), choices: &[], storage: &[QUAD, Write] },
     Kernel { name: "mi_histogram", stage: "mi_histogram", lanes: 64, sources: wgsl!("mi_histogram", "values", "common"), choices: &[], storage: &[QUAD, QUAD, Read, Write] },
     Kernel { name: "mi_smooth", stage: "mi_table", lanes: 64, sources: wgsl!("mi_smooth", "common"), choices: &[], storage: &[Read, Write] },
@@ -82,12 +88,13 @@ pub(crate) const KERNELS: &[Kernel] = &[
     Kernel { name: "matching_cost", stage: "matching_cost", lanes: 32, sources: wgsl!("matching_cost", "column_sums", "quantise", "common"), choices: &[Choice::Sums], storage: &[Read, Write] },
     Kernel { name: "matching_cost_lanes", stage: "matching_cost", lanes: 128, sources: wgsl!("matching_cost_lanes", "differences", "quantise", "common"), choices: &[Choice::PixelCosts], storage: &[Read, Read, Write, Table] },
     Kernel { name: "matching_cost_small", stage: "matching_cost", lanes: 32, sources: wgsl!("matching_cost_small", "differences", "quantise", "common"), choices: &[Choice::PixelCosts], storage: &[WORD, WORD, Write, Table] },
-    Kernel { name: "sgm_aggregate", stage: "sgm_aggregate", lanes: STRIP_LANES, sources: wgsl!("sgm_aggregate", "path_step", "common"), choices: VOLUMES, storage: &[Costs, Write, Read, Write] },
-    Kernel { name: "winner", stage: "winner", lanes: STRIP_LANES, sources: wgsl!("winner", "path_step", "winner_row", "refinement", "costs", "common"), choices: VOLUMES, storage: &[Costs, Read, Read, Read, Read, Write, Write] },
+    Kernel { name: "sgm_aggregate", stage: "sgm_aggregate", lanes: STRIP_LANES, sources: wgsl!("sgm_aggregate", "path_step", "common"), choices: PATHS, storage: &[Costs, Write, Read, Write, Penalties] },
+    Kernel { name: "winner", stage: "winner", lanes: STRIP_LANES, sources: wgsl!("winner", "path_step", "winner_row", "refinement", "costs", "common"), choices: PATHS, storage: &[Costs, Read, Read, Read, Read, Write, Write, Penalties] },
     Kernel { name: "block_match", stage: "block_match", lanes: 32, sources: wgsl!("block_match", "column_sums", "costs", "winner_row", "refinement", "common"), choices: &[Choice::Members, Choice::Sums], storage: &[Read, Write, Write] },
     Kernel { name: "block_match_small", stage: "block_match", lanes: 8, sources: wgsl!("block_match_small", "refinement", "common"), choices: &[], storage: &[WORD, WORD, Write, Write] },
     Kernel { name: "texture_columns", stage: "texture", lanes: 32, sources: wgsl!("texture_columns", "common"), choices: &[], storage: &[QUAD, Write] },
     Kernel { name: "texture", stage: "texture", lanes: 64, sources: wgsl!("texture", "common"), choices: &[], storage: &[Read, Read, Write] },
+    Kernel { name: "mirror", stage: "mirror", lanes: 32, sources: wgsl!("mirror", "common"), choices: &[], storage: &[Read, Write] },
     Kernel { name: "lr_check", stage: "lr_check", lanes: 32, sources: wgsl!("lr_check", "common"), choices: &[], storage: &[Read, Read, Write] },
     Kernel { name: "speckle_rows", stage: "speckle", lanes: 8, sources: wgsl!("speckle_rows", "speckle_joins", "eight", "common"), choices: &[], storage: &[QUAD, Write, Write] },
     Kernel { name: "speckle_link", stage: "speckle", lanes: 32, sources: wgsl!("speckle_link", "speckle_joins", "eight", "common"), choices: &[], storage: &[QUAD, Write] },
@@ -124,6 +131,7 @@ impl Kernel {
         let bound = |&access: &Access| match access {
             Costs => Some(if plan.lanes { Read } else { QUAD }),
             Table => (params.cost == Cost::MutualInformation).then_some(WORD),
+            Penalties => plan.adaptive.then_some(WORD),
             access => Some(access),
         };
         self.storage.iter().filter_map(bound).collect()
@@ -151,6 +159,8 @@ impl Kernel {
                     (false, 1) => wgsl!("volume16", "cost_texels"),
                     (false, _) => wgsl!("volume32", "cost_texels"),
                 },
+                Choice::Penalty if plan.adaptive => wgsl!("penalty_texels"),
+                Choice::Penalty => wgsl!("penalty_fixed"),
                 Choice::PixelCosts => pixel_costs,
                 Choice::PixelPairs => {
                     fragments.extend(pixel_costs);
@@ -189,6 +199,11 @@ pub(crate) fn parts_and_strip(disparities: u32) -> (u32, u32) {
     (parts, if disparities <= 16 * parts { 16 } else { 8 })
 }
 
+/// Volumes that hold the paths which cross rows, two directions each.
+pub(crate) fn paired(paths: Paths) -> u32 {
+    (paths.count() - 1) / 2
+}
+
 /// The constants that specialise a kernel, as the WGSL line that is appended to it: `override` constants cannot size
 /// the arrays that hold a path's state. Only those that the source names are given, so that settings which do not
 /// concern a kernel do not change its text (and the driver's cache finds it again).
@@ -201,12 +216,8 @@ pub(crate) fn constants(kernel: &Kernel, params: &Params, format: PixelFormat, p
             format!("{}u", mask.sum::<u32>())
         })
         .collect();
-    let (paths, paired) = match params.paths {
-        Paths::Three => (3, 1),
-        Paths::Four => (4, 1),
-        Paths::Eight => (8, 3),
-        Paths::Five | Paths::Sixteen => (0, 0),
-    };
+    let paired = paired(params.paths);
+    let penalties = kernel.storage.iter().position(|access| *access == Penalties).unwrap_or(0) as u32 + 2;
     let (parts, strip) = parts_and_strip(params.disparities);
     let census_planes = match params.cost {
         Cost::Census | Cost::CensusSobel | Cost::AdCensus => params.census_planes(),
@@ -232,6 +243,8 @@ pub(crate) fn constants(kernel: &Kernel, params: &Params, format: PixelFormat, p
         ("DISPARITIES", number(params.disparities)),
         ("QUADS", number(quads)),
         ("TEXELS", number(TEXELS)),
+        ("WORDS", number(WORDS)),
+        ("PENALTIES", number(penalties)),
         ("BEYOND", ("vec4<u32>", format!("vec4({})", beyond.join(", ")))),
         ("BLOCK", number(params.block)),
         ("SMALL_VALUES", number((params.feature_max() < 128).into())),
@@ -257,7 +270,7 @@ pub(crate) fn constants(kernel: &Kernel, params: &Params, format: PixelFormat, p
         ("PREFILTER_WINDOW", number(params.prefilter_window)),
         ("PARTS", number(parts)),
         ("STRIP", number(strip)),
-        ("PATHS", number(paths)),
+        ("PATHS", number(params.paths.count())),
         ("PAIRED", number(paired)),
         ("SUBPIXEL", number(params.subpixel as u32)),
         ("SUBPIXEL_OFF", number(Subpixel::Off as u32)),
@@ -306,8 +319,9 @@ pub(crate) fn compile(device: &wgpu::Device, kernel: &Kernel, text: &str, params
     let buffer = |ty, has_dynamic_offset| wgpu::BindingType::Buffer { ty, has_dynamic_offset, min_binding_size: None };
     let storage = kernel.storage(params, plan);
     let storage = storage.iter().map(|access| match access {
-        Read | Costs | Table => buffer(wgpu::BufferBindingType::Storage { read_only: true }, false),
+        Read | Costs => buffer(wgpu::BufferBindingType::Storage { read_only: true }, false),
         Write => buffer(wgpu::BufferBindingType::Storage { read_only: false }, false),
+        Table | Penalties => unreachable!("there is none, or it is texels"),
         Texels(format) => wgpu::BindingType::StorageTexture {
             access: wgpu::StorageTextureAccess::ReadOnly,
             format: *format,

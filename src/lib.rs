@@ -5,7 +5,7 @@
 //! 1. `gray`: 8 bits of luma from 8-bit or 16-bit, gray or colour samples.
 //! 2. `prefilter`: the horizontal Sobel derivative, the gradient magnitude, or the gray image itself ([`Prefilter`]).
 //! 3. `cost_columns`, `matching_cost`: the sum of absolute differences over a block for each disparity, quantised to 0..=89.
-//! 4. `sgm_aggregate`: semi-global matching along 3, 4 or 8 directions ([`Paths`]).
+//! 4. `penalties`, `sgm_aggregate`: semi-global matching along 3 to 16 directions ([`Paths`]).
 //! 5. `winner`: the disparity of the smallest aggregate, the uniqueness test, 1/16 px by a parabola, the right view.
 //!    With [`Method::Bm`], `block_match` does this on the block sums, in place of `matching_cost`, 4 and 5.
 //! 6. `lr_check`: a left pixel keeps its disparity if the right view agrees.

@@ -549,6 +549,7 @@ impl Params {
         Self {
             min_disparity: from,
             disparities: (to - from + 1) as u32,
+            adaptive_p2: false,
             texture: 0,
             right_view: RightView::Diagonal,
             speckle_window: 0,
@@ -557,6 +558,25 @@ impl Params {
             weighted_median: None,
             wls: None,
             confidence: false,
+            ..self.clone()
+        }
+    }
+
+    /// The settings of a second match of the mirrored pair for the right view, if that is wanted and something reads it:
+    /// whole pixels, and all of them.
+    pub(crate) fn second_match(&self) -> Option<Self> {
+        let read = self.lr_check.is_some() || matches!(self.fill, Fill::Rays | Fill::Hirschmuller);
+        (self.right_view == RightView::Match && read).then(|| self.second())
+    }
+
+    /// The same for a second match.
+    pub(crate) fn second(&self) -> Self {
+        Self {
+            subpixel: Subpixel::Off,
+            uniqueness: 0,
+            texture: 0,
+            confidence: false,
+            right_view: RightView::Diagonal,
             ..self.clone()
         }
     }

@@ -1,6 +1,6 @@
 //! How the work of a path or a row is spread over invocations.
 
-use crate::Params;
+use crate::{Method, Params};
 
 /// How the kernels are laid out on a device. The result is the same.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
@@ -41,6 +41,8 @@ pub(crate) struct Plan {
     pub(crate) threads: Option<u32>,
     /// Vectors of 16 disparities that a load or store of a volume moves: 1, or 2 as 64-bit integers.
     pub(crate) width: u32,
+    /// Whether P2 is loaded for each step of a path.
+    pub(crate) adaptive: bool,
 }
 
 /// Vectors of 16 disparities that an invocation of [`Schedule::Lines`] owns, if others may take the rest. More of them
@@ -86,6 +88,7 @@ impl Plan {
         let on_cpu = !lanes && info.device_type == wgpu::DeviceType::Cpu;
         Self {
             threads: on_cpu.then_some(threads),
+            adaptive: params.adaptive_p2 && params.method == Method::Sgm,
             ..Self::of(params.quads(), lanes, subgroup, features.contains(wgpu::Features::SHADER_INT64))
         }
     }
@@ -133,6 +136,7 @@ impl Plan {
             width,
             subgroup,
             threads: None,
+            adaptive: false,
         }
     }
 }

@@ -46,6 +46,9 @@ pub(crate) enum Output {
     Columns {
         chunk: Rows,
     },
+    Penalties {
+        first: usize,
+    },
     Cost {
         chunk: Rows,
         volume_row: u32,
@@ -54,6 +57,7 @@ pub(crate) enum Output {
     Paths {
         directions: Vec<Direction>,
         band: Rows,
+        volume_row: u32,
         first: bool,
         last: bool,
     },
@@ -62,6 +66,8 @@ pub(crate) enum Output {
         right: wgpu::Buffer,
         last: bool,
     },
+    /// The right view of a second match.
+    Mirrored,
     Textured,
     Checked,
     Speckle,
@@ -97,6 +103,8 @@ pub(crate) struct Step {
     pub(crate) buffer: wgpu::Buffer,
     /// Whether `buffer` is filled with zeros before.
     pub(crate) clears: bool,
+    /// Whether this is of the mirrored pair.
+    pub(crate) mirrored: bool,
     /// The texture that `buffer` is copied into when it is complete, row by row.
     pub(crate) copy_to: Option<wgpu::Texture>,
 }
@@ -133,12 +141,39 @@ struct Planned {
     output: Output,
     buffer: wgpu::Buffer,
     clears: bool,
+    mirrored: bool,
     copy_to: Option<wgpu::Texture>,
 }
 
 enum Resource {
     Buffer(wgpu::Buffer),
     Texture(wgpu::TextureView),
+}
+
+/// What is made once and asked for twice.
+struct Shared<T> {
+    made: HashMap<String, Vec<T>>,
+    taken: HashMap<String, usize>,
+}
+
+impl<T> Default for Shared<T> {
+    fn default() -> Self {
+        Self { made: HashMap::new(), taken: HashMap::new() }
+    }
+}
+
+impl<T: Clone> Shared<T> {
+    fn next(&mut self, key: &str) -> Option<T> {
+        let taken = self.taken.entry(key.into()).or_default();
+        let next = self.made.get(key)?.get(*taken)?.clone();
+        *taken += 1;
+        Some(next)
+    }
+
+    fn keep(&mut self, key: String, made: &T) {
+        *self.taken.entry(key.clone()).or_default() += 1;
+        self.made.entry(key).or_default().push(made.clone());
+    }
 }
 
 /// Makes buffers and steps.
@@ -151,6 +186,9 @@ pub(crate) struct Builder<'a> {
     pub(crate) plan: Plan,
     pub(crate) format: PixelFormat,
     pub(crate) sizes: &'a Sizes,
+    /// Whether the steps that are made next are of the mirrored pair.
+    pub(crate) mirrored: bool,
+    shared: Option<(Shared<wgpu::Buffer>, Shared<wgpu::Texture>)>,
     compiled: HashMap<(usize, String), Compiled>,
     planned: Vec<Planned>,
     tables: Vec<(wgpu::Buffer, Vec<u32>)>,
@@ -163,14 +201,28 @@ impl<'a> Builder<'a> {
         let (compiled, planned, tables) = (HashMap::new(), Vec::new(), Vec::new());
         let level = levels.len() - 1;
         let Level { params, plan, sizes, .. } = &levels[level];
-        let (params, plan) = (params.clone(), *plan);
-        Self { device, levels, level, params, plan, format, sizes, compiled, planned, tables, device_bytes: 0 }
+        Self {
+            device,
+            levels,
+            level,
+            params: params.clone(),
+            plan: *plan,
+            format,
+            sizes,
+            mirrored: false,
+            shared: None,
+            compiled,
+            planned,
+            tables,
+            device_bytes: 0,
+        }
     }
 
     /// Goes on with another level.
     pub(crate) fn enter(&mut self, level: usize) {
         let Level { params, plan, sizes, .. } = &self.levels[level];
-        (self.level, self.params, self.plan, self.sizes) = (level, params.clone(), *plan, sizes);
+        let params = if self.mirrored { params.second() } else { params.clone() };
+        (self.level, self.params, self.plan, self.sizes) = (level, params, *plan, sizes);
     }
 
     /// Has the buffer that the last step writes filled with zeros before it.
@@ -180,14 +232,34 @@ impl<'a> Builder<'a> {
         }
     }
 
+    /// Until sharing ends, what is asked for the n-th time since this was called is what was asked for the n-th time
+    /// since it was called before: for work that is done again, when nothing reads any more what the first left.
+    pub(crate) fn share(&mut self) {
+        let (buffers, textures) = self.shared.get_or_insert_default();
+        (buffers.taken, textures.taken) = (HashMap::new(), HashMap::new());
+    }
+
+    /// All is made anew from here on.
+    pub(crate) fn share_no_more(&mut self) {
+        self.shared = None;
+    }
+
     pub(crate) fn buffer(&mut self, name: &str, size: u64) -> wgpu::Buffer {
+        let key = format!("{name} {size}");
+        if let Some(buffer) = self.shared.as_mut().and_then(|(buffers, _)| buffers.next(&key)) {
+            return buffer;
+        }
         self.device_bytes += size;
-        self.device.create_buffer(&wgpu::BufferDescriptor {
+        let buffer = self.device.create_buffer(&wgpu::BufferDescriptor {
             label: Some(&format!("gpu-stereo.{name}")),
             size,
             usage: wgpu::BufferUsages::STORAGE | wgpu::BufferUsages::COPY_SRC | wgpu::BufferUsages::COPY_DST,
             mapped_at_creation: false,
-        })
+        });
+        if let Some((buffers, _)) = &mut self.shared {
+            buffers.keep(key, &buffer);
+        }
+        buffer
     }
 
     /// A buffer of numbers that the kernels only read.
@@ -197,10 +269,10 @@ impl<'a> Builder<'a> {
         buffer
     }
 
-    /// A volume with a byte a disparity, a buffer a band.
-    pub(crate) fn volume(&mut self, name: &str) -> Vec<wgpu::Buffer> {
+    /// Volumes with a byte a disparity, a buffer a band, which holds `slots` of them one after the other.
+    pub(crate) fn volumes(&mut self, name: &str, slots: u32) -> Vec<wgpu::Buffer> {
         let sizes = self.sizes;
-        sizes.bands.iter().map(|band| self.buffer(name, sizes.volume(band.count))).collect()
+        sizes.bands.iter().map(|band| self.buffer(name, sizes.volume(slots * band.count))).collect()
     }
 
     /// A texture of `width` texels a row, to be filled by copies.
@@ -211,8 +283,12 @@ impl<'a> Builder<'a> {
         height: u32,
         format: wgpu::TextureFormat,
     ) -> wgpu::Texture {
+        let key = format!("{name} {width} {height} {format:?}");
+        if let Some(texture) = self.shared.as_mut().and_then(|(_, textures)| textures.next(&key)) {
+            return texture;
+        }
         self.device_bytes += u64::from(row_bytes(format, width)) * u64::from(height);
-        self.device.create_texture(&wgpu::TextureDescriptor {
+        let texture = self.device.create_texture(&wgpu::TextureDescriptor {
             label: Some(&format!("gpu-stereo.{name}")),
             size: wgpu::Extent3d { width, height, depth_or_array_layers: 1 },
             mip_level_count: 1,
@@ -221,7 +297,11 @@ impl<'a> Builder<'a> {
             format,
             usage: wgpu::TextureUsages::STORAGE_BINDING | wgpu::TextureUsages::COPY_DST,
             view_formats: &[],
-        })
+        });
+        if let Some((_, textures)) = &mut self.shared {
+            textures.keep(key, &texture);
+        }
+        texture
     }
 
     /// Copies what the last step left into a texture of `width` texels a row.
@@ -243,6 +323,11 @@ impl<'a> Builder<'a> {
     /// image in a quarter of the time that a buffer takes, but writes buffers faster (docs/PERFORMANCE.md).
     pub(crate) fn copy_to_texels(&mut self) -> wgpu::TextureView {
         let bytes = self.planned.last().map_or(0, |step| step.buffer.size());
+        self.copy_first_to_texels(bytes)
+    }
+
+    /// The same of the first bytes of what it left.
+    pub(crate) fn copy_first_to_texels(&mut self, bytes: u64) -> wgpu::TextureView {
         self.copy_to_texture(TEXELS, (bytes / TEXTURE_ROW) as u32, wgpu::TextureFormat::Rgba32Uint)
     }
 
@@ -284,6 +369,7 @@ impl<'a> Builder<'a> {
             output,
             buffer: buffer.clone(),
             clears: false,
+            mirrored: self.mirrored,
             copy_to: None,
         });
     }
@@ -337,6 +423,7 @@ impl<'a> Builder<'a> {
                 output: step.output,
                 buffer: step.buffer,
                 clears: step.clears,
+                mirrored: step.mirrored,
                 copy_to: step.copy_to,
             }
         };

@@ -16,7 +16,11 @@ INVALID = -32768
 SAMPLES = {"gray8": ("B", 1), "gray16": ("H", 1), "rgba8": ("B", 4), "rgba16": ("H", 4)}
 THREE = [(0, 1), (1, 0), (-1, 0)]
 FOUR = THREE + [(0, -1)]
+FIVE = THREE + [(1, 1), (-1, 1)]
 EIGHT = FOUR + [(1, 1), (-1, -1), (-1, 1), (1, -1)]
+SIXTEEN = EIGHT + [(1, 2), (-1, -2), (-1, 2), (1, -2), (2, 1), (-2, -1), (-2, 1), (2, -1)]
+PATHS = {3: THREE, 4: FOUR, 5: FIVE, 8: EIGHT, 16: SIXTEEN}
+FORWARD = [(0, 1), (1, 1), (-1, 1), (1, 0), (1, 2), (-1, 2), (2, 1), (-2, 1)]
 
 
 def clamp(v, lo, hi):
@@ -106,24 +110,42 @@ class Chain:
         scale = self.scale()
         return [[[(s * scale + 2**23) >> 24 for s in pixel] for pixel in row] for row in self.block_sums(columns)]
 
-    def path_costs(self, cost, dx, dy):
-        """L of one direction. Pixels are visited so that the pixel before comes first."""
+    def penalties(self, g):
         p1, p2 = self.case["p1"], self.case["p2"]
+
+        def penalty(x, y, dx, dy):
+            delta = abs(self.at(g, x, y) - self.at(g, x - dx, y - dy))
+            return min(p2, max(10 * p2 // max(delta, 10), p1 + p1 // 2))
+
+        directions = FORWARD[: 8 if self.case["paths"] == 16 else 4]
+        return self.over_pixels(lambda x, y: [penalty(x, y, dx, dy) for dx, dy in directions])
+
+    def p2(self, penalties, x, y, dx, dy):
+        """P2 of the step into (x, y)."""
+        if penalties is None:
+            return self.case["p2"]
+        if (dx, dy) in FORWARD:
+            return penalties[y][x][FORWARD.index((dx, dy))]
+        return penalties[y - dy][x - dx][FORWARD.index((-dx, -dy))]
+
+    def path_costs(self, cost, penalties, dx, dy):
+        """L of one direction. Pixels are visited so that the pixel before comes first."""
+        p1 = self.case["p1"]
         path = self.over_pixels(lambda x, y: None)
         for y in range(self.height) if dy >= 0 else reversed(range(self.height)):
             for x in range(self.width) if dx >= 0 else reversed(range(self.width)):
                 smooth = [0] * self.count
                 if self.inside(x - dx) and 0 <= y - dy < self.height:
                     before = path[y - dy][x - dx]
-                    m = min(before)
+                    m, p2 = min(before), self.p2(penalties, x, y, dx, dy)
                     for d, stay in enumerate(before):
                         steps = [before[e] + p1 for e in (d - 1, d + 1) if 0 <= e < self.count]
                         smooth[d] = min([stay, m + p2] + steps) - m
                 path[y][x] = [c + t for c, t in zip(cost[y][x], smooth)]
         return path
 
-    def sgm_aggregate(self, cost):
-        paths = [self.path_costs(cost, dx, dy) for dx, dy in {3: THREE, 4: FOUR, 8: EIGHT}[self.case["paths"]]]
+    def sgm_aggregate(self, cost, penalties):
+        paths = [self.path_costs(cost, penalties, dx, dy) for dx, dy in PATHS[self.case["paths"]]]
         return self.over_pixels(lambda x, y: [sum(values) for values in zip(*(path[y][x] for path in paths))])
 
     def winner(self, cost):
@@ -344,6 +366,19 @@ class Chain:
             disparities = step(disparities, EIGHT, lambda *a: median(*a) if mismatch(*a[:2]) else second(*a))
         return step(step(disparities, row, smallest), column, smallest)
 
+    def mirrored(self, samples):
+        """An image with its rows reversed."""
+        count = SAMPLES[self.case["format"]][1]
+        pixels = [samples[i : i + count] for i in range(0, len(samples), count)]
+        rows = [pixels[y * self.width : (y + 1) * self.width] for y in range(self.height)]
+        return [sample for row in rows for pixel in reversed(row) for sample in pixel]
+
+    def matched_right_view(self, left, right):
+        later = {"weighted_median": "off", "wls": "off", "fill": "none", "speckle_window": 0, "right_view": "diagonal"}
+        second = Chain({**self.case, "subpixel": "off", "uniqueness": 0, "texture": 0, **later})
+        stages = {name: values for name, _, values in second.run(self.mirrored(right), self.mirrored(left))}
+        return [row[::-1] for row in stages["winner_left"]]
+
     def run(self, left, right):
         """All stages in the order of the chain: (name, C type, values)."""
         sides, grays = [], []
@@ -360,7 +395,11 @@ class Chain:
             cost = self.sad_cost(columns)
             yield "sad_cost_scale", "I", [self.scale()]
             yield "sad_cost", "B", cost
-            cost = self.sgm_aggregate(cost)
+            penalties = None
+            if self.case["adaptive_p2"] == "on":
+                penalties = self.penalties(grays[0])
+                yield "penalties", "B", penalties
+            cost = self.sgm_aggregate(cost, penalties)
             yield "sgm_aggregate", "H", cost
         else:
             cost = self.block_sums(columns)
@@ -370,6 +409,10 @@ class Chain:
         yield "margins", "B", margins
         view = self.texture(view, grays[0])
         yield "texture", "h", view
+        reads = self.case["lr_check"] != "off" or self.case["fill"] in ("rays", "hirschmuller")
+        if self.case["right_view"] == "match" and reads:
+            other = self.matched_right_view(left, right)
+            yield "mirror", "h", other
         view = self.lr_check(view, other)
         yield "lr_check", "h", view
         view = self.speckle(view)
@@ -417,8 +460,8 @@ def run_case(folder):
 
 EXAMPLE = dict(
     width=6, height=1, format="gray8", method="sgm", paths=4, min_disparity=0, disparities=3, block=3, prefilter="none",
-    prefilter_cap=31, p1=2, p2=6, texture=0, uniqueness=0, lr_check=0, speckle_window=0, speckle_range=2, median=3,
-    fill="none", subpixel="parabola", weighted_median="off", wls="off",
+    prefilter_cap=31, p1=2, p2=6, adaptive_p2="off", texture=0, uniqueness=0, lr_check=0,
+    right_view="diagonal", speckle_window=0, speckle_range=2, median=3, fill="none", subpixel="parabola", weighted_median="off", wls="off",
 )
 EXAMPLE_PAIR = [10, 40, 70, 60, 200, 90], [40, 66, 190, 210, 90, 90]
 
@@ -444,9 +487,9 @@ def example():
     show("sad_columns, x = c - 1", columns[0], -1)
     show("block sums", chain.block_sums(columns)[0])
     show("sad_cost C, scale = %d" % chain.scale(), cost[0])
-    show("L of (0, 1) and of (0, -1): one row, so every path starts and L = C", chain.path_costs(cost, 0, 1)[0])
-    show("L of (1, 0)", chain.path_costs(cost, 1, 0)[0])
-    show("L of (-1, 0)", chain.path_costs(cost, -1, 0)[0])
+    show("L of (0, 1) and of (0, -1): one row, so every path starts and L = C", chain.path_costs(cost, None, 0, 1)[0])
+    show("L of (1, 0)", chain.path_costs(cost, None, 1, 0)[0])
+    show("L of (-1, 0)", chain.path_costs(cost, None, -1, 0)[0])
     show("sgm_aggregate S", stages["sgm_aggregate"])
     show("winner, left view", stages["winner_left"])
     show("winner, right view", stages["winner_right"])

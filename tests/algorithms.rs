@@ -4,7 +4,10 @@
 
 mod support;
 
-use gpu_stereo::{DisparityMap, Image, Median, Method, Params, Paths, PixelFormat, Pixels, Prefilter, reference};
+use gpu_stereo::{
+    DisparityMap, Fill, Image, Median, Method, Params, Paths, PixelFormat, Pixels, Prefilter, RightView, Subpixel,
+    reference,
+};
 use rand::{Rng, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 use std::io::Write;
@@ -55,9 +58,11 @@ fn settings(params: &Params) -> Vec<(&'static str, String)> {
         ("prefilter_cap", number(params.prefilter_cap)),
         ("p1", number(params.p1)),
         ("p2", number(params.p2)),
+        ("adaptive_p2", if params.adaptive_p2 { "on" } else { "off" }.into()),
         ("texture", number(params.texture)),
         ("uniqueness", number(params.uniqueness)),
         ("lr_check", params.lr_check.map_or("off".into(), number)),
+        ("right_view", format!("{:?}", params.right_view).to_lowercase()),
         ("speckle_window", number(params.speckle_window)),
         ("speckle_range", number(params.speckle_range)),
         ("median", median_side(params).map_or("off".into(), |side| side.to_string())),
@@ -123,7 +128,12 @@ fn stages(left: &Image, right: &Image, params: &Params) -> Vec<(&'static str, us
     ];
     let views = if params.method == Method::Sgm {
         let cost = reference::matching_cost(&columns, params);
-        let aggregate = reference::sgm_aggregate(&cost, params);
+        let luma = reference::gray(left, reference::Channel::Luma);
+        let penalties = params.adaptive_p2.then(|| reference::penalties(&luma, params));
+        let aggregate = reference::sgm_aggregate(&cost, penalties.as_ref(), params);
+        if let Some(penalties) = penalties {
+            stages.push(("penalties", 1, penalties.data));
+        }
         stages.push(("matching_cost_scale", 4, reference::matching_cost_scale(params).to_le_bytes().to_vec()));
         stages.push(("matching_cost", 1, cost.data));
         stages.push(("sgm_aggregate", 2, bytes16(&aggregate.data)));
@@ -133,13 +143,27 @@ fn stages(left: &Image, right: &Image, params: &Params) -> Vec<(&'static str, us
     };
     stages.push(("winner_left", 2, map_bytes(&views.left)));
     stages.push(("winner_right", 2, map_bytes(&views.right)));
+    let mut right_view = views.right;
+    if params.right_view == RightView::Match
+        && (params.lr_check.is_some() || matches!(params.fill, Fill::Rays | Fill::Hirschmuller))
+    {
+        let mut second = params.clone();
+        (second.subpixel, second.uniqueness, second.texture) = (Subpixel::Off, 0, 0);
+        // So the map is the left view.
+        (second.lr_check, second.median) = (None, Median::Off);
+        (second.weighted_median, second.wls) = (None, None);
+        (second.fill, second.speckle_window) = (Fill::None, 0);
+        let (left, right) = (reference::mirrored(left).unwrap(), reference::mirrored(right).unwrap());
+        right_view = reference::mirror(&reference::compute(&right, &left, &second).unwrap());
+        stages.push(("mirror", 2, map_bytes(&right_view)));
+    }
     let mut map = match params.texture {
         0 => views.left,
         _ => reference::texture(&views.left, &gray[0], params),
     };
     stages.push(("texture", 2, map_bytes(&map)));
     if let Some(px) = params.lr_check {
-        map = reference::lr_check(&map, &views.right, px);
+        map = reference::lr_check(&map, &right_view, px);
     }
     stages.push(("lr_check", 2, map_bytes(&map)));
     if params.speckle_window > 0 {
@@ -151,7 +175,7 @@ fn stages(left: &Image, right: &Image, params: &Params) -> Vec<(&'static str, us
     }
     stages.push(("median", 2, map_bytes(&map)));
     if params.fill != gpu_stereo::Fill::None {
-        map = reference::fill(&map, &views.right, params);
+        map = reference::fill(&map, &right_view, params);
     }
     stages.push(("fill", 2, map_bytes(&map)));
     if let Some(radius) = params.weighted_median {

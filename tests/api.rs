@@ -338,8 +338,8 @@ fn expected_values(left: &Image, right: &Image, params: &Params) -> impl Fn(&str
     let features = [0, 1].map(|side: usize| prefiltered[side].features(params));
     let columns = reference::cost_columns(&features[0], &features[1], &[], params);
     let cost = reference::matching_cost(&columns, params);
-    let paths = [0, 1].map(|i| reference::aggregate_direction(&cost, Direction::all(params.paths)[i], params));
-    let sum = reference::sgm_aggregate(&cost, params);
+    let paths = [0, 1].map(|i| reference::aggregate_direction(&cost, None, Direction::all(params.paths)[i], params));
+    let sum = reference::sgm_aggregate(&cost, None, params);
     let winner = reference::winner(&sum, params);
     let block_match = reference::block_match(&columns, params);
     let finished = reference::compute(left, right, params).unwrap();

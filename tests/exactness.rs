@@ -3,7 +3,7 @@
 
 mod support;
 
-use gpu_stereo::{Cost, Image, Params, Paths, Prefilter, Schedule, StereoMatcher, wgpu};
+use gpu_stereo::{Cost, Image, Params, Paths, Prefilter, RightView, Schedule, StereoMatcher, wgpu};
 use rand::{Rng, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 
@@ -22,6 +22,8 @@ fn check(setup: &(wgpu::Adapter, wgpu::Device, wgpu::Queue), left: &Image, right
 const SIZES: [(u32, u32); 12] =
     [(1, 1), (1, 9), (9, 1), (2, 2), (3, 5), (5, 33), (31, 32), (32, 31), (33, 17), (64, 40), (67, 13), (101, 37)];
 
+const PATHS: [Paths; 5] = [Paths::Three, Paths::Four, Paths::Five, Paths::Eight, Paths::Sixteen];
+
 /// Both schedules, with subgroups and 64-bit integers and without.
 #[test]
 fn awkward_sizes() {
@@ -29,9 +31,10 @@ fn awkward_sizes() {
     for (seed, (width, height)) in (0..).zip(SIZES) {
         let (left, right) = support::pair(width, height, seed);
         for (setup, schedule) in [&full, &bare].into_iter().flat_map(|s| [(s, Schedule::Lines), (s, Schedule::Lanes)]) {
-            for paths in [Paths::Three, Paths::Four, Paths::Eight] {
+            for (i, paths) in PATHS.into_iter().enumerate() {
                 let mut params = Params::sgm(40);
                 (params.paths, params.schedule) = (paths, schedule);
+                params.adaptive_p2 = (seed as usize + i).is_multiple_of(2);
                 check(setup, &left, &right, &params, seed);
             }
             for (disparities, min_disparity) in [(21, 0), (150, 0), (14, -3), (14, 1), (14, 3), (14, 6)] {
@@ -67,6 +70,30 @@ fn a_long_row_of_many_disparities_is_finished() {
     for mut params in [Params::sgm(530), Params::bm(530)] {
         params.schedule = Schedule::Lines;
         check(&setup, &left, &right, &params, 3);
+    }
+}
+
+/// The right view from a second match: odd widths, every format, bands, both methods.
+#[test]
+fn second_match() {
+    let small = support::device_with(|_, limits| limits.max_storage_buffer_binding_size = 48 << 10);
+    let (Some(full), Some(small)) = (support::device(), small) else { return };
+    for (seed, (width, height)) in (0..).zip([(1, 1), (2, 5), (15, 4), (16, 3), (17, 9), (31, 8), (49, 20), (61, 33)]) {
+        let (left, right) = support::pair(width, height, seed);
+        let format = seed as u32 % 4;
+        let (left, right) = (support::as_format(&left, format), support::as_format(&right, format));
+        for (i, mut params) in [Params::sgm(21), Params::bm(21), {
+            let mut wide = Params::sgm(21);
+            wide.block = 17;
+            wide
+        }]
+        .into_iter()
+        .enumerate()
+        {
+            params.min_disparity = [0, -4, 3][(seed as usize + i) % 3];
+            (params.right_view, params.adaptive_p2) = (RightView::Match, true);
+            check(if seed % 3 == 0 { &small } else { &full }, &left, &right, &params, seed);
+        }
     }
 }
 
@@ -121,7 +148,7 @@ fn mutual_information_of_a_large_pair() {
 fn largest_sums() {
     let Some(setup) = support::device() else { return };
     let (left, right) = support::pair(61, 23, 7);
-    for paths in [Paths::Three, Paths::Four, Paths::Eight] {
+    for paths in PATHS {
         for mut params in [Params::sgm(20), Params::bm(20)] {
             params.paths = paths;
             params.block = 51;
@@ -197,10 +224,11 @@ fn bands() {
     let Some(setup) = setup else { return };
     for (seed, (width, height)) in (0..).zip([(40, 37), (7, 61), (61, 50)]) {
         let (left, right) = support::pair(width, height, seed);
-        for (i, paths) in [Paths::Three, Paths::Four, Paths::Eight, Paths::Eight].into_iter().enumerate() {
+        for (i, paths) in PATHS.into_iter().chain([Paths::Eight, Paths::Sixteen]).enumerate() {
             let mut params = Params::sgm(35);
             params.paths = paths;
-            params.schedule = if i == 3 { Schedule::Lanes } else { Schedule::Lines };
+            params.schedule = if i < PATHS.len() { Schedule::Lines } else { Schedule::Lanes };
+            params.adaptive_p2 = i.is_multiple_of(2);
             params.min_disparity = -3;
             check(&setup, &left, &right, &params, seed);
         }

@@ -163,7 +163,7 @@ fn mirrored_and_swapped_the_left_view_is_the_right_view() {
                 Method::Bm => reference::block_match(&columns, &params),
                 _ => {
                     let cost = reference::matching_cost(&columns, &params);
-                    reference::winner(&reference::sgm_aggregate(&cost, &params), &params)
+                    reference::winner(&reference::sgm_aggregate(&cost, None, &params), &params)
                 }
             };
             let turned = compute(&setup, &mirrored(&right), &mirrored(&left), &params);
@@ -209,7 +209,7 @@ fn mirrored_the_disparities_change_their_sign() {
                 Method::Bm => (0..height as usize).flat_map(|y| reference::block_sums(&columns, y, &params)).collect(),
                 _ => {
                     let cost = reference::matching_cost(&columns, &params);
-                    reference::sgm_aggregate(&cost, &params).data.into_iter().map(u32::from).collect()
+                    reference::sgm_aggregate(&cost, None, &params).data.into_iter().map(u32::from).collect()
                 }
             };
             let mut alone = 0;

@@ -61,7 +61,11 @@ pub(super) fn matching_cost(b: &mut Builder<'_>, planes: &Planes, computed: &[wg
             let spans = width.div_ceil(kernels::span(&b.plan));
             b.step("matching_cost", &[Buffer(&columns.buffer), Buffer(cost)], pass, chunk.count * quads, spans, output);
         }
-        costs.push(if b.plan.lanes { Cost::Buffer(cost.clone()) } else { Cost::Texture(b.copy_to_texels()) });
+        costs.push(if b.plan.lanes {
+            Cost::Buffer(cost.clone())
+        } else {
+            Cost::Texture(b.copy_first_to_texels(b.sizes.volume(rows.count)))
+        });
     }
     costs
 }

@@ -7,6 +7,15 @@ use crate::steps::Bound::{Buffer, Texture};
 use crate::steps::{Builder, Output};
 use crate::{Fill, Median, reference};
 
+/// Stage `mirror`: the right view, from the left one of the mirrored pair.
+pub(super) fn mirror(b: &mut Builder<'_>, left: &wgpu::Buffer) -> wgpu::Buffer {
+    let Frame { height, map_stride, .. } = b.sizes.frame;
+    let mirrored = b.buffer("mirror", b.sizes.map);
+    let storage = [Buffer(left), Buffer(&mirrored)];
+    b.step("mirror", &storage, Pass::default(), map_stride / 4, height, Output::Mirrored);
+    mirrored
+}
+
 /// Stages `texture`, `lr_check` and the filters, those of them that are wanted. Returns the buffer of the map.
 pub(super) fn filtered(b: &mut Builder<'_>, views: &Views, gray: &wgpu::TextureView) -> wgpu::Buffer {
     let Frame { height, map_stride, .. } = b.sizes.frame;

@@ -1,8 +1,8 @@
 //! The rounds of mutual information, from small images to large ones: each is matched by a table of costs that follows from
 //! the map of the round before.
 
-use super::filters;
 use super::planes::{self, Planes};
+use super::{Views, filters};
 use crate::buffers::{Frame, Pass};
 use crate::reference::{mi_narrowing, mi_prior};
 use crate::steps::Bound::{Buffer, Texture};
@@ -20,7 +20,8 @@ pub(super) fn planes(b: &mut Builder<'_>, sources: &[wgpu::Texture; 2]) -> Plane
     let mut planes = planes::planes_of(b, &pyramid[b.levels[0].halvings as usize], &grays);
     planes.table = Some(scratch.table(b, &pyramid, None));
     for level in 1..b.levels.len() {
-        let views = super::views(b, &planes);
+        let views = Views::new(b);
+        super::winner(b, &planes, &views);
         let map = filters::filtered(b, &views, &planes.grays[0]);
         b.enter(level);
         let [before, here] = [level - 1, level].map(|level| b.levels[level].halvings);

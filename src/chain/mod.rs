@@ -10,6 +10,7 @@ mod tests;
 
 use crate::steps::Builder;
 use crate::{Cost, Method};
+use planes::Planes;
 
 /// What the matcher needs of what the chain made.
 pub(crate) struct Made {
@@ -28,26 +29,48 @@ pub(crate) struct Views {
     right: wgpu::Buffer,
 }
 
+impl Views {
+    fn new(b: &mut Builder<'_>) -> Self {
+        Self { left: b.buffer("winner.left", b.sizes.map), right: b.buffer("winner.right", b.sizes.right_map) }
+    }
+}
+
 /// All stages, from the uploaded images to the map.
 pub(crate) fn chain(b: &mut Builder<'_>) -> Made {
     let sources = planes::sources(b);
-    let planes = match b.params.cost {
-        Cost::MutualInformation => mi::planes(b, &sources),
-        _ => planes::planes(b, &sources),
-    };
-    let views = views(b, &planes);
-    let output = filters::filtered(b, &views, &planes.grays[0]);
+    let views = Views::new(b);
+    let mut right = None;
+    if let Some(second) = b.params.second_match() {
+        let params = std::mem::replace(&mut b.params, second);
+        b.mirrored = true;
+        b.share();
+        winners(b, &sources, &views);
+        b.share();
+        right = Some(filters::mirror(b, &views.left));
+        (b.params, b.mirrored) = (params, false);
+    }
+    let planes = winners(b, &sources, &views);
+    b.share_no_more();
+    let compared = Views { left: views.left.clone(), right: right.unwrap_or_else(|| views.right.clone()) };
+    let output = filters::filtered(b, &compared, &planes.grays[0]);
     let confidence = b.params.confidence.then(|| filters::confidence(b, &views, &output));
     Made { sources, output, confidence }
 }
 
-/// The stages from the planes to the maps of both views.
-fn views(b: &mut Builder<'_>, planes: &planes::Planes) -> Views {
-    let views =
-        Views { left: b.buffer("winner.left", b.sizes.map), right: b.buffer("winner.right", b.sizes.right_map) };
+/// From the images to the winner of both views. Returns the planes.
+fn winners(b: &mut Builder<'_>, sources: &[wgpu::Texture; 2], views: &Views) -> Planes {
+    let planes = match b.params.cost {
+        Cost::MutualInformation => mi::planes(b, sources),
+        _ => planes::planes(b, sources),
+    };
+    winner(b, &planes, views);
+    planes
+}
+
+/// From what the cost compares to the winner of both views.
+fn winner(b: &mut Builder<'_>, planes: &Planes, views: &Views) {
     match b.params.method {
-        Method::Bm => cost::block_match(b, planes, &views),
-        Method::Sgm => aggregation::winner(b, planes, &views),
+        Method::Bm => cost::block_match(b, planes, views),
+        Method::Sgm => aggregation::winner(b, planes, views),
     }
-    views
 }

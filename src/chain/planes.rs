@@ -10,7 +10,7 @@ use crate::{Cost, PixelFormat, Prefilter};
 pub(super) struct Planes {
     pub(super) buffers: [wgpu::Buffer; 2],
     pub(super) textures: Vec<wgpu::TextureView>,
-    /// The gray images.
+    /// The gray images in 8 bits.
     pub(super) grays: Vec<wgpu::TextureView>,
     /// What pairs of values cost, if the cost is looked up.
     pub(super) table: Option<wgpu::TextureView>,
@@ -62,7 +62,9 @@ pub(super) fn planes(b: &mut Builder<'_>, sources: &[wgpu::Texture; 2]) -> Plane
     let buffers = [b.buffer("features.left", b.sizes.left), b.buffer("features.right", b.sizes.right)];
     let scratch = Sums::new(b);
     let (mut textures, mut grays) = (Vec::new(), Vec::new());
-    for (side, source) in sources.iter().enumerate() {
+    for side in 0..2 {
+        // The pair is mirrored with its sides exchanged.
+        let source = &sources[if b.mirrored { 1 - side } else { side }];
         let source = source.create_view(&wgpu::TextureViewDescriptor::default());
         let place = place_of(b, side);
         let channels = b.params.channels();
@@ -175,7 +177,8 @@ fn gray(b: &mut Builder<'_>, source: &wgpu::TextureView, side: usize) -> wgpu::T
     let Frame { height, gray_stride, .. } = b.sizes.frame;
     let gray = b.buffer("gray", b.sizes.gray);
     let output = Output::Gray { side, channel: 0, deep: false };
-    b.step("gray", &[Texture(source), Buffer(&gray)], Pass::default(), gray_stride, height, output);
+    let pass = Pass { reversed: b.mirrored.into(), ..Pass::default() };
+    b.step("gray", &[Texture(source), Buffer(&gray)], pass, gray_stride, height, output);
     b.copy_to_texels()
 }
 
@@ -183,7 +186,8 @@ fn gray(b: &mut Builder<'_>, source: &wgpu::TextureView, side: usize) -> wgpu::T
 fn channel_of(b: &mut Builder<'_>, source: &wgpu::TextureView, side: usize, channel: u32) -> Picture {
     let Frame { height, gray_stride, .. } = b.sizes.frame;
     let deep = matches!(b.format, PixelFormat::Gray16 | PixelFormat::Rgba16);
-    let pass = Pass { channel: if b.params.color_cost { channel + 1 } else { 0 }, ..Pass::default() };
+    let channel_number = if b.params.color_cost { channel + 1 } else { 0 };
+    let pass = Pass { channel: channel_number, reversed: b.mirrored.into(), ..Pass::default() };
     let output = Output::Gray { side, channel: pass.channel as usize, deep };
     let (name, bytes, stride) = match deep {
         true => ("deep_gray", 2 * b.sizes.gray, 2 * gray_stride),

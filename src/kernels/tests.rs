@@ -8,7 +8,7 @@ use std::path::{Path, PathBuf};
 
 use super::*;
 use crate::buffers::{Frame, Pass};
-use crate::{Fill, Median, Schedule, StereoMatcher, Wls};
+use crate::{Fill, Median, RightView, Schedule, StereoMatcher, Wls};
 use wgpu::naga;
 
 #[path = "../../tests/support/mod.rs"]
@@ -32,7 +32,9 @@ pub(super) fn edited(name: &str, text: String) -> String {
 fn plans(params: &Params) -> BTreeSet<Plan> {
     let devices =
         [(false, 1, false), (false, 1, true), (false, 8, true), (true, 1, false), (true, 4, true), (true, 32, true)];
-    devices.iter().map(|&(lanes, subgroup, int64)| Plan::of(params.quads(), lanes, subgroup, int64)).collect()
+    let adaptive = params.adaptive_p2;
+    let of = |&(lanes, subgroup, int64)| Plan { adaptive, ..Plan::of(params.quads(), lanes, subgroup, int64) };
+    devices.iter().map(of).collect()
 }
 
 /// All costs.
@@ -53,15 +55,16 @@ fn specialisations() -> Vec<(Params, PixelFormat, Plan)> {
     let formats = [PixelFormat::Gray8, PixelFormat::Gray16, PixelFormat::Rgba8, PixelFormat::Rgba16];
     let mut all = Vec::new();
     for disparities in [1, 16, 17, 64, 65, 256] {
-        for paths in [Paths::Three, Paths::Four, Paths::Eight] {
+        for paths in [Paths::Three, Paths::Five, Paths::Eight, Paths::Sixteen] {
             for prefilter in [Prefilter::XSobel, Prefilter::Sobel, Prefilter::None] {
                 for base in [Params::sgm(disparities), Params::bm(disparities)] {
                     for subpixel in [Subpixel::Off, Subpixel::Parabola, Subpixel::Equiangular] {
-                        if subpixel == Subpixel::Equiangular && paths != Paths::Four {
+                        if subpixel == Subpixel::Equiangular && paths != Paths::Three {
                             continue; // one function differs, whatever the paths
                         }
                         let confidence = subpixel == Subpixel::Equiangular;
-                        let params = Params { paths, prefilter, subpixel, confidence, ..base.clone() };
+                        let adaptive_p2 = prefilter == Prefilter::None && base.method == crate::Method::Sgm;
+                        let params = Params { paths, prefilter, subpixel, confidence, adaptive_p2, ..base.clone() };
                         let params = Params { block: if subpixel == Subpixel::Off { 21 } else { 5 }, ..params };
                         // A filter of each kind, and every spacing of the weighted median.
                         let params = Params {
@@ -229,8 +232,16 @@ fn reflected(module: &naga::Module, name: &str) -> (Vec<(String, u32, String)>, 
 }
 
 /// A plan for 64 disparities.
-const PLAN: Plan =
-    Plan { lanes: false, members: 1, exchange: Exchange::Alone, own_quads: 4, subgroup: 1, threads: None, width: 1 };
+const PLAN: Plan = Plan {
+    lanes: false,
+    members: 1,
+    exchange: Exchange::Alone,
+    own_quads: 4,
+    subgroup: 1,
+    threads: None,
+    width: 1,
+    adaptive: false,
+};
 
 fn frame_layout() -> (Vec<(String, u32, String)>, u32) {
     layout!(Frame {
@@ -276,10 +287,17 @@ fn pass_layout() -> (Vec<(String, u32, String)>, u32) {
         window,
         row_step,
         occlusions,
+        reversed,
+        entry,
+        carry_from,
+        carry_to,
+        slot,
+        penalty_offset,
+        penalty_shift,
         halvings,
         narrowing,
         prior,
-        logarithms
+        logarithms,
     })
 }
 
@@ -478,6 +496,19 @@ fn eight(params: &mut Params) {
     params.paths = Paths::Eight;
 }
 
+fn adaptive(params: &mut Params) {
+    (params.adaptive_p2, params.p1, params.p2) = (true, 9, 100);
+}
+
+fn twice(params: &mut Params) {
+    params.right_view = RightView::Match;
+}
+
+fn sixteen(params: &mut Params) {
+    adaptive(params);
+    params.paths = Paths::Sixteen;
+}
+
 fn equiangular(params: &mut Params) {
     params.subpixel = Subpixel::Equiangular;
 }
@@ -547,7 +578,10 @@ const MUTANTS: &[Mutant] = &[
     mutant("mi_histogram", "value << pass_.halvings", "value", mutual),
     mutant("mi_smooth", "6u * middle", "5u * middle", mutual),
     mutant("mi_smooth", "fraction) * 11u", "fraction) * 9u", mutual),
-    mutant("mi_smooth", "vec4(values.x), four < 0", "values, four < 0", mutual),
+    mutant("mi_smooth", "vec4(values.x), four < 0", "values, four < 0", |params| {
+        mutual(params);
+        params.prefilter = Prefilter::XSobel;
+    }),
     mutant("mi_marginals", "select(256u, 1u, id.x < 256u)", "select(255u, 1u, id.x < 256u)", mutual),
     mutant("mi_range", "max(found.y, ranges[l].y)", "ranges[l].y", mutual),
     mutant("mi_table", "vec4(span / 2u)", "vec4(0u)", mutual),
@@ -590,7 +624,7 @@ const MUTANTS: &[Mutant] = &[
     mutant("matching_cost_lanes", "1u << 23u", "1u << 22u", lanes),
     mutant("matching_cost_lanes", "frame.height) - 1)", "frame.height) - 2)", lanes),
     mutant("matching_cost_lanes", "- kept[0]", "- kept[1]", lanes),
-    mutant("matching_cost_lanes", "values[c >> 2u], (c & 3u)", "values[c >> 2u], (i & 3u)", lanes),
+    mutant("matching_cost_lanes", "[c >> 2u], (c & 3u)", "[c >> 2u], (i & 3u)", lanes),
     mutant("matching_cost_lanes", "% SUMMABLE == 0u", "% (SUMMABLE + 3u) == 0u", |params| {
         lanes(params);
         params.prefilter_cap = 63;
@@ -607,6 +641,17 @@ const MUTANTS: &[Mutant] = &[
     mutant("sgm_aggregate", "select(after, (*state)[s]", "select(0u, (*state)[s]", |params| params.disparities = 64),
     mutant("sgm_aggregate", "stored >> vec4(32u)", "stored >> vec4(31u)", |params| params.disparities = 64),
     mutant("sgm_aggregate", "i32(pass_.first_line", "i32(0u * pass_.first_line", |_| ()),
+    mutant("sgm_aggregate", "pass_.penalty_offset", "0 * pass_.penalty_offset", adaptive),
+    mutant("sgm_aggregate", "penalty_shift, 8u", "penalty_shift, 5u", adaptive),
+    mutant("sgm_aggregate", "select(-width, width", "select(-width, width - 1", sixteen),
+    mutant("sgm_aggregate", "pass_.entry", "0", sixteen),
+    mutant("penalties", "vec4(10))", "vec4(12))", adaptive),
+    mutant("penalties", "frame.p1 / 2u", "frame.p1 / 4u", adaptive),
+    mutant("penalties", "+ 0.5)", "- 0.5)", adaptive),
+    mutant("penalties_steep", "neighbours(above, i, 2)", "neighbours(row, i, 2)", sixteen),
+    mutant("penalties", "min(id.y, 1u)", "0u", adaptive),
+    mutant("winner", "penalty_shift, 8u", "penalty_shift, 5u", adaptive),
+    mutant("winner", "i / 3u * pass_.slot", "0u", sixteen),
     mutant("winner", "pass_.volume_row * frame.volume_stride", "0u", |_| ()),
     mutant("winner", "least_key(costs) + member * OWN", "least_key(costs)", lanes),
     mutant("winner", "min(entering, COST_NONE << 12u)", "COST_NONE << 12u", lanes),
@@ -652,6 +697,9 @@ const MUTANTS: &[Mutant] = &[
     mutant("texture", "(last & 4u) != 0u", "(last & 4u) == 0u", texture),
     mutant("lr_check", "frame.lr_max_difference", "(frame.lr_max_difference + 1u)", |_| ()),
     mutant("lr_check", "(value + 8)", "value", |_| ()),
+    mutant("mirror", "frame.width - 1u - min", "frame.width - min", twice),
+    mutant("gray", "16u - left", "17u - left", twice),
+    mutant("gray", "unpack(word).wzyx", "unpack(word).wzxy", twice),
     mutant("confidence", "max(margins, vec4(1u))", "margins", |params| {
         bm_pixel(params);
         confidence(params);

@@ -16,6 +16,8 @@ mod matching_cost;
 mod median;
 mod mi_histogram;
 mod mi_table;
+mod mirror;
+mod penalties;
 mod prefilter;
 mod sgm_aggregate;
 mod speckle;
@@ -37,6 +39,8 @@ pub use matching_cost::{matching_cost, matching_cost_scale};
 pub use median::median;
 pub use mi_histogram::mi_histogram;
 pub use mi_table::{logarithm, mi_narrowing, mi_prior, mi_table};
+pub use mirror::{mirror, mirrored};
+pub use penalties::penalties;
 pub use prefilter::prefilter;
 pub use sgm_aggregate::{Direction, aggregate_direction, sgm_aggregate};
 pub use speckle::speckle;
@@ -137,30 +141,16 @@ pub fn compute_timed(left: &Image, right: &Image, params: &Params) -> Result<(Di
 pub fn compute_all_timed(left: &Image, right: &Image, params: &Params) -> Result<(Matched, Vec<StageTime>), Error> {
     params.validate()?;
     crate::matcher::check_pair(left, right)?;
-    let (width, height) = (left.width(), left.height());
     let mut clock = Clock { last: Instant::now(), times: Vec::new() };
+    let matched = match params.second_match() {
+        Some(second) => Some(views(&mirrored(right)?, &mirrored(left)?, &second, &mut clock).left),
+        None => None,
+    };
     let luma = gray(left, Channel::Luma);
-    let (left, right) = clock.stage("gray", (images(left, params), images(right, params)));
-    let (left, right) = clock.stage("prefilter", (left.prefiltered(params), right.prefiltered(params)));
-    let mut pyramid = vec![clock.stage("features", [left.features(params), right.features(params)])];
-    let rounds = rounds(width, height, params);
-    for _ in 0..rounds[0].halvings {
-        let halved = pyramid[pyramid.len() - 1].each_ref().map(halve);
-        pyramid.push(clock.stage("halve", halved));
+    let Views { left, mut right, margins } = views(left, right, params, &mut clock);
+    if let Some(matched) = matched {
+        right = clock.stage("mirror", mirror(&matched));
     }
-    let mut before: Option<(DisparityMap, u32)> = None;
-    for Round { halvings, params } in &rounds[..rounds.len() - 1] {
-        let sides = &pyramid[*halvings as usize];
-        let table = clock.table(sides, before.as_ref(), *halvings, params);
-        let Views { left, right, .. } = clock.views(sides, &table, params);
-        let map = match params.lr_check {
-            Some(max_difference) => clock.stage("lr_check", lr_check(&left, &right, max_difference)),
-            None => left,
-        };
-        before = Some((map, *halvings));
-    }
-    let table = clock.table(&pyramid[0], before.as_ref(), 0, params);
-    let Views { left, right, margins } = clock.views(&pyramid[0], &table, params);
     let mut map = left;
     if params.texture > 0 {
         map = clock.stage("texture", texture(&map, &luma, params));
@@ -185,6 +175,35 @@ pub fn compute_all_timed(left: &Image, right: &Image, params: &Params) -> Result
     }
     let confidence = params.confidence.then(|| clock.stage("confidence", confidence(&map, &margins)));
     Ok((Matched { map, confidence }, clock.times))
+}
+
+/// From the images to the winner of both views.
+fn views(left: &Image, right: &Image, params: &Params, clock: &mut Clock) -> Views {
+    let (width, height) = (left.width(), left.height());
+    let adaptive = params.adaptive_p2 && params.method == Method::Sgm;
+    let luma = adaptive.then(|| gray(left, Channel::Luma));
+    let (left, right) = clock.stage("gray", (images(left, params), images(right, params)));
+    let penalties = luma.map(|luma| clock.stage("penalties", penalties(&luma, params)));
+    let (left, right) = clock.stage("prefilter", (left.prefiltered(params), right.prefiltered(params)));
+    let mut pyramid = vec![clock.stage("features", [left.features(params), right.features(params)])];
+    let rounds = rounds(width, height, params);
+    for _ in 0..rounds[0].halvings {
+        let halved = pyramid[pyramid.len() - 1].each_ref().map(halve);
+        pyramid.push(clock.stage("halve", halved));
+    }
+    let mut before: Option<(DisparityMap, u32)> = None;
+    for Round { halvings, params } in &rounds[..rounds.len() - 1] {
+        let sides = &pyramid[*halvings as usize];
+        let table = clock.table(sides, before.as_ref(), *halvings, params);
+        let Views { left, right, .. } = clock.winner(sides, &table, None, params);
+        let map = match params.lr_check {
+            Some(max_difference) => clock.stage("lr_check", lr_check(&left, &right, max_difference)),
+            None => left,
+        };
+        before = Some((map, *halvings));
+    }
+    let table = clock.table(&pyramid[0], before.as_ref(), 0, params);
+    clock.winner(&pyramid[0], &table, penalties.as_ref(), params)
 }
 
 /// An image as the chain takes it: luma, or with [`Params::color_cost`] red, green and blue.
@@ -245,21 +264,27 @@ impl Clock {
         self.stage("mi_table", mi_table(&counts, (left.width * left.height) as u64))
     }
 
-    /// Both views, from what the cost compares.
-    fn views(&mut self, [left, right]: &[Features; 2], table: &[u8], params: &Params) -> Views {
+    /// From what the cost compares to the winner of both views.
+    fn winner(
+        &mut self,
+        [left, right]: &[Features; 2],
+        table: &[u8],
+        penalties: Option<&Volume<u8>>,
+        params: &Params,
+    ) -> Views {
         let columns = self.stage("cost_columns", cost_columns(left, right, table, params));
         match params.method {
             Method::Bm => self.stage("block_match", block_match(&columns, params)),
             Method::Sgm => {
                 let cost = self.stage("matching_cost", matching_cost(&columns, params));
                 drop(columns);
-                let sum = self.stage("sgm_aggregate", sgm_aggregate(&cost, params));
+                let sum = self.stage("sgm_aggregate", sgm_aggregate(&cost, penalties, params));
                 self.stage("winner", winner(&sum, params))
             }
         }
     }
 
-    /// Notes the time since the stage before, in which `result` was computed.
+    /// Adds the time since the stage before, in which `result` was computed.
     fn stage<T>(&mut self, name: &str, result: T) -> T {
         let now = Instant::now();
         let ms = now.duration_since(self.last).as_secs_f64() * 1e3;

@@ -101,11 +101,11 @@ pub fn assert_equal(checks: &[StageCheck], adapter: &wgpu::Adapter, case: &dyn s
 
 /// Parameters from a seed: every setting, every range.
 pub fn random_params(random: &mut ChaCha8Rng) -> Params {
-    use gpu_stereo::{Fill, Median, Paths, Prefilter, Schedule, Subpixel};
+    use gpu_stereo::{Fill, Median, Paths, Prefilter, RightView, Schedule, Subpixel};
     let disparities = *[1, 2, 3, 7, 15, 16, 17, 31, 33, 48, 64, 65, 97, 130].get(random.random_range(0..14)).unwrap();
     let mut params = if random.random_bool(0.3) { Params::bm(disparities) } else { Params::sgm(disparities) };
     params.min_disparity = *[0, 0, 0, 1, 5, -1, -7, -40, 30].get(random.random_range(0..9)).unwrap();
-    params.paths = [Paths::Three, Paths::Four, Paths::Eight][random.random_range(0..3)];
+    params.paths = [Paths::Three, Paths::Four, Paths::Five, Paths::Eight, Paths::Sixteen][random.random_range(0..5)];
     params.block = 2 * random.random_range(0..10) + 1;
     params.prefilter =
         [Prefilter::XSobel, Prefilter::Sobel, Prefilter::Normalized, Prefilter::None][random.random_range(0..4)];
@@ -162,6 +162,8 @@ pub fn random_params(random: &mut ChaCha8Rng) -> Params {
         7 | 8 => Fill::Rays,
         _ => Fill::Hirschmuller,
     };
+    params.adaptive_p2 = random.random_bool(0.4);
+    params.right_view = if random.random_bool(0.3) { RightView::Match } else { RightView::Diagonal };
     if random.random_bool(0.1) {
         (params.cost, params.color_cost) = (Cost::MutualInformation, false);
     }

@@ -1,0 +1,27 @@
+use crate::{DisparityMap, Error, Image, Pixels};
+
+/// Stage `mirror`: a map with each row reversed. The left view of the pair (mirrored right image, mirrored left image) is
+/// the mirrored right view of the pair.
+pub fn mirror(map: &DisparityMap) -> DisparityMap {
+    DisparityMap { data: reversed_rows(&map.data, map.width, 1), ..*map }
+}
+
+/// An image with each row reversed.
+///
+/// # Errors
+/// None for an image: it has the size that it had.
+pub fn mirrored(image: &Image) -> Result<Image, Error> {
+    let width = image.width();
+    let pixels = match image.pixels() {
+        Pixels::Gray8(samples) => Pixels::Gray8(reversed_rows(samples, width, 1)),
+        Pixels::Gray16(samples) => Pixels::Gray16(reversed_rows(samples, width, 1)),
+        Pixels::Rgba8(samples) => Pixels::Rgba8(reversed_rows(samples, width, 4)),
+        Pixels::Rgba16(samples) => Pixels::Rgba16(reversed_rows(samples, width, 4)),
+    };
+    Image::new(width, image.height(), pixels)
+}
+
+fn reversed_rows<T: Copy>(samples: &[T], width: u32, a_pixel: usize) -> Vec<T> {
+    let rows = samples.chunks_exact(width as usize * a_pixel);
+    rows.flat_map(|row| row.chunks_exact(a_pixel).rev().flatten().copied()).collect()
+}
