@@ -551,6 +551,7 @@ impl Params {
             disparities: (to - from + 1) as u32,
             adaptive_p2: false,
             texture: 0,
+            lr_check: Some(1),
             right_view: RightView::Diagonal,
             speckle_window: 0,
             median: Median::Off,

@@ -3,7 +3,7 @@ use crate::Params;
 use rayon::prelude::*;
 
 /// The sum of the pixel costs over a block, for one row: `block` neighbouring columns of [`super::cost_columns`] added
-/// up, `[x][d]`, and narrowed to less than 2^20 by a shift ([`Params::narrowing`]).
+/// up, `[x][d]`, and narrowed to less than 2^20 by a shift (`Params::narrowing`).
 pub fn block_sums(columns: &Volume<u32>, y: usize, params: &Params) -> Vec<u32> {
     let (disparities, block) = (columns.disparities, params.block as usize);
     let row = &columns.data[y * columns.row_len()..][..columns.row_len()];

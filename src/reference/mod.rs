@@ -141,7 +141,7 @@ pub fn compute_timed(left: &Image, right: &Image, params: &Params) -> Result<(Di
 pub fn compute_all_timed(left: &Image, right: &Image, params: &Params) -> Result<(Matched, Vec<StageTime>), Error> {
     params.validate()?;
     crate::matcher::check_pair(left, right)?;
-    let mut clock = Clock { last: Instant::now(), times: Vec::new() };
+    let mut clock = Clock::new();
     let matched = match params.second_match() {
         Some(second) => Some(views(&mirrored(right)?, &mirrored(left)?, &second, &mut clock).left),
         None => None,
@@ -179,31 +179,19 @@ pub fn compute_all_timed(left: &Image, right: &Image, params: &Params) -> Result
 
 /// From the images to the winner of both views.
 fn views(left: &Image, right: &Image, params: &Params, clock: &mut Clock) -> Views {
-    let (width, height) = (left.width(), left.height());
     let adaptive = params.adaptive_p2 && params.method == Method::Sgm;
     let luma = adaptive.then(|| gray(left, Channel::Luma));
     let (left, right) = clock.stage("gray", (images(left, params), images(right, params)));
     let penalties = luma.map(|luma| clock.stage("penalties", penalties(&luma, params)));
     let (left, right) = clock.stage("prefilter", (left.prefiltered(params), right.prefiltered(params)));
-    let mut pyramid = vec![clock.stage("features", [left.features(params), right.features(params)])];
-    let rounds = rounds(width, height, params);
-    for _ in 0..rounds[0].halvings {
-        let halved = pyramid[pyramid.len() - 1].each_ref().map(halve);
-        pyramid.push(clock.stage("halve", halved));
-    }
-    let mut before: Option<(DisparityMap, u32)> = None;
-    for Round { halvings, params } in &rounds[..rounds.len() - 1] {
-        let sides = &pyramid[*halvings as usize];
-        let table = clock.table(sides, before.as_ref(), *halvings, params);
-        let Views { left, right, .. } = clock.winner(sides, &table, None, params);
-        let map = match params.lr_check {
-            Some(max_difference) => clock.stage("lr_check", lr_check(&left, &right, max_difference)),
-            None => left,
-        };
-        before = Some((map, *halvings));
-    }
-    let table = clock.table(&pyramid[0], before.as_ref(), 0, params);
-    clock.winner(&pyramid[0], &table, penalties.as_ref(), params)
+    let sides = clock.stage("features", [left.features(params), right.features(params)]);
+    let table = clock.table(&sides, params);
+    clock.winner(&sides, &table, penalties.as_ref(), params)
+}
+
+/// What matches cost in the last round of [`rounds`], for a cost that has a table; else nothing.
+pub fn cost_table(sides: &[Features; 2], params: &Params) -> Vec<u8> {
+    Clock::new().table(sides, params)
 }
 
 /// An image as the chain takes it: luma, or with [`Params::color_cost`] red, green and blue.
@@ -244,23 +232,36 @@ struct Clock {
 }
 
 impl Clock {
-    /// What a match costs in a round, from the map of the round before and how often that was halved. Empty for the costs
-    /// that know no table.
-    fn table(
-        &mut self,
-        [left, right]: &[Features; 2],
-        before: Option<&(DisparityMap, u32)>,
-        halvings: u32,
-        params: &Params,
-    ) -> Vec<u8> {
+    fn new() -> Self {
+        Self { last: Instant::now(), times: Vec::new() }
+    }
+
+    /// [`cost_table`].
+    fn table(&mut self, sides: &[Features; 2], params: &Params) -> Vec<u8> {
         if params.cost != Cost::MutualInformation {
             return Vec::new();
         }
-        let counts = match before {
-            Some((map, halved)) => mi_histogram(left, right, Some(map), halved - halvings),
-            None => mi_histogram(left, right, None, 0),
-        };
-        let counts = self.stage("mi_histogram", counts);
+        let rounds = rounds(sides[0].width as u32, sides[0].height as u32, params);
+        let mut pyramid = vec![sides.clone()];
+        for _ in 0..rounds[0].halvings {
+            let halved = pyramid[pyramid.len() - 1].each_ref().map(halve);
+            pyramid.push(self.stage("halve", halved));
+        }
+        let mut table = self.round(&pyramid[rounds[0].halvings as usize], None, 0);
+        for (before, here) in rounds.iter().zip(&rounds[1..]) {
+            let views = self.winner(&pyramid[before.halvings as usize], &table, None, &before.params);
+            let map = match before.params.lr_check {
+                Some(max_difference) => self.stage("lr_check", lr_check(&views.left, &views.right, max_difference)),
+                None => views.left,
+            };
+            table = self.round(&pyramid[here.halvings as usize], Some(&map), before.halvings - here.halvings);
+        }
+        table
+    }
+
+    /// The table of a round, by the map of the round before.
+    fn round(&mut self, [left, right]: &[Features; 2], map: Option<&DisparityMap>, halvings: u32) -> Vec<u8> {
+        let counts = self.stage("mi_histogram", mi_histogram(left, right, map, halvings));
         self.stage("mi_table", mi_table(&counts, (left.width * left.height) as u64))
     }
 
