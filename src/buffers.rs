@@ -196,6 +196,9 @@ impl Sizes {
         let planes = u64::from(params.planes());
         fits("what costs compare of an image", planes * rows(left_stride.max(right_stride)), smaller)?;
 
+        if params.cost == Cost::MutualInformation {
+            fits("the histogram of all pairs of values", 4 * 256 * 256, "take another cost")?;
+        }
         if params.sums_windows() {
             fits("the sums over windows", 4 * pixels, smaller)?;
         }
