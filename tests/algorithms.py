@@ -723,7 +723,7 @@ EXAMPLE_PAIR = [10, 40, 70, 60, 200, 90], [40, 66, 190, 210, 90, 90]
 def example():
     """The tables of the worked example."""
     chain = Chain(EXAMPLE)
-    stages = {name: values[0] for name, _, values in chain.run(*EXAMPLE_PAIR)}
+    stages = {name: values[0] for name, _, values in chain.run(*EXAMPLE_PAIR) if values}
     cost = [stages["matching_cost"]]
 
     def show(title, values, first=0, name="d"):
