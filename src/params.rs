@@ -686,6 +686,14 @@ impl Params {
         bytes && self.block <= Self::SMALL_BLOCK && (self.block + 1) * self.planes() <= MOST_ROWS
     }
 
+    /// The shift that quantises sums of a byte, where the scale is a power of two; else 0.
+    pub(crate) fn scale_shift(&self) -> u32 {
+        let scale = crate::reference::matching_cost_scale(self);
+        let shift = 24 - scale.ilog2().min(24);
+        let rounded = self.largest_sum() + (1 << shift) / 2;
+        if scale.is_power_of_two() && (1..8).contains(&shift) && rounded <= 255 { shift } else { 0 }
+    }
+
     /// Whether a stage needs the sums over windows.
     pub(crate) fn sums_windows(&self) -> bool {
         self.prefilter == Prefilter::Normalized || self.cost == Cost::ZeroMeanSad
@@ -708,7 +716,7 @@ impl Params {
     /// 1024 times the quantised cost of the largest block sum: at most 59 * 1550, which gives 89.
     pub(crate) fn cost_top(&self) -> u32 {
         match self.cost {
-            Cost::CensusSobel => 164 * 248,
+            Cost::CensusSobel => 128 * 248,
             Cost::MutualInformation => 64 * 1024,
             _ => 59 * 1550,
         }

@@ -101,7 +101,6 @@ pub(super) fn planes(b: &mut Builder<'_>, sources: &[wgpu::Texture; 2]) -> Plane
             let rows = b.params.planes() * height;
             textures.push(b.copy_to_texture(place.stride, rows, wgpu::TextureFormat::R32Uint));
         }
-        grays.push(luma);
     }
     Planes { buffers, textures, grays, table: None }
 }

@@ -108,6 +108,7 @@ fn specialisations_of(kernel: &Kernel) -> impl Iterator<Item = (Params, PixelFor
     let name = kernel.name;
     specialisations().into_iter().filter(move |(params, ..)| match name {
         "block_match_small" => params.block <= Params::SMALL_BLOCK && params.cost == Cost::Sad,
+        "matching_cost_pixels" => params.sums_small_blocks() && params.block == 1,
         "matching_cost_small" | "matching_cost_lanes" => params.sums_small_blocks(),
         _ => true,
     })
