@@ -50,6 +50,10 @@ struct Pass {
     slot: u32,            // pixels of a volume: before the one that is written, or from one to the next in a buffer
     penalty_offset: i32,  // from a pixel to where P2 of the step into it is
     penalty_shift: u32,   // to its byte there
+    halvings: u32,        // of the images of a map, beyond those of the images at hand
+    narrowing: u32,       // bits by which entries of a table are shifted down
+    prior: u32,           // what is added to them
+    logarithms: u32,      // 1: their logarithms are taken
 }
 
 @group(0) @binding(0) var<uniform> frame: Frame;
