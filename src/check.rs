@@ -2,14 +2,15 @@
 
 use crate::buffers::{Frame, Rows};
 use crate::matcher::map_of;
-use crate::reference::{self, Channel, Direction, Features, Images, Plane, Round, Views, Volume};
+use crate::reference::{self, BlockStatistics, Channel, Direction, Features, Images, Plane, Round, Views, Volume};
 use crate::steps::{Level, Output, Step};
 use crate::{Cost, DisparityMap, Error, Image, Method, Params, StereoMatcher, readback};
 
 /// The first element of a stage that differs from the reference.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Mismatch {
-    /// Column; of a gray or a prefiltered image the byte of its row, of column sums the column plus the block's radius.
+    /// Column; of a gray or a prefiltered image the byte of its row, of column sums the column plus the block's radius,
+    /// of statistics of blocks their place in a row.
     pub x: u32,
     /// Row.
     pub y: u32,
@@ -65,6 +66,7 @@ struct Expected {
     table: Vec<u8>,
     penalties: Option<Volume<u8>>,
     columns: Volume<u32>,
+    statistics: Option<[BlockStatistics; 2]>,
     cost: Volume<u8>,
     paths: Vec<(Direction, Volume<u8>)>,
     views: Option<Views>,
@@ -95,6 +97,7 @@ impl Expected {
             table: Vec::new(),
             penalties: None,
             columns: Volume::new(0, 0, 0),
+            statistics: None,
             cost: Volume::new(0, 0, 0),
             paths: Vec::new(),
             views: None,
@@ -118,6 +121,8 @@ impl Expected {
         let adaptive = params.adaptive_p2 && params.method == Method::Sgm;
         self.penalties = adaptive.then(|| reference::penalties(&self.luma[0], &params));
         self.columns = reference::cost_columns(left, right, &self.table, &params);
+        let correlates = params.cost == Cost::Ncc;
+        self.statistics = correlates.then(|| reference::block_statistics(left, right, &params));
         if params.method == Method::Sgm {
             self.cost = reference::matching_cost(&self.columns, &params);
         }
@@ -137,8 +142,8 @@ impl Expected {
     /// The right view that the filters read.
     fn right_view(&mut self) -> DisparityMap {
         match &self.matched {
-            Some(matched) => matched.clone(),
-            None => self.views().right.clone(),
+            Some(matched) if self.level == Some(self.rounds.len() - 1) => matched.clone(),
+            _ => self.views().right.clone(),
         }
     }
 
@@ -146,7 +151,7 @@ impl Expected {
         if self.views.is_none() {
             let params = &self.params.clone();
             let views = match params.method {
-                Method::Bm => reference::block_match(&self.columns, params),
+                Method::Bm => reference::block_match(&self.columns, self.statistics.as_ref(), params),
                 Method::Sgm => {
                     let cost = &self.cost;
                     let mut sum = Volume::<u16>::new(cost.width, cost.height, cost.disparities);
@@ -216,6 +221,7 @@ impl StereoMatcher {
                 Output::Paths { first, .. } => *first,
                 Output::Views { .. } => last_views.replace(step.level) != Some(step.level),
                 Output::Cost { volume_row, .. } => *volume_row == 0,
+                Output::BlockStatistics { side, .. } => *side == 0,
                 Output::Part => false,
                 Output::Features { first, .. } => *first == 0,
                 _ => true,
@@ -360,6 +366,22 @@ impl StereoMatcher {
                                 false => u16::from_le_bytes([values[at], values[at + 1]]).into(),
                             };
                             stage.compare(c, y, Some(d), expected.into(), got.into());
+                        }
+                    }
+                }
+            }
+            Output::BlockStatistics { side, chunk } => {
+                let Some(statistics) = &expected.statistics else { return Ok(()) };
+                let numbers = bytemuck::pod_collect_to_vec::<u8, u32>(&bytes);
+                let columns = &statistics[*side].columns;
+                let count = (columns.end - columns.start) as usize;
+                let row_numbers = self.sizes.statistics_row as usize / 4;
+                for (row, y) in (chunk.first..chunk.first + chunk.count).enumerate() {
+                    let found = &numbers[row * row_numbers + 2 * side * width..][..2 * count];
+                    for (i, found) in found.chunks_exact(2).enumerate() {
+                        let x = if *side == 0 { i as i64 } else { columns.end - 1 - i as i64 };
+                        for (&expected, &got) in statistics[*side].at(x, y as usize).iter().zip(found) {
+                            stage.compare(i, y as usize, None, expected.into(), got.into());
                         }
                     }
                 }

@@ -80,7 +80,7 @@ class Chain:
         self.census_bits, census_bytes = CENSUS[case["census"]][2:]
         self.census_bytes = census_bytes if "census" in case["cost"] else 0
         self.largest_total = self.block**2 * self.largest_pixel_cost()
-        self.narrowing = max(0, self.largest_total.bit_length() - 20)
+        self.narrowing = 0 if case["cost"] == "ncc" else max(0, self.largest_total.bit_length() - 20)
 
     def inside(self, x):
         return 0 <= x <= self.width - 1
@@ -172,7 +172,7 @@ class Chain:
 
         def of_channel(f, sums, x, y):
             v = level(f[y][x], u)
-            if cost in ("sad", "ssd", "mi"):
+            if cost in ("sad", "ssd", "ncc", "mi"):
                 return [v]
             if cost == "zsad":
                 z = (2 * (n * f[y][x] - sums[y][x]) + n * u) // (2 * n * u)
@@ -199,6 +199,7 @@ class Chain:
             "sad": v,
             "ssd": v * v,
             "mi": 255,
+            "ncc": v * v,
             "zsad": min(2 * v, 254),
             "bt": v,
             "sad-xy": 4 * self.cap,
@@ -226,6 +227,8 @@ class Chain:
             return three(*difference) if self.case["color_cost"] == "on" else difference[0]
         if cost == "ssd":
             return difference[0] ** 2
+        if cost == "ncc":
+            return l[0] * p[0]
         if cost == "zsad":
             return difference[0]
         if cost == "sad-xy":
@@ -321,6 +324,26 @@ class Chain:
         largest = self.largest_total >> self.narrowing
         top = {"census-sobel": 164 * 248, "mi": 64 * 1024}.get(self.case["cost"], 59 * 1550)
         return (top * 2**14 + largest // 2) // largest
+
+    def block_statistics(self, plane, columns):
+        reach = range(-self.radius, self.radius + 1)
+
+        def of_block(x, y):
+            values = [self.at(plane, x + i, y + j)[0] for i in reach for j in reach]
+            return [sum(values), math.isqrt(len(values) * sum(v * v for v in values) - sum(values) ** 2)]
+
+        return [[of_block(x, y) for x in columns] for y in range(self.height)]
+
+    def correlation_costs(self, sums, left, right):
+        n, first = self.block**2, self.smallest + self.count - 1  # right blocks begin at column -first
+
+        def cost(x, y, d):
+            (s, a), (other_s, other_a) = left[y][x], right[y][x - (self.smallest + d) + first]
+            c = n * sums[y][x][d] - s * other_s
+            part = min(4096, 4096 * abs(c) // (a * other_a)) if a * other_a > 0 else 0
+            return 4096 - part if c >= 0 else 4096 + part
+
+        return self.over_pixels(lambda x, y: [cost(x, y, d) for d in range(self.count)])
 
     def matching_cost(self, sums):
         scale = self.scale()
@@ -626,6 +649,13 @@ class Chain:
                 yield "penalties", "B", penalties
             cost = self.sgm_aggregate(cost, penalties)
             yield "sgm_aggregate", "H", cost
+        elif self.case["cost"] == "ncc":
+            left_blocks = self.block_statistics(sides[0], range(self.width))
+            right_columns = range(-(self.smallest + self.count - 1), self.width - self.smallest)
+            right_blocks = self.block_statistics(sides[1], right_columns)
+            yield "block_statistics_left", "I", left_blocks
+            yield "block_statistics_right", "I", right_blocks
+            cost = self.correlation_costs(cost, left_blocks, right_blocks)
         view, other, margins = self.winner(cost)
         yield "winner_left", "h", view
         yield "winner_right", "h", other

@@ -153,7 +153,15 @@ fn stages(left: &Image, right: &Image, params: &Params) -> Vec<(&'static str, us
         stages.push(("sgm_aggregate", 2, bytes16(&aggregate.data)));
         reference::winner(&aggregate, params)
     } else {
-        reference::block_match(&columns, params)
+        let statistics = (params.cost == Cost::Ncc).then(|| {
+            let statistics = reference::block_statistics(&features[0], &features[1], params);
+            for (name, side) in [("block_statistics_left", &statistics[0]), ("block_statistics_right", &statistics[1])]
+            {
+                stages.push((name, 4, side.data.iter().flatten().flat_map(|v| v.to_le_bytes()).collect()));
+            }
+            statistics
+        });
+        reference::block_match(&columns, statistics.as_ref(), params)
     };
     stages.push(("winner_left", 2, map_bytes(&views.left)));
     stages.push(("winner_right", 2, map_bytes(&views.right)));
@@ -258,7 +266,7 @@ fn cases() -> Vec<Case> {
         let mut random = ChaCha8Rng::seed_from_u64(seed);
         let mut params = support::random_params(&mut random);
         params.disparities = random.random_range(1..9);
-        params.block = 2 * random.random_range(0..3) + 1;
+        params.block = 2 * random.random_range(0..3) + if params.cost == Cost::Ncc { 3 } else { 1 };
         params.min_disparity = random.random_range(-5..5);
         if random.random() {
             params.p2 = random.random_range(0..12);

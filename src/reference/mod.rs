@@ -5,6 +5,7 @@
 //! accepts, and each other's results: they check neither again.
 
 mod block_match;
+mod block_statistics;
 mod confidence;
 mod cost_columns;
 mod features;
@@ -28,6 +29,7 @@ mod winner;
 mod wls;
 
 pub use block_match::{block_match, block_sums};
+pub use block_statistics::{BlockStatistics, block_statistics};
 pub use confidence::{confidence, margin};
 pub use cost_columns::{cost_columns, pixel_cost};
 pub use features::{Features, features};
@@ -275,7 +277,12 @@ impl Clock {
     ) -> Views {
         let columns = self.stage("cost_columns", cost_columns(left, right, table, params));
         match params.method {
-            Method::Bm => self.stage("block_match", block_match(&columns, params)),
+            Method::Bm => {
+                let correlates = params.cost == Cost::Ncc;
+                let statistics =
+                    correlates.then(|| self.stage("block_statistics", block_statistics(left, right, params)));
+                self.stage("block_match", block_match(&columns, statistics.as_ref(), params))
+            }
             Method::Sgm => {
                 let cost = self.stage("matching_cost", matching_cost(&columns, params));
                 drop(columns);
