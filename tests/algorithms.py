@@ -633,8 +633,9 @@ class Chain:
             yield "features_" + side, "B", features
             sides.append(features)
             grays.append(gray)
-        self.table = self.last_table(*sides) if self.case["cost"] == "mi" else []
-        yield "mi_table", "B", self.table
+        if self.case["cost"] == "mi":
+            self.table = self.last_table(*sides)
+            yield "mi_table", "B", self.table
         columns = self.cost_columns(*sides)
         yield "cost_columns", "I", columns
         cost = self.block_sums(columns)
