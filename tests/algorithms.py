@@ -322,7 +322,7 @@ class Chain:
 
     def scale(self):
         largest = self.largest_total >> self.narrowing
-        top = {"census-sobel": 164 * 248, "mi": 64 * 1024}.get(self.case["cost"], 59 * 1550)
+        top = {"census-sobel": 128 * 248, "mi": 64 * 1024}.get(self.case["cost"], 59 * 1550)
         return (top * 2**14 + largest // 2) // largest
 
     def block_statistics(self, plane, columns):
