@@ -142,8 +142,8 @@ impl Expected {
     /// The right view that the filters read.
     fn right_view(&mut self) -> DisparityMap {
         match &self.matched {
-            Some(matched) => matched.clone(),
-            None => self.views().right.clone(),
+            Some(matched) if self.level == Some(self.rounds.len() - 1) => matched.clone(),
+            _ => self.views().right.clone(),
         }
     }
 

@@ -322,7 +322,7 @@ class Chain:
 
     def scale(self):
         largest = self.largest_total >> self.narrowing
-        top = {"census-sobel": 164 * 248, "mi": 64 * 1024}.get(self.case["cost"], 59 * 1550)
+        top = {"census-sobel": 128 * 248, "mi": 64 * 1024}.get(self.case["cost"], 59 * 1550)
         return (top * 2**14 + largest // 2) // largest
 
     def block_statistics(self, plane, columns):
@@ -633,8 +633,9 @@ class Chain:
             yield "features_" + side, "B", features
             sides.append(features)
             grays.append(gray)
-        self.table = self.last_table(*sides) if self.case["cost"] == "mi" else []
-        yield "mi_table", "B", self.table
+        if self.case["cost"] == "mi":
+            self.table = self.last_table(*sides)
+            yield "mi_table", "B", self.table
         columns = self.cost_columns(*sides)
         yield "cost_columns", "I", columns
         cost = self.block_sums(columns)

@@ -136,10 +136,12 @@ fn stages(left: &Image, right: &Image, params: &Params) -> Vec<(&'static str, us
         ("prefilter_right", 2, bytes16s(&prefiltered[1])),
         ("features_left", 1, features[0].data.clone()),
         ("features_right", 1, features[1].data.clone()),
-        ("mi_table", 1, table),
         ("cost_columns", 4, columns.data.iter().flat_map(|v| v.to_le_bytes()).collect()),
         ("block_sums", 4, sums),
     ];
+    if !table.is_empty() {
+        stages.push(("mi_table", 1, table));
+    }
     let views = if params.method == Method::Sgm {
         let cost = reference::matching_cost(&columns, params);
         let luma = reference::gray(left, reference::Channel::Luma);
@@ -426,7 +428,7 @@ fn a_second_implementation_from_the_page_gives_the_same_bits() {
 
 fn compare(folder: &Path, stage: &str, size: usize, expected: &[u8], case: &str) {
     let found = std::fs::read(folder.join(stage).with_extension("raw")).unwrap();
-    assert!(found.len() == expected.len(), "{stage}: {} bytes, case {case}", found.len());
+    assert!(!expected.is_empty() && found.len() == expected.len(), "{stage}: {} bytes, case {case}", found.len());
     let first = found.iter().zip(expected).position(|(a, b)| a != b).map(|byte| byte / size);
     let element = |bytes: &[u8], i: usize| bytes[i * size..][..size].to_vec();
     if let Some(i) = first {

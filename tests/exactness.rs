@@ -127,6 +127,8 @@ fn mutual_information() {
             params.prefilter = [Prefilter::None, Prefilter::XSobel][seed as usize % 2];
             params.shader_checks = seed % 3 == 0 && width < 1000;
             params.lr_check = if seed % 4 == 2 { None } else { Some(1) };
+            params.right_view = if seed % 3 == 1 { RightView::Match } else { RightView::Diagonal };
+            params.adaptive_p2 = seed % 2 == 0;
             let [left, right] = [&left, &right].map(|image| support::as_format(image, (seed as u32 + i as u32) % 4));
             check(setup, &left, &right, &params, seed);
         }

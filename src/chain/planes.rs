@@ -125,7 +125,8 @@ pub(super) fn values(
     let scratch = Sums::new(b);
     let mut grays = Vec::new();
     let values = [0, 1].map(|side: usize| {
-        let source = sources[side].create_view(&wgpu::TextureViewDescriptor::default());
+        let source =
+            sources[if b.mirrored { 1 - side } else { side }].create_view(&wgpu::TextureViewDescriptor::default());
         let luma = gray(b, &source, side);
         grays.push(luma.clone());
         let picture = picture_of(b, &source, &luma, side, 0);
