@@ -2,7 +2,7 @@
 
 use std::collections::HashSet;
 
-use crate::buffers::{TEXELS, WORDS};
+use crate::buffers::TEXELS;
 use crate::params::{Census, Cost, Params, Paths, Prefilter, Subpixel};
 use crate::reference::{median_decay, median_spacing, wls_bits};
 use crate::schedule::{Exchange, GROUP_LANES, Plan, STRIP_LANES};
@@ -75,7 +75,7 @@ pub(crate) const KERNELS: &[Kernel] = &[
     Kernel { name: "prefilter", stage: "prefilter", lanes: 64, sources: wgsl!("prefilter", "gray_pixels", "placed", "bytes", "common"), choices: &[], storage: &[QUAD, Read, Write] },
     Kernel { name: "features", stage: "features", lanes: 64, sources: wgsl!("features", "gray_pixels", "placed", "bytes", "common"), choices: &[], storage: &[QUAD, Read, Write] },
     Kernel { name: "penalties", stage: "penalties", lanes: 64, sources: wgsl!("penalties", "intensity_steps", "common"), choices: &[], storage: &[QUAD, Write] },
-    Kernel { name: "penalties_steep", stage: "penalties", lanes: 64, sources: wgsl!("penalties_steep", "intensity_steps", "common"), choices: &[], storage: &[QUAD, Write] },
+    Kernel { name: "penalties_lines", stage: "penalties", lanes: 64, sources: wgsl!("penalties_lines", "intensity_steps", "common"), choices: &[], storage: &[QUAD, Write] },
     Kernel { name: "cost_columns", stage: "cost_columns", lanes: 128, sources: wgsl!("cost_columns", "differences", "common"), choices: &[Choice::PixelPairs, Choice::Sums], storage: &[Read, Read, Write] },
     Kernel { name: "matching_cost", stage: "matching_cost", lanes: 32, sources: wgsl!("matching_cost", "column_sums", "quantise", "common"), choices: &[Choice::Sums], storage: &[Read, Write] },
     Kernel { name: "matching_cost_lanes", stage: "matching_cost", lanes: 128, sources: wgsl!("matching_cost_lanes", "differences", "quantise", "common"), choices: &[Choice::PixelCosts], storage: &[Read, Read, Write] },
@@ -124,7 +124,7 @@ impl Kernel {
         let present = self.storage.iter().filter(|access| plan.adaptive || **access != Penalties);
         let bound = present.map(|&access| match access {
             Costs => cost,
-            Penalties => WORD,
+            Penalties => Read,
             access => access,
         });
         bound.collect()
@@ -151,7 +151,7 @@ impl Kernel {
                     (false, 1) => wgsl!("volume16", "cost_texels"),
                     (false, _) => wgsl!("volume32", "cost_texels"),
                 },
-                Choice::Penalty if plan.adaptive => wgsl!("penalty_texels"),
+                Choice::Penalty if plan.adaptive => wgsl!("penalty_lines"),
                 Choice::Penalty => wgsl!("penalty_fixed"),
                 Choice::PixelCosts => pixel_costs,
                 Choice::PixelPairs => {
@@ -235,7 +235,6 @@ pub(crate) fn constants(kernel: &Kernel, params: &Params, format: PixelFormat, p
         ("DISPARITIES", number(params.disparities)),
         ("QUADS", number(quads)),
         ("TEXELS", number(TEXELS)),
-        ("WORDS", number(WORDS)),
         ("PENALTIES", number(penalties)),
         ("BEYOND", ("vec4<u32>", format!("vec4({})", beyond.join(", ")))),
         ("BLOCK", number(params.block)),
@@ -319,7 +318,7 @@ pub(crate) fn compile(
     let storage = storage.iter().map(|access| match access {
         Read | Costs => buffer(wgpu::BufferBindingType::Storage { read_only: true }, false),
         Write => buffer(wgpu::BufferBindingType::Storage { read_only: false }, false),
-        Penalties => unreachable!("the plan has no penalties, or texels"),
+        Penalties => unreachable!("the plan has no penalties, or a buffer"),
         Texels(format) => wgpu::BindingType::StorageTexture {
             access: wgpu::StorageTextureAccess::ReadOnly,
             format: *format,
@@ -388,7 +387,9 @@ fn shader_module(
 pub(crate) fn check_limits(limits: &wgpu::Limits) -> Result<(), Error> {
     let most = KERNELS
         .iter()
-        .map(|kernel| kernel.storage.iter().filter(|access| matches!(access, Read | Write | Costs)).count() as u32)
+        .map(|kernel| {
+            kernel.storage.iter().filter(|access| matches!(access, Read | Write | Costs | Penalties)).count() as u32
+        })
         .max()
         .unwrap_or(0);
     let lanes = KERNELS.iter().map(|kernel| kernel.lanes.max(GROUP_LANES)).max().unwrap_or(0);
