@@ -1,5 +1,5 @@
-// block_match: the disparity of the smallest block sum; the right view likewise.
-// columns (u16 or u32, [y][x + r][d]) -> left_map, right_map (i16)
+// block_match: the disparity of the smallest cost of a block; the right view likewise.
+// columns (u16 or u32, [y][x + r][d]), with ncc statistics ([y][left, then right blocks]) -> left_map, right_map (i16)
 // MEMBERS invocations: one row of the band, from right to left; a column enters the sum as another leaves it.
 // Border: the columns reach beyond it.
 // Reference: src/reference/block_match.rs
@@ -10,6 +10,7 @@ const BACKWARDS: bool = true;
 @group(0) @binding(2) var<storage, read> columns: array<vec4<u32>>;
 @group(0) @binding(3) var<storage, read_write> left_map: array<u32>;
 @group(0) @binding(4) var<storage, read_write> right_map: array<u32>;
+@group(0) @binding(5) var<storage, read> statistics: array<vec2<u32>>;
 
 @compute @workgroup_size(LANES)
 fn main(@builtin(global_invocation_id) id: vec3<u32>, @builtin(local_invocation_index) local: u32) {
@@ -23,6 +24,7 @@ fn main(@builtin(global_invocation_id) id: vec3<u32>, @builtin(local_invocation_
     let first = band_row * (frame.width + reach) * QUADS;
     var sums = no_costs(0u);
     var costs: Costs;
+    var seen = none_seen(band_row);
     var diagonal = no_costs(COST_NONE << 12u);
     for (var c = 0u; c < reach; c++) {
         enter(&sums, first + (frame.width + c) * QUADS);
@@ -34,11 +36,7 @@ fn main(@builtin(global_invocation_id) id: vec3<u32>, @builtin(local_invocation_
         if inside_row(x) {
             let at = first + u32(x) * QUADS;
             enter(&sums, at);
-            for (var q = 0u; q < OWN_QUADS; q++) {
-                for (var i = 0u; i < 4u; i++) {
-                    costs[q][i] = sums[q][i] >> vec4(NARROWING);
-                }
-            }
+            block_costs(&costs, &sums, &seen, band_row, x);
             leave(&sums, at + reach * QUADS);
         }
         choose(&costs, &diagonal, &kept, pass_.first_row + band_row, x, writes);

@@ -10,18 +10,6 @@
 @group(0) @binding(3) var<storage, read> sums: array<u32>;
 @group(0) @binding(4) var<storage, read_write> plane: array<vec4<u32>>;
 
-// floor(sqrt(n)) for n < 2^24: the float root is off by at most one, the integers decide.
-fn integer_root(n: u32) -> u32 {
-    var root = u32(sqrt(f32(n)));
-    if root * root > n {
-        root -= 1u;
-    }
-    if (root + 1u) * (root + 1u) <= n {
-        root += 1u;
-    }
-    return root;
-}
-
 fn roots(n: vec4<i32>) -> vec4<i32> {
     let m = vec4<u32>(n);
     return vec4<i32>(vec4(integer_root(m.x), integer_root(m.y), integer_root(m.z), integer_root(m.w)));

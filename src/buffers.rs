@@ -126,6 +126,8 @@ pub(crate) struct Sizes {
     pub(crate) volume_row: u64,
     /// Bytes of a row of column sums.
     pub(crate) columns_row: u64,
+    /// Bytes of a row of the statistics of blocks.
+    pub(crate) statistics_row: u64,
     pub(crate) bands: Vec<Rows>,
     /// Whether `matching_cost_small` or `block_match_small` is used, from planes in textures and without column sums.
     pub(crate) small_block: bool,
@@ -168,6 +170,7 @@ impl Sizes {
         }
         // With checks some loops over a state stay loops.
         let rounds = if plan.own_quads <= 4 { 5 } else { 5 * plan.own_quads } + 8 * u32::from(params.confidence);
+        let rounds = rounds + if params.cost == Cost::Ncc { 2 * plan.own_quads } else { 0 };
         let most = ROUNDS / rounds;
         if params.shader_checks && !plan.lanes && width + params.min_disparity.unsigned_abs() > most {
             return Err(Error::Image(format!(
@@ -200,6 +203,8 @@ impl Sizes {
         let volume_row = 4 * u64::from(volume_stride) * u64::from(words);
         let sum_bytes = if params.wide_sums() { 4 } else { 2 };
         let columns_row = 4 * sum_bytes * u64::from(width + reach) * u64::from(words);
+        let statistics_row = 8 * u64::from(2 * width + params.disparities - 1);
+        let chunk_row = columns_row.max(if params.cost == Cost::Ncc { statistics_row } else { 0 });
         // What is copied into a texture is made of whole rows of it.
         let texture_rows = (allowed / TEXTURE_ROW).min(limits.max_texture_dimension_2d.into());
         let volume_allowed = texture_rows * TEXTURE_ROW;
@@ -207,7 +212,7 @@ impl Sizes {
         let source_allowed = TEXTURE_ROW * u64::from(limits.max_texture_dimension_2d); // a texture alone
         for (what, needed, allowed) in [
             ("an image", source, source_allowed),
-            ("a gray image", texels(8 * gray_stride), volume_allowed),
+            ("a gray image", texels(if format.is_deep() { 8 } else { 4 } * gray_stride), volume_allowed),
             ("a disparity map", texels(map_stride), volume_allowed),
         ] {
             if needed > allowed {
@@ -257,7 +262,7 @@ impl Sizes {
             return Err(Error::TooLarge { what, needed, allowed, remedy: fewer });
         }
         // A column's first row costs as much as a block of rows: short chunks are slow.
-        let chunk_bytes = COLUMNS_BYTES.max(128 * columns_row).min(allowed);
+        let chunk_bytes = COLUMNS_BYTES.max(128 * chunk_row).min(allowed);
         let most = |bytes: u64, row: u64| (bytes / row).clamp(1, u64::from(height)) as u32;
         let whole = Rows { first: 0, count: height };
         let bands = match params.method {
@@ -288,9 +293,9 @@ impl Sizes {
             && (!params.shader_checks || width * (params.block + 5) <= ROUNDS)
             && left_stride.max(right_stride).max(height * params.planes()) <= limits.max_texture_dimension_2d;
         if !small_block {
-            fits("a row of column sums", columns_row, fewer)?;
+            fits("a row of column sums", chunk_row, fewer)?;
         }
-        let chunks_of = |&band: &Rows| if small_block { vec![] } else { cut(band, most(chunk_bytes, columns_row)) };
+        let chunks_of = |&band: &Rows| if small_block { vec![] } else { cut(band, most(chunk_bytes, chunk_row)) };
         let chunks = bands.iter().map(chunks_of).collect();
         Ok(Self {
             frame: Frame {
@@ -327,6 +332,7 @@ impl Sizes {
             penalties,
             volume_row,
             columns_row,
+            statistics_row,
             bands,
             small_block,
             chunks,

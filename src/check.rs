@@ -1,14 +1,15 @@
 //! The comparison of every stage's buffer with the reference.
 
 use crate::buffers::{Frame, Rows};
-use crate::reference::{self, Channel, Direction, Features, Images, Plane, Views, Volume};
+use crate::reference::{self, BlockStatistics, Channel, Direction, Features, Images, Plane, Views, Volume};
 use crate::steps::{Output, Step};
-use crate::{DisparityMap, Error, Image, Method, Params, StereoMatcher, readback};
+use crate::{Cost, DisparityMap, Error, Image, Method, Params, StereoMatcher, readback};
 
 /// The first element of a stage that differs from the reference.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Mismatch {
-    /// Column; of a gray or a prefiltered image the byte of its row, of column sums the column plus the block's radius.
+    /// Column; of a gray or a prefiltered image the byte of its row, of column sums the column plus the block's radius,
+    /// of statistics of blocks their place in a row.
     pub x: u32,
     /// Row.
     pub y: u32,
@@ -58,6 +59,7 @@ struct Expected {
     features: [Features; 2],
     penalties: Option<Volume<u8>>,
     columns: Volume<u32>,
+    statistics: Option<[BlockStatistics; 2]>,
     cost: Volume<u8>,
     paths: Vec<(Direction, Volume<u8>)>,
     views: Option<Views>,
@@ -74,6 +76,8 @@ impl Expected {
         let adaptive = params.adaptive_p2 && params.method == Method::Sgm;
         let penalties = adaptive.then(|| reference::penalties(&luma[0], params));
         let columns = reference::cost_columns(&features[0], &features[1], params);
+        let correlates = params.cost == Cost::Ncc;
+        let statistics = correlates.then(|| reference::block_statistics(&features[0], &features[1], params));
         let cost = match params.method {
             Method::Sgm => reference::matching_cost(&columns, params),
             Method::Bm => Volume::new(0, 0, 0),
@@ -88,6 +92,7 @@ impl Expected {
             features,
             penalties,
             columns,
+            statistics,
             cost,
             paths: Vec::new(),
             views: None,
@@ -117,7 +122,7 @@ impl Expected {
         if self.views.is_none() {
             let params = &self.params.clone();
             let views = match params.method {
-                Method::Bm => reference::block_match(&self.columns, params),
+                Method::Bm => reference::block_match(&self.columns, self.statistics.as_ref(), params),
                 Method::Sgm => {
                     let cost = &self.cost;
                     let mut sum = Volume::<u16>::new(cost.width, cost.height, cost.disparities);
@@ -181,6 +186,7 @@ impl StereoMatcher {
                 Output::Paths { first, .. } => *first,
                 Output::Views { .. } => std::mem::take(&mut first_views),
                 Output::Cost { volume_row, .. } => *volume_row == 0,
+                Output::BlockStatistics { side, .. } => *side == 0,
                 Output::Part => false,
                 Output::Features { first, .. } => *first == 0,
                 _ => true,
@@ -298,6 +304,22 @@ impl StereoMatcher {
                                 false => u16::from_le_bytes([values[at], values[at + 1]]).into(),
                             };
                             stage.compare(c, y, Some(d), expected.into(), got.into());
+                        }
+                    }
+                }
+            }
+            Output::BlockStatistics { side, chunk } => {
+                let Some(statistics) = &expected.statistics else { return Ok(()) };
+                let numbers = bytemuck::pod_collect_to_vec::<u8, u32>(&bytes);
+                let columns = &statistics[*side].columns;
+                let count = (columns.end - columns.start) as usize;
+                let row_numbers = self.sizes.statistics_row as usize / 4;
+                for (row, y) in (chunk.first..chunk.first + chunk.count).enumerate() {
+                    let found = &numbers[row * row_numbers + 2 * side * width..][..2 * count];
+                    for (i, found) in found.chunks_exact(2).enumerate() {
+                        let x = if *side == 0 { i as i64 } else { columns.end - 1 - i as i64 };
+                        for (&expected, &got) in statistics[*side].at(x, y as usize).iter().zip(found) {
+                            stage.compare(i, y as usize, None, expected.into(), got.into());
                         }
                     }
                 }

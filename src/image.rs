@@ -40,6 +40,11 @@ impl PixelFormat {
             PixelFormat::Rgba16 => 8,
         }
     }
+
+    /// Whether a sample has 16 bits.
+    pub(crate) fn is_deep(self) -> bool {
+        matches!(self, PixelFormat::Gray16 | PixelFormat::Rgba16)
+    }
 }
 
 /// One image of a rectified pair.

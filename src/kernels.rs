@@ -37,6 +37,8 @@ pub(crate) enum Choice {
     PixelPairs,
     /// How wide the sums of columns are.
     Sums,
+    /// What block matching makes of a block's sum.
+    BlockCosts,
 }
 
 /// Texels of 4 bytes.
@@ -72,17 +74,19 @@ pub(crate) const KERNELS: &[Kernel] = &[
     Kernel { name: "deep_gray", stage: "gray", lanes: 64, sources: wgsl!("deep_gray", "samples", "bytes", "common"), choices: &[], storage: &[QUAD, Write] },
     Kernel { name: "window_columns", stage: "window_sums", lanes: 64, sources: wgsl!("window_columns", "gray_pixels", "bytes", "common"), choices: &[], storage: &[QUAD, Write] },
     Kernel { name: "window_sums", stage: "window_sums", lanes: 64, sources: wgsl!("window_sums", "common"), choices: &[], storage: &[Read, Write] },
-    Kernel { name: "prefilter", stage: "prefilter", lanes: 64, sources: wgsl!("prefilter", "gray_pixels", "placed", "bytes", "common"), choices: &[], storage: &[QUAD, Read, Write] },
+    Kernel { name: "prefilter", stage: "prefilter", lanes: 64, sources: wgsl!("prefilter", "root", "gray_pixels", "placed", "bytes", "common"), choices: &[], storage: &[QUAD, Read, Write] },
     Kernel { name: "features", stage: "features", lanes: 64, sources: wgsl!("features", "gray_pixels", "placed", "bytes", "common"), choices: &[], storage: &[QUAD, Read, Write] },
     Kernel { name: "penalties", stage: "penalties", lanes: 64, sources: wgsl!("penalties", "intensity_steps", "common"), choices: &[], storage: &[QUAD, Write] },
     Kernel { name: "penalties_lines", stage: "penalties", lanes: 64, sources: wgsl!("penalties_lines", "intensity_steps", "common"), choices: &[], storage: &[QUAD, Write] },
     Kernel { name: "cost_columns", stage: "cost_columns", lanes: 128, sources: wgsl!("cost_columns", "differences", "common"), choices: &[Choice::PixelPairs, Choice::Sums], storage: &[Read, Read, Write] },
-    Kernel { name: "matching_cost", stage: "matching_cost", lanes: 32, sources: wgsl!("matching_cost", "column_sums", "quantise", "common"), choices: &[Choice::Sums], storage: &[Read, Write] },
+    Kernel { name: "matching_cost", stage: "matching_cost", lanes: 32, sources: wgsl!("matching_cost", "column_sums", "differences", "quantise", "common"), choices: &[Choice::Sums], storage: &[Read, Write] },
+    Kernel { name: "matching_cost_pixels", stage: "matching_cost", lanes: 32, sources: wgsl!("matching_cost_pixels", "right_bytes", "differences", "quantise", "common"), choices: &[Choice::PixelCosts], storage: &[WORD, WORD, Write] },
     Kernel { name: "matching_cost_lanes", stage: "matching_cost", lanes: 128, sources: wgsl!("matching_cost_lanes", "differences", "quantise", "common"), choices: &[Choice::PixelCosts], storage: &[Read, Read, Write] },
-    Kernel { name: "matching_cost_small", stage: "matching_cost", lanes: 32, sources: wgsl!("matching_cost_small", "differences", "quantise", "common"), choices: &[Choice::PixelCosts], storage: &[WORD, WORD, Write] },
+    Kernel { name: "matching_cost_small", stage: "matching_cost", lanes: 32, sources: wgsl!("matching_cost_small", "right_bytes", "differences", "quantise", "common"), choices: &[Choice::PixelCosts], storage: &[WORD, WORD, Write] },
     Kernel { name: "sgm_aggregate", stage: "sgm_aggregate", lanes: STRIP_LANES, sources: wgsl!("sgm_aggregate", "path_step", "common"), choices: PATHS, storage: &[Costs, Write, Read, Write, Penalties] },
     Kernel { name: "winner", stage: "winner", lanes: STRIP_LANES, sources: wgsl!("winner", "path_step", "winner_row", "refinement", "costs", "common"), choices: PATHS, storage: &[Costs, Read, Read, Read, Read, Write, Write, Penalties] },
-    Kernel { name: "block_match", stage: "block_match", lanes: 32, sources: wgsl!("block_match", "column_sums", "costs", "winner_row", "refinement", "common"), choices: &[Choice::Members, Choice::Sums], storage: &[Read, Write, Write] },
+    Kernel { name: "block_statistics", stage: "block_statistics", lanes: 32, sources: wgsl!("block_statistics", "root", "common"), choices: &[], storage: &[Read, Write] },
+    Kernel { name: "block_match", stage: "block_match", lanes: 32, sources: wgsl!("block_match", "column_sums", "costs", "winner_row", "refinement", "common"), choices: &[Choice::Members, Choice::Sums, Choice::BlockCosts], storage: &[Read, Write, Write, Read] },
     Kernel { name: "block_match_small", stage: "block_match", lanes: 8, sources: wgsl!("block_match_small", "refinement", "common"), choices: &[], storage: &[WORD, WORD, Write, Write] },
     Kernel { name: "texture_columns", stage: "texture", lanes: 32, sources: wgsl!("texture_columns", "common"), choices: &[], storage: &[QUAD, Write] },
     Kernel { name: "texture", stage: "texture", lanes: 64, sources: wgsl!("texture", "common"), choices: &[], storage: &[Read, Read, Write] },
@@ -134,7 +138,8 @@ impl Kernel {
     fn fragments(&self, params: &Params, plan: &Plan) -> Vec<&'static str> {
         let pixel_costs = match params.cost {
             Cost::Sad | Cost::ZeroMeanSad | Cost::SadXy => wgsl!("pixel_sad"),
-            Cost::Ssd | Cost::Ncc | Cost::MutualInformation => wgsl!("pixel_ssd"),
+            Cost::Ncc => wgsl!("pixel_ncc"),
+            Cost::Ssd | Cost::MutualInformation => wgsl!("pixel_ssd"),
             Cost::BirchfieldTomasi => wgsl!("pixel_bt"),
             Cost::Census | Cost::CensusSobel | Cost::AdCensus => wgsl!("pixel_census"),
         };
@@ -156,10 +161,12 @@ impl Kernel {
                 Choice::PixelCosts => pixel_costs,
                 Choice::PixelPairs => {
                     fragments.extend(pixel_costs);
-                    if params.pixel_max() <= 255 && params.cost != Cost::Ssd { wgsl!("pixel_pairs") } else { &[] }
+                    if params.pixel_max() <= 255 && !params.multiplies() { wgsl!("pixel_pairs") } else { &[] }
                 }
                 Choice::Sums if params.wide_sums() => wgsl!("sums32"),
                 Choice::Sums => wgsl!("sums16"),
+                Choice::BlockCosts if params.cost == Cost::Ncc => wgsl!("block_costs_ncc"),
+                Choice::BlockCosts => wgsl!("block_costs_sum"),
             };
             fragments.extend(chosen);
         }
@@ -238,9 +245,11 @@ pub(crate) fn constants(kernel: &Kernel, params: &Params, format: PixelFormat, p
         ("PENALTIES", number(penalties)),
         ("BEYOND", ("vec4<u32>", format!("vec4({})", beyond.join(", ")))),
         ("BLOCK", number(params.block)),
+        ("BLOCK_WORDS", number((params.block + 6) / 4)),
         ("SMALL_VALUES", number((params.feature_max() < 128).into())),
         ("SUMMABLE", number((255 / params.pixel_max()).max(1))),
         ("NARROWING", number(params.narrowing())),
+        ("SCALE_SHIFT", number(params.scale_shift())),
         ("PLANES", number(params.planes())),
         ("IMAGE_PLANES", number(params.planes() / params.channels())),
         ("CHANNELS", number(params.channels())),
@@ -270,7 +279,7 @@ pub(crate) fn constants(kernel: &Kernel, params: &Params, format: PixelFormat, p
         ("UNIQUENESS", number(params.uniqueness)),
         ("CONFIDENCE", number(params.confidence.into())),
         ("FORMAT", number(format as u32)),
-        ("DEEP", number(matches!(format, PixelFormat::Gray16 | PixelFormat::Rgba16).into())),
+        ("DEEP", number(format.is_deep().into())),
         ("GRAY8", number(PixelFormat::Gray8 as u32)),
         ("GRAY16", number(PixelFormat::Gray16 as u32)),
         ("RGBA8", number(PixelFormat::Rgba8 as u32)),

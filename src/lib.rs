@@ -2,14 +2,21 @@
 //!
 //! Two rectified images go in, the disparity of every left pixel comes out. The stages, in order:
 //!
-//! 1. `gray`: 8 bits of luma from 8-bit or 16-bit, gray or colour samples.
-//! 2. `prefilter`: the horizontal Sobel derivative, the gradient magnitude, or the gray image itself ([`Prefilter`]).
-//! 3. `cost_columns`, `matching_cost`: the sum of absolute differences over a block for each disparity, quantised to 0..=89.
-//! 4. `penalties`, `sgm_aggregate`: semi-global matching along 3 to 16 directions ([`Paths`]).
-//! 5. `winner`: the disparity of the smallest aggregate, the uniqueness test, 1/16 px by a parabola, the right view.
-//!    With [`Method::Bm`], `block_match` does this on the block sums, in place of `matching_cost`, 4 and 5.
-//! 6. `lr_check`: a left pixel keeps its disparity if the right view agrees.
-//! 7. `median`: 3x3.
+//! 1. `gray`: luma, or with [`Params::color_cost`] red, green and blue, at the depth of the samples; and luma in 8
+//!    bits.
+//! 2. `prefilter`: the horizontal Sobel derivative, the gradient magnitude, the difference from the mean of a window,
+//!    or the gray image itself ([`Prefilter`]).
+//! 3. `features`: the bytes of a pixel that the cost compares ([`Cost`]): a value, derivatives, a census string
+//!    ([`Census`]) and others.
+//! 4. `cost_columns`, `matching_cost`: the sum of the costs of pixels over a block for each disparity, quantised to
+//!    0..=89.
+//! 5. `penalties`, `sgm_aggregate`: semi-global matching along 3 to 16 directions ([`Paths`]).
+//! 6. `winner`: the disparity of the smallest aggregate, the uniqueness test, 1/16 px ([`Subpixel`]), the right view.
+//!    With [`Method::Bm`], `block_match` does this on the block sums, in place of `matching_cost`, 5 and 6.
+//! 7. `texture`: what a block that holds too little says is dropped.
+//! 8. `lr_check`: a left pixel keeps its disparity if the right view agrees ([`RightView`]).
+//! 9. `speckle`, `median` ([`Median`]), `fill` ([`Fill`]), `weighted_median`, `wls` ([`Wls`]): filters of the map,
+//!    those that are asked for; `confidence`.
 //!
 //! docs/ALGORITHMS.md defines every stage in exact integers. [`mod@reference`] is that definition in Rust,
 //! [`StereoMatcher`] the schedule that computes it on a device. No result depends on the device, the order of

@@ -540,7 +540,7 @@ impl Params {
             "31 is usual",
         )?;
         check(
-            !matches!(self.cost, Cost::Ncc | Cost::MutualInformation),
+            self.cost != Cost::MutualInformation,
             "cost",
             format!("{:?}", self.cost),
             "another one".into(),
@@ -663,8 +663,16 @@ impl Params {
     /// bits, and few rows of planes in a block.
     pub(crate) fn sums_small_blocks(&self) -> bool {
         const MOST_ROWS: u32 = 64; // more make code that compiles for seconds
-        let bytes = self.pixel_max() <= 255 && self.cost != Cost::Ssd;
+        let bytes = self.pixel_max() <= 255 && !self.multiplies();
         bytes && self.block <= Self::SMALL_BLOCK && (self.block + 1) * self.planes() <= MOST_ROWS
+    }
+
+    /// The shift that quantises sums of a byte, where the scale is a power of two; else 0.
+    pub(crate) fn scale_shift(&self) -> u32 {
+        let scale = crate::reference::matching_cost_scale(self);
+        let shift = 24 - scale.ilog2().min(24);
+        let rounded = self.largest_sum() + (1 << shift) / 2;
+        if scale.is_power_of_two() && (1..8).contains(&shift) && rounded <= 255 { shift } else { 0 }
     }
 
     /// Whether a stage needs the sums over windows.
@@ -672,15 +680,24 @@ impl Params {
         self.prefilter == Prefilter::Normalized || self.cost == Cost::ZeroMeanSad
     }
 
-    /// Bits by which block sums are shifted down: as many as bring the largest below 2^20.
+    /// Whether the cost of a pixel is a product, of 16 bits whatever the prefilter.
+    pub(crate) fn multiplies(&self) -> bool {
+        matches!(self.cost, Cost::Ssd | Cost::Ncc)
+    }
+
+    /// Bits by which block sums are shifted down: as many as bring the largest below 2^20; none where the sums are not
+    /// yet the costs.
     pub(crate) fn narrowing(&self) -> u32 {
+        if self.cost == Cost::Ncc {
+            return 0;
+        }
         (32 - self.largest_sum().leading_zeros()).saturating_sub(20)
     }
 
     /// 1024 times the quantised cost of the largest block sum: at most 59 * 1550, which gives 89.
     pub(crate) fn cost_top(&self) -> u32 {
         match self.cost {
-            Cost::CensusSobel => 164 * 248,
+            Cost::CensusSobel => 128 * 248,
             _ => 59 * 1550,
         }
     }

@@ -48,6 +48,11 @@ pub(crate) enum Output {
         chunk: Rows,
         volume_row: u32,
     },
+    /// Of the blocks of one side.
+    BlockStatistics {
+        side: usize,
+        chunk: Rows,
+    },
     /// The paths of all directions together, when the last of their steps is done.
     Paths {
         directions: Vec<Direction>,

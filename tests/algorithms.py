@@ -13,6 +13,13 @@ import os
 import sys
 
 INVALID = -32768
+# A census: columns to either side, rows from the centre, bits, bytes.
+CENSUS = {
+    "5x5": (2, range(-2, 3), 24, 5),
+    "7x7": (3, range(-3, 4), 48, 7),
+    "9x7": (4, range(-3, 4), 62, 8),
+    "cs9x7": (4, range(-3, 0), 31, 4),
+}
 SAMPLES = {"gray8": ("B", 1), "gray16": ("H", 1), "rgba8": ("B", 4), "rgba16": ("H", 4)}
 THREE = [(0, 1), (1, 0), (-1, 0)]
 FOUR = THREE + [(0, -1)]
@@ -27,8 +34,20 @@ def clamp(v, lo, hi):
     return min(max(v, lo), hi)
 
 
+def level(v, u):
+    return (v + u // 2) // u
+
+
 def q(v):
     return (v + 8) >> 4
+
+
+def unit_of(kind):
+    return 257 if kind.endswith("16") else 1
+
+
+def three(red, green, blue):
+    return (red + 2 * green + blue) >> 2
 
 
 class Chain:
@@ -38,8 +57,12 @@ class Chain:
         self.width, self.height = case["width"], case["height"]
         self.smallest, self.count = case["min_disparity"], case["disparities"]
         self.case = case
-        self.radius = (case["block"] - 1) // 2
-        self.largest_value = 255 if case["prefilter"] == "none" else 2 * case["prefilter_cap"]
+        self.cap, self.block = case["prefilter_cap"], case["block"]
+        self.radius = (self.block - 1) // 2
+        self.census_bits, census_bytes = CENSUS[case["census"]][2:]
+        self.census_bytes = census_bytes if "census" in case["cost"] else 0
+        self.largest_total = self.block**2 * self.largest_pixel_cost()
+        self.narrowing = 0 if case["cost"] == "ncc" else max(0, self.largest_total.bit_length() - 20)
 
     def inside(self, x):
         return 0 <= x <= self.width - 1
@@ -53,62 +76,198 @@ class Chain:
     def over_pixels(self, formula):
         return [[formula(x, y) for x in range(self.width)] for y in range(self.height)]
 
-    def gray(self, kind, samples):
-        def luma(x, y):
+    def deep_gray(self, kind, samples):
+        """The channels at the depth of the samples."""
+
+        def sample(i):
+            return self.over_pixels(lambda x, y: samples[(y * self.width + x) * SAMPLES[kind][1] + i])
+
+        if kind.startswith("gray"):
+            return [sample(0)] * (3 if self.case["color_cost"] == "on" else 1)
+        colours = [sample(i) for i in (0, 1, 2)]
+        return colours if self.case["color_cost"] == "on" else [self.luma(kind, samples)]
+
+    def luma(self, kind, samples):
+        def value(x, y):
             p = (y * self.width + x) * SAMPLES[kind][1]
             if kind.startswith("gray"):
-                value = samples[p]
-            else:
-                value = (9798 * samples[p] + 19235 * samples[p + 1] + 3735 * samples[p + 2] + 16384) >> 15
-            return (value + 128) // 257 if kind.endswith("16") else value
+                return samples[p]
+            return (9798 * samples[p] + 19235 * samples[p + 1] + 3735 * samples[p + 2] + 16384) >> 15
 
-        return self.over_pixels(luma)
+        return self.over_pixels(value)
 
-    def derivative(self, g, x, y, across):
-        total = 0
-        for weight, j in ((1, -1), (2, 0), (1, 1)):
-            if across:
-                total += weight * (self.at(g, x + 1, y + j) - self.at(g, x - 1, y + j))
-            else:
-                total += weight * (self.at(g, x + j, y + 1) - self.at(g, x + j, y - 1))
-        return total
+    def gray(self, kind, samples):
+        luma = self.luma(kind, samples)
+        return self.over_pixels(lambda x, y: level(luma[y][x], unit_of(kind)))
 
-    def prefilter(self, g):
-        kind, cap = self.case["prefilter"], self.case["prefilter_cap"]
+    def window_sums(self, image, side):
+        reach = range(-(side // 2), side // 2 + 1)
+        rows = self.over_pixels(lambda x, y: sum(self.at(image, x + i, y) for i in reach))
+        return self.over_pixels(lambda x, y: sum(self.at(rows, x, y + j) for j in reach))
+
+    def derivatives(self, image, u, x, y):
+        """Gx and Gy."""
+
+        def at(i, j):
+            return self.at(image, x + i, y + j)
+
+        gx = at(1, -1) - at(-1, -1) + 2 * (at(1, 0) - at(-1, 0)) + at(1, 1) - at(-1, 1)
+        gy = at(-1, 1) - at(-1, -1) + 2 * (at(0, 1) - at(0, -1)) + at(1, 1) - at(1, -1)
+        return level(gx, u), level(gy, u)
+
+    def clipped(self, v):
+        return clamp(v, -self.cap, self.cap) + self.cap
+
+    def prefilter(self, g, u):
+        kind, w = self.case["prefilter"], self.case["prefilter_window"]
+        n = w * w
+        sums = self.window_sums(g, w) if kind == "normalized" else None
 
         def value(x, y):
             if kind == "none":
                 return g[y][x]
-            gx = self.derivative(g, x, y, True)
-            if kind == "xsobel":
-                return clamp(gx, -cap, cap) + cap
-            return min(math.isqrt(gx**2 + self.derivative(g, x, y, False) ** 2), 2 * cap)
+            if kind == "normalized":
+                beside = sum(self.at(g, x + i, y + j) for i, j in ((-1, 0), (1, 0), (0, -1), (0, 1)))
+                return self.clipped((n * (4 * g[y][x] + beside) - 8 * sums[y][x]) // (2 * n * u))
+            gx, gy = self.derivatives(g, u, x, y)
+            return self.clipped(gx) if kind == "xsobel" else min(math.isqrt(gx * gx + gy * gy), 2 * self.cap)
 
         return self.over_pixels(value)
 
-    def sad_columns(self, left, right):
-        rows = range(-self.radius, self.radius + 1)
+    def census(self, f, x, y):
+        """The bytes of the census string."""
+        side, rows = CENSUS[self.case["census"]][:2]
+        symmetric = self.case["census"] == "cs9x7"
 
-        def entry(x, y, d):
-            seen = x - (self.smallest + d)
-            return sum(abs(self.at(left, x, y + j) - self.at(right, seen, y + j)) for j in rows)
+        def bit(dx, dy):
+            other = self.at(f, x - dx, y - dy) if symmetric else f[y][x]
+            return 1 if self.at(f, x + dx, y + dy) < other else 0
 
+        found = [sum(bit(dx, dy) << (4 + dx) for dx in range(-side, min(side, 3) + 1)) for dy in rows]
+        if side == 4:
+            last = sum(bit(4, dy) << p for p, dy in enumerate(rows))
+            found.append(last + (sum(bit(dx, 0) << (7 + dx) for dx in range(-4, 0)) if symmetric else 0))
+        return found
+
+    def features(self, channels, u):
+        cost, n = self.case["cost"], self.block**2
+
+        def of_channel(f, sums, x, y):
+            v = level(f[y][x], u)
+            if cost in ("sad", "ssd", "ncc"):
+                return [v]
+            if cost == "zsad":
+                z = (2 * (n * f[y][x] - sums[y][x]) + n * u) // (2 * n * u)
+                return [clamp(z, -127, 127) + 127]
+            if cost == "bt":
+                a, b = ((v + level(self.at(f, x + i, y), u)) // 2 for i in (-1, 1))
+                return [v, min(v, a, b), max(v, a, b)]
+            found = self.census(f, x, y) if self.census_bytes else []
+            if cost in ("sad-xy", "census-sobel"):
+                found += [self.clipped(g) for g in self.derivatives(f, u, x, y)]
+            if cost == "ad-census":
+                found.append(v)
+            return found
+
+        sums = [self.window_sums(f, self.block) if cost == "zsad" else None for f in channels]
+        return self.over_pixels(lambda x, y: [v for f, s in zip(channels, sums) for v in of_channel(f, s, x, y)])
+
+    def mix(self, a, b):
+        return min(255, (self.case["ad_weight"] * a + self.case["census_weight"] * b + 8) >> 4)
+
+    def largest_pixel_cost(self):
+        v = 255 if self.case["prefilter"] == "none" else 2 * self.cap
+        return {
+            "sad": v,
+            "ssd": v * v,
+            "ncc": v * v,
+            "zsad": min(2 * v, 254),
+            "bt": v,
+            "sad-xy": 4 * self.cap,
+            "census": self.census_bits,
+            "census-sobel": 2 * self.census_bits + 4 * self.cap,
+            "ad-census": max(1, self.mix(v, self.census_bits)),
+        }[self.case["cost"]]
+
+    def pixel_cost(self, l, p):
+        cost, i = self.case["cost"], self.census_bytes
+        if cost == "bt":
+
+            def between(i):
+                def outside(v, low, high):
+                    return max(0, low - v, v - high)
+
+                return min(outside(l[i], p[i + 1], p[i + 2]), outside(p[i], l[i + 1], l[i + 2]))
+
+            return three(*map(between, (0, 3, 6))) if self.case["color_cost"] == "on" else between(0)
+        difference = [abs(a - b) for a, b in zip(l, p)]
+        bits = sum(bin(a ^ b).count("1") for a, b in zip(l[:i], p[:i]))
+        if cost == "sad":
+            return three(*difference) if self.case["color_cost"] == "on" else difference[0]
+        if cost == "ssd":
+            return difference[0] ** 2
+        if cost == "ncc":
+            return l[0] * p[0]
+        if cost == "zsad":
+            return difference[0]
+        if cost == "sad-xy":
+            return difference[0] + difference[1]
+        if cost == "census":
+            return bits
+        if cost == "census-sobel":
+            return 2 * bits + difference[i] + difference[i + 1]
+        return self.mix(difference[i], bits)
+
+    def cost_columns(self, left, right):
         columns = range(-self.radius, self.width + self.radius)
-        return [[[entry(x, y, d) for d in range(self.count)] for x in columns] for y in range(self.height)]
+
+        def costs(x, y):
+            seen = [self.at(right, x - (self.smallest + d), y) for d in range(self.count)]
+            return [self.pixel_cost(self.at(left, x, y), p) for p in seen]
+
+        # Both images are continued by the same rows, so the pixel costs are, too.
+        rows = [[costs(x, y) for x in columns] for y in range(self.height)]
+
+        def column(c, y):
+            block = [rows[clamp(y + j, 0, self.height - 1)][c] for j in range(-self.radius, self.radius + 1)]
+            return [sum(values) for values in zip(*block)]
+
+        return [[column(c, y) for c in range(len(columns))] for y in range(self.height)]
 
     def block_sums(self, columns):
         def sums(x, y):
-            return [sum(values) for values in zip(*columns[y][x : x + 2 * self.radius + 1])]
+            return [sum(values) >> self.narrowing for values in zip(*columns[y][x : x + 2 * self.radius + 1])]
 
         return self.over_pixels(sums)
 
     def scale(self):
-        largest = self.case["block"] ** 2 * self.largest_value
-        return (59 * 1550 * 2**14 + largest // 2) // largest
+        largest = self.largest_total >> self.narrowing
+        top = 164 * 248 if self.case["cost"] == "census-sobel" else 59 * 1550
+        return (top * 2**14 + largest // 2) // largest
 
-    def sad_cost(self, columns):
+    def block_statistics(self, plane, columns):
+        reach = range(-self.radius, self.radius + 1)
+
+        def of_block(x, y):
+            values = [self.at(plane, x + i, y + j)[0] for i in reach for j in reach]
+            return [sum(values), math.isqrt(len(values) * sum(v * v for v in values) - sum(values) ** 2)]
+
+        return [[of_block(x, y) for x in columns] for y in range(self.height)]
+
+    def correlation_costs(self, sums, left, right):
+        n, first = self.block**2, self.smallest + self.count - 1  # right blocks begin at column -first
+
+        def cost(x, y, d):
+            (s, a), (other_s, other_a) = left[y][x], right[y][x - (self.smallest + d) + first]
+            c = n * sums[y][x][d] - s * other_s
+            part = min(4096, 4096 * abs(c) // (a * other_a)) if a * other_a > 0 else 0
+            return 4096 - part if c >= 0 else 4096 + part
+
+        return self.over_pixels(lambda x, y: [cost(x, y, d) for d in range(self.count)])
+
+    def matching_cost(self, sums):
         scale = self.scale()
-        return [[[(s * scale + 2**23) >> 24 for s in pixel] for pixel in row] for row in self.block_sums(columns)]
+        return [[[(s * scale + 2**23) >> 24 for s in pixel] for pixel in row] for row in sums]
 
     def penalties(self, g):
         p1, p2 = self.case["p1"], self.case["p2"]
@@ -189,7 +348,7 @@ class Chain:
         least = self.case["texture"]
         if least == 0:
             return disparities
-        e = self.over_pixels(lambda x, y: min(abs(self.derivative(g, x, y, True)), self.case["prefilter_cap"]))
+        e = self.over_pixels(lambda x, y: min(abs(self.derivatives(g, 1, x, y)[0]), self.case["prefilter_cap"]))
         block = range(-self.radius, self.radius + 1)
 
         def kept(x, y):
@@ -384,26 +543,38 @@ class Chain:
         """All stages in the order of the chain: (name, C type, values)."""
         sides, grays = [], []
         for side, samples in (("left", left), ("right", right)):
-            gray = self.gray(self.case["format"], samples)
-            plane = self.prefilter(gray)
+            kind = self.case["format"]
+            gray = self.gray(kind, samples)
             yield "gray_" + side, "B", gray
-            yield "prefilter_" + side, "B", plane
-            sides.append(plane)
+            channels, unit = self.deep_gray(kind, samples), unit_of(kind)
+            yield "deep_gray_" + side, "H", channels
+            channels = [self.prefilter(g, unit) for g in channels]
+            yield "prefilter_" + side, "H", channels
+            features = self.features(channels, unit if self.case["prefilter"] == "none" else 1)
+            yield "features_" + side, "B", features
+            sides.append(features)
             grays.append(gray)
-        columns = self.sad_columns(*sides)
-        yield "sad_columns", "H", columns
+        columns = self.cost_columns(*sides)
+        yield "cost_columns", "I", columns
+        cost = self.block_sums(columns)
+        yield "block_sums", "I", cost
         if self.case["method"] == "sgm":
-            cost = self.sad_cost(columns)
-            yield "sad_cost_scale", "I", [self.scale()]
-            yield "sad_cost", "B", cost
+            cost = self.matching_cost(cost)
+            yield "matching_cost_scale", "I", [self.scale()]
+            yield "matching_cost", "B", cost
             penalties = None
             if self.case["adaptive_p2"] == "on":
                 penalties = self.penalties(grays[0])
                 yield "penalties", "B", penalties
             cost = self.sgm_aggregate(cost, penalties)
             yield "sgm_aggregate", "H", cost
-        else:
-            cost = self.block_sums(columns)
+        elif self.case["cost"] == "ncc":
+            left_blocks = self.block_statistics(sides[0], range(self.width))
+            right_columns = range(-(self.smallest + self.count - 1), self.width - self.smallest)
+            right_blocks = self.block_statistics(sides[1], right_columns)
+            yield "block_statistics_left", "I", left_blocks
+            yield "block_statistics_right", "I", right_blocks
+            cost = self.correlation_costs(cost, left_blocks, right_blocks)
         view, other, margins = self.winner(cost)
         yield "winner_left", "h", view
         yield "winner_right", "h", other
@@ -460,9 +631,10 @@ def run_case(folder):
 
 
 EXAMPLE = dict(
-    width=6, height=1, format="gray8", method="sgm", paths=4, min_disparity=0, disparities=3, block=3, prefilter="none",
-    prefilter_cap=31, p1=2, p2=6, adaptive_p2="off", texture=0, uniqueness=0, lr_check=0,
-    right_view="diagonal", speckle_window=0, speckle_range=2, median=3, fill="none", subpixel="parabola", weighted_median="off", wls="off",
+    width=6, height=1, format="gray8", method="sgm", cost="sad", census="5x5", color_cost="off", ad_weight=8,
+    census_weight=32, paths=4, min_disparity=0, disparities=3, block=3, prefilter="none", prefilter_cap=31,
+    prefilter_window=9, p1=2, p2=6, adaptive_p2="off", texture=0, uniqueness=0, lr_check=0, right_view="diagonal",
+    speckle_window=0, speckle_range=2, median=3, fill="none", subpixel="parabola", weighted_median="off", wls="off",
 )
 EXAMPLE_PAIR = [10, 40, 70, 60, 200, 90], [40, 66, 190, 210, 90, 90]
 
@@ -471,23 +643,23 @@ def example():
     """The tables of the worked example."""
     chain = Chain(EXAMPLE)
     stages = {name: values[0] for name, _, values in chain.run(*EXAMPLE_PAIR)}
-    columns, cost = [stages["sad_columns"]], [stages["sad_cost"]]
+    cost = [stages["matching_cost"]]
 
-    def show(title, values, first=0):
+    def show(title, values, first=0, name="d"):
         print(title)
         if isinstance(values[0], list):
             values = list(zip(*values))
             print("      x " + "".join("%6d" % (first + x) for x in range(len(values[0]))))
             for d, row in enumerate(values):
-                print("  d = %d " % d + "".join("%6d" % v for v in row))
+                print("  %s = %d " % (name, d) + "".join("%6d" % v for v in row))
         else:
             print("        " + "".join("%6s" % ("inv" if v == INVALID else v) for v in values))
 
     show("left gray", stages["gray_left"])
     show("right gray", stages["gray_right"])
-    show("sad_columns, x = c - 1", columns[0], -1)
-    show("block sums", chain.block_sums(columns)[0])
-    show("sad_cost C, scale = %d" % chain.scale(), cost[0])
+    show("cost_columns, x = c - 1", stages["cost_columns"], -1)
+    show("block sums", stages["block_sums"])
+    show("matching_cost C, scale = %d" % chain.scale(), cost[0])
     show("L of (0, 1) and of (0, -1): one row, so every path starts and L = C", chain.path_costs(cost, None, 0, 1)[0])
     show("L of (1, 0)", chain.path_costs(cost, None, 1, 0)[0])
     show("L of (-1, 0)", chain.path_costs(cost, None, -1, 0)[0])
@@ -496,6 +668,8 @@ def example():
     show("winner, right view", stages["winner_right"])
     show("lr_check", stages["lr_check"])
     show("median", stages["median"])
+    others = Chain(dict(EXAMPLE, cost="census"))
+    show("features of the left image with the cost census, 5x5", others.features([[EXAMPLE_PAIR[0]]], 1)[0], name="i")
 
 
 if __name__ == "__main__":

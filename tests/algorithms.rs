@@ -5,8 +5,8 @@
 mod support;
 
 use gpu_stereo::{
-    DisparityMap, Fill, Image, Median, Method, Params, Paths, PixelFormat, Pixels, Prefilter, RightView, Subpixel,
-    reference,
+    Cost, DisparityMap, Fill, Image, Median, Method, Params, Paths, PixelFormat, Pixels, Prefilter, RightView,
+    Subpixel, reference,
 };
 use rand::{Rng, SeedableRng};
 use rand_chacha::ChaCha8Rng;
@@ -52,10 +52,16 @@ fn settings(params: &Params) -> Vec<(&'static str, String)> {
         ("min_disparity", params.min_disparity.to_string()),
         ("disparities", number(params.disparities)),
         ("method", if params.method == Method::Sgm { "sgm" } else { "bm" }.into()),
+        ("cost", params.get("cost")),
+        ("census", params.get("census")),
+        ("ad_weight", number(params.ad_weight)),
+        ("census_weight", number(params.census_weight)),
+        ("color_cost", params.get("color-cost")),
         ("paths", number(params.paths.count())),
         ("block", number(params.block)),
-        ("prefilter", format!("{:?}", params.prefilter).to_lowercase()),
+        ("prefilter", params.get("prefilter")),
         ("prefilter_cap", number(params.prefilter_cap)),
+        ("prefilter_window", number(params.prefilter_window)),
         ("p1", number(params.p1)),
         ("p2", number(params.p2)),
         ("adaptive_p2", if params.adaptive_p2 { "on" } else { "off" }.into()),
@@ -113,18 +119,24 @@ fn samples(image: &Image) -> Vec<u8> {
 /// Every stage of the reference by the name of its file, the last one being the map.
 fn stages(left: &Image, right: &Image, params: &Params) -> Vec<(&'static str, usize, Vec<u8>)> {
     let gray = [left, right].map(|image| reference::gray(image, reference::Channel::Luma));
-    let prefiltered = [left, right].map(|image| reference::images(image, params).prefiltered(params));
+    let deep = [left, right].map(|image| reference::images(image, params));
+    let prefiltered = [0, 1].map(|side: usize| deep[side].prefiltered(params));
     let features = [0, 1].map(|side: usize| prefiltered[side].features(params));
     let columns = reference::cost_columns(&features[0], &features[1], params);
+    let rows = 0..columns.height;
+    let sums = rows.flat_map(|y| reference::block_sums(&columns, y, params)).flat_map(u32::to_le_bytes).collect();
     let bytes16s = |images: &reference::Images| images.channels.iter().flat_map(|c| bytes16(&c.data)).collect();
     let mut stages = vec![
         ("gray_left", 1, gray[0].data.clone()),
         ("gray_right", 1, gray[1].data.clone()),
+        ("deep_gray_left", 2, bytes16s(&deep[0])),
+        ("deep_gray_right", 2, bytes16s(&deep[1])),
         ("prefilter_left", 2, bytes16s(&prefiltered[0])),
         ("prefilter_right", 2, bytes16s(&prefiltered[1])),
         ("features_left", 1, features[0].data.clone()),
         ("features_right", 1, features[1].data.clone()),
         ("cost_columns", 4, columns.data.iter().flat_map(|v| v.to_le_bytes()).collect()),
+        ("block_sums", 4, sums),
     ];
     let views = if params.method == Method::Sgm {
         let cost = reference::matching_cost(&columns, params);
@@ -139,7 +151,15 @@ fn stages(left: &Image, right: &Image, params: &Params) -> Vec<(&'static str, us
         stages.push(("sgm_aggregate", 2, bytes16(&aggregate.data)));
         reference::winner(&aggregate, params)
     } else {
-        reference::block_match(&columns, params)
+        let statistics = (params.cost == Cost::Ncc).then(|| {
+            let statistics = reference::block_statistics(&features[0], &features[1], params);
+            for (name, side) in [("block_statistics_left", &statistics[0]), ("block_statistics_right", &statistics[1])]
+            {
+                stages.push((name, 4, side.data.iter().flatten().flat_map(|v| v.to_le_bytes()).collect()));
+            }
+            statistics
+        });
+        reference::block_match(&columns, statistics.as_ref(), params)
     };
     stages.push(("winner_left", 2, map_bytes(&views.left)));
     stages.push(("winner_right", 2, map_bytes(&views.right)));
@@ -225,6 +245,9 @@ fn noise(width: u32, height: u32, format: u32, random: &mut ChaCha8Rng) -> Image
     Image::new(width, height, pixels).unwrap()
 }
 
+/// Every cost of the page, by name.
+const COSTS: [&str; 8] = ["sad", "ssd", "zsad", "bt", "sad-xy", "census", "census-sobel", "ad-census"];
+
 fn cases() -> Vec<Case> {
     let mut cases = Vec::new();
     // Pairs with a truth, in every format, with random parameters.
@@ -241,7 +264,7 @@ fn cases() -> Vec<Case> {
         let mut random = ChaCha8Rng::seed_from_u64(seed);
         let mut params = support::random_params(&mut random);
         params.disparities = random.random_range(1..9);
-        params.block = 2 * random.random_range(0..3) + 1;
+        params.block = 2 * random.random_range(0..3) + if params.cost == Cost::Ncc { 3 } else { 1 };
         params.min_disparity = random.random_range(-5..5);
         if random.random() {
             params.p2 = random.random_range(0..12);
@@ -296,6 +319,53 @@ fn cases() -> Vec<Case> {
         params.p2 = 0;
         params.uniqueness = 99;
     });
+    // Every cost on samples of 16 bits, colour and gray: small blocks, then the largest block, cap and weights.
+    for (seed, option) in (300..).zip(COSTS) {
+        let mut random = ChaCha8Rng::seed_from_u64(seed);
+        for (format, census) in ["5x5", "7x7", "9x7", "cs9x7"].into_iter().enumerate() {
+            let mut params = if format % 2 == 0 { Params::sgm(6) } else { Params::bm(6) };
+            params.min_disparity = -2;
+            params.block = 2 * random.random_range(0..4) + 1;
+            let mut set = |name: &str, value: &str| params.set(name, value).unwrap();
+            set("cost", option);
+            set("census", census);
+            set("prefilter", ["none", "xsobel", "normalized", "none"][format]);
+            if matches!(option, "sad" | "bt") && format >= 2 {
+                set("color-cost", "on");
+            }
+            let left = noise(14, 9, format as u32, &mut random);
+            let right = noise(14, 9, format as u32, &mut random);
+            cases.push(Case { left, right, params });
+        }
+        for mut params in [Params::sgm(4), Params::bm(4)] {
+            params.block = Params::MAX_BLOCK;
+            params.prefilter = Prefilter::None;
+            params.set("cost", option).unwrap();
+            params.prefilter_cap = match option {
+                "sad-xy" => 63,
+                "census-sobel" => 32,
+                _ => Params::MAX_CAP,
+            };
+            (params.ad_weight, params.census_weight) = (64, 64);
+            let left = few_levels(11, 6, 1, &mut random);
+            let right = few_levels(11, 6, 1, &mut random);
+            cases.push(Case { left, right, params });
+        }
+    }
+    // Windows and blocks at their largest, on 16 bits: the largest sums. Weights that leave no cost at all.
+    for (window, cost) in [(51, "zsad"), (3, "zsad"), (51, "ad-census")] {
+        let mut random = ChaCha8Rng::seed_from_u64(400 + window);
+        let mut params = Params::sgm(5);
+        params.set("cost", cost).unwrap();
+        params.prefilter = Prefilter::Normalized;
+        params.prefilter_window = window as u32;
+        params.prefilter_cap = if cost == "zsad" { Params::MAX_CAP } else { 1 };
+        params.block = if cost == "zsad" { Params::MAX_BLOCK } else { 1 };
+        (params.ad_weight, params.census_weight) = (1, 0);
+        let left = few_levels(15, 7, 3, &mut random);
+        let right = few_levels(15, 7, 3, &mut random);
+        cases.push(Case { left, right, params });
+    }
     // One step of gray in a flat pair: all ties.
     for params in [Params::sgm(5), Params::bm(5)] {
         let image = |at: usize| {

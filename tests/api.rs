@@ -341,7 +341,7 @@ fn expected_values(left: &Image, right: &Image, params: &Params) -> impl Fn(&str
     let paths = [0, 1].map(|i| reference::aggregate_direction(&cost, None, Direction::all(params.paths)[i], params));
     let sum = reference::sgm_aggregate(&cost, None, params);
     let winner = reference::winner(&sum, params);
-    let block_match = reference::block_match(&columns, params);
+    let block_match = reference::block_match(&columns, None, params);
     let finished = reference::compute(left, right, params).unwrap();
     let views = if params.method == gpu_stereo::Method::Sgm { winner.clone() } else { block_match.clone() };
     let checked = reference::lr_check(&views.left, &views.right, params.lr_check.unwrap());

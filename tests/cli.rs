@@ -574,7 +574,7 @@ fn bad_parameters() {
         (&["--disp", "16", "--weighted-median", "0"], &["--weighted-median is 0,", "off"]),
         (&["--disp", "16", "--weighted-median-sigma", "256"], &["--weighted-median-sigma is 256,", "1 to 255"]),
         (&["--disp", "16", "--wls", "8000"], &["--wls is 8000,", "on, off"]),
-        (&["--disp", "16", "--wls-lambda", "0"], &["--wls-lambda is 0,", "finite and more than 0"]),
+        (&["--disp", "16", "--wls-lambda", "2e6"], &["--wls-lambda is 2e6,", "from 0 to 1000000"]),
         (&["--disp", "16", "--wls-lambda", "-1e3"], &["--wls-lambda is -1e3,"]),
         (&["--disp", "16", "--wls-sigma", "nan"], &["--wls-sigma is nan,"]),
         (&["--disp", "16", "--wls-sigma", "1,5"], &["--wls-sigma is 1,5,", "a number or off"]),

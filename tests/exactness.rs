@@ -3,7 +3,7 @@
 
 mod support;
 
-use gpu_stereo::{Image, Params, Paths, Prefilter, RightView, Schedule, StereoMatcher, wgpu};
+use gpu_stereo::{Cost, Image, Params, Paths, Prefilter, RightView, Schedule, StereoMatcher, wgpu};
 use rand::{Rng, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 
@@ -125,6 +125,17 @@ fn largest_sums() {
             check(&setup, &left, &right, &params, 7);
         }
     }
+    // Blocks of black and white, which correlate wholly, in part, and not at all.
+    let mut random = ChaCha8Rng::seed_from_u64(7);
+    let bits: Vec<bool> = (0..61 * 23).map(|i| random.random() || i % 61 > 45).collect();
+    let image = |on: u8| {
+        Image::new(61, 23, gpu_stereo::Pixels::Gray8(bits.iter().map(|&bit| if bit { on } else { !on }).collect()))
+    };
+    for (block, right) in [(3, 0), (19, 0), (19, 255)] {
+        let mut params = ncc(20);
+        (params.prefilter, params.block) = (Prefilter::None, block);
+        check(&setup, &image(0).unwrap(), &image(right).unwrap(), &params, 7);
+    }
     // Every cost the largest, and a uniqueness limit beyond all that the keys hold.
     let image = |value| Image::new(61, 23, gpu_stereo::Pixels::Gray8(vec![value; 61 * 23])).unwrap();
     for disparities in [1, 2, 3, 17] {
@@ -145,6 +156,12 @@ fn long_sides() {
         check(&setup, &left, &right, &Params::sgm(9), seed);
         check(&setup, &left, &right, &Params::bm(9), seed);
     }
+}
+
+fn ncc(disparities: u32) -> Params {
+    let mut params = Params::bm(disparities);
+    params.cost = Cost::Ncc;
+    params
 }
 
 /// The longest rows: lavapipe leaves an invocation after 65,535 rounds of its loops.
@@ -170,6 +187,9 @@ fn longest_rows() {
         (13_000, Params::sgm(17), Schedule::Lanes, true),
         (1638, Params::sgm(2000), Schedule::Lines, false),
         (2184, Params::bm(90), Schedule::Lines, true),
+        (5000, ncc(64), Schedule::Lines, true),
+        (1560, ncc(90), Schedule::Lines, true),
+        (13_000, ncc(64), Schedule::Lanes, true),
     ] {
         (params.shader_checks, params.schedule, params.block) = (true, schedule, 15);
         let (left, right) = support::pair(width, 2, 3);
@@ -199,6 +219,8 @@ fn bands() {
             params.min_disparity = -3;
             check(&setup, &left, &right, &params, seed);
         }
-        check(&setup, &left, &right, &Params::bm(35), seed);
+        for params in [Params::bm(35), ncc(35)] {
+            check(&setup, &left, &right, &params, seed);
+        }
     }
 }

@@ -160,7 +160,7 @@ fn mirrored_and_swapped_the_left_view_is_the_right_view() {
             (params.p1, params.p2) = (0, 0);
             let columns = column_sums(&left, &right, &params);
             let views = match params.method {
-                Method::Bm => reference::block_match(&columns, &params),
+                Method::Bm => reference::block_match(&columns, None, &params),
                 _ => {
                     let cost = reference::matching_cost(&columns, &params);
                     reference::winner(&reference::sgm_aggregate(&cost, None, &params), &params)

@@ -7,6 +7,11 @@ use crate::kernels;
 use crate::steps::Bound::{self, Buffer, Texture};
 use crate::steps::{Builder, Output};
 
+/// Rows of the largest chunk.
+fn most_rows(b: &Builder<'_>) -> u64 {
+    b.sizes.chunks.iter().flatten().map(|chunk| chunk.count).max().unwrap_or(0).into()
+}
+
 /// Column sums for one chunk of rows at a time.
 struct Columns {
     buffer: wgpu::Buffer,
@@ -14,8 +19,7 @@ struct Columns {
 
 impl Columns {
     fn new(b: &mut Builder<'_>) -> Self {
-        let most = b.sizes.chunks.iter().flatten().map(|chunk| chunk.count).max().unwrap_or(0);
-        Self { buffer: b.buffer("cost_columns", u64::from(most) * b.sizes.columns_row) }
+        Self { buffer: b.buffer("cost_columns", most_rows(b) * b.sizes.columns_row) }
     }
 
     /// Stage `cost_columns` for the rows of `chunk`.
@@ -28,6 +32,31 @@ impl Columns {
         let storage = [Buffer(left), Buffer(right), Buffer(&self.buffer)];
         b.step("cost_columns", &storage, pass, lanes, segments, Output::Columns { chunk });
         pass
+    }
+}
+
+/// Statistics of the blocks of both sides, for one chunk of rows at a time.
+struct Statistics {
+    buffer: wgpu::Buffer,
+}
+
+impl Statistics {
+    fn new(b: &mut Builder<'_>) -> Self {
+        Self { buffer: b.buffer("block_statistics", most_rows(b) * b.sizes.statistics_row) }
+    }
+
+    /// Stage `block_statistics` for the rows of `chunk`.
+    fn compute(&self, b: &mut Builder<'_>, planes: &Planes, chunk: Rows) {
+        let Frame { width, left_stride, right_stride, .. } = b.sizes.frame;
+        let right_blocks = width + b.params.disparities - 1;
+        let sides = [(0, width, left_stride), (width, right_blocks, right_stride)];
+        for (side, (first_line, lines, stride)) in sides.into_iter().enumerate() {
+            let pass = Pass { first_row: chunk.first, rows: chunk.count, first_line, lines, stride, ..Pass::default() };
+            let segments = chunk.count.div_ceil(kernels::segment(&b.plan));
+            let storage = [Buffer(&planes.buffers[side]), Buffer(&self.buffer)];
+            let output = Output::BlockStatistics { side, chunk };
+            b.step("block_statistics", &storage, pass, lines.div_ceil(4), segments, output);
+        }
     }
 }
 
@@ -48,6 +77,9 @@ pub(super) fn matching_cost(b: &mut Builder<'_>, planes: &Planes, computed: &[wg
                 let storage = [Buffer(left), Buffer(right), Buffer(cost)];
                 let segments = rows.count.div_ceil(kernels::segment(&b.plan));
                 b.step("matching_cost_lanes", &storage, pass, width * quads, segments, output);
+            } else if b.params.block == 1 {
+                let storage = [Texture(&planes.textures[0]), Texture(&planes.textures[1]), Buffer(cost)];
+                b.step("matching_cost_pixels", &storage, pass, rows.count * quads, 1, output);
             } else {
                 let storage = [Texture(&planes.textures[0]), Texture(&planes.textures[1]), Buffer(cost)];
                 b.step("matching_cost_small", &storage, pass, rows.count.div_ceil(2) * quads, 1, output);
@@ -96,10 +128,15 @@ pub(super) fn block_match(b: &mut Builder<'_>, planes: &Planes, views: &Views) {
         b.step("block_match_small", &storage, pass, lanes, 1, Output::Views { last: true });
     }
     let columns = Columns::new(b);
+    let statistics = (b.params.cost == crate::Cost::Ncc).then(|| Statistics::new(b));
     for &chunk in b.sizes.chunks.iter().flatten() {
         let pass = columns.compute(b, planes, chunk);
+        if let Some(statistics) = &statistics {
+            statistics.compute(b, planes, chunk);
+        }
         let output = Output::Views { last: chunk.first + chunk.count == height };
-        let storage = [Buffer(&columns.buffer), Buffer(&views.left), Buffer(&views.right)];
+        let known = statistics.as_ref().map_or(&columns.buffer, |statistics| &statistics.buffer);
+        let storage = [Buffer(&columns.buffer), Buffer(&views.left), Buffer(&views.right), Buffer(known)];
         b.step("block_match", &storage, pass, chunk.count, 1, output);
     }
 }

@@ -104,7 +104,6 @@ pub(super) fn planes(b: &mut Builder<'_>, sources: &[wgpu::Texture; 2]) -> Plane
             let rows = b.params.planes() * height;
             textures.push(b.copy_to_texture(place.stride, rows, wgpu::TextureFormat::R32Uint));
         }
-        grays.push(luma);
     }
     Planes { buffers, textures, grays }
 }
@@ -122,7 +121,7 @@ fn gray(b: &mut Builder<'_>, source: &wgpu::TextureView, side: usize) -> wgpu::T
 /// The image that the cost is to compare, at the depth of its samples: luma, or a colour.
 fn channel_of(b: &mut Builder<'_>, source: &wgpu::TextureView, side: usize, channel: u32) -> Picture {
     let Frame { height, gray_stride, .. } = b.sizes.frame;
-    let deep = matches!(b.format, PixelFormat::Gray16 | PixelFormat::Rgba16);
+    let deep = b.format.is_deep();
     let channel_number = if b.params.color_cost { channel + 1 } else { 0 };
     let pass = Pass { channel: channel_number, reversed: b.mirrored.into(), ..Pass::default() };
     let output = Output::Gray { side, channel: pass.channel as usize, deep };

@@ -38,7 +38,7 @@ fn plans(params: &Params) -> BTreeSet<Plan> {
 }
 
 /// All costs.
-const COSTS: [Cost; 8] = [
+const COSTS: [Cost; 9] = [
     Cost::Sad,
     Cost::Ssd,
     Cost::ZeroMeanSad,
@@ -47,6 +47,7 @@ const COSTS: [Cost; 8] = [
     Cost::Census,
     Cost::CensusSobel,
     Cost::AdCensus,
+    Cost::Ncc,
 ];
 
 /// Settings that between them give every constant of [`constants`] every kind of value.
@@ -88,7 +89,9 @@ fn specialisations() -> Vec<(Params, PixelFormat, Plan)> {
             (5, Census::Five, false),
             (21, Census::Seven, false),
         ] {
-            let base = Params { cost, block, census, prefilter: Prefilter::None, ..Params::sgm(40) };
+            let base = if cost == Cost::Ncc { Params::bm(40) } else { Params::sgm(40) };
+            let block = if cost == Cost::Ncc { block.clamp(3, 19) } else { block };
+            let base = Params { cost, block, census, prefilter: Prefilter::None, ..base };
             for prefilter in [Prefilter::Normalized, Prefilter::None] {
                 let takes_colour = matches!(cost, Cost::Sad | Cost::BirchfieldTomasi);
                 let params = Params { prefilter, color_cost: color_cost && takes_colour, ..base.clone() };
@@ -104,6 +107,7 @@ fn specialisations_of(kernel: &Kernel) -> impl Iterator<Item = (Params, PixelFor
     let name = kernel.name;
     specialisations().into_iter().filter(move |(params, ..)| match name {
         "block_match_small" => params.block <= Params::SMALL_BLOCK && params.cost == Cost::Sad,
+        "matching_cost_pixels" => params.sums_small_blocks() && params.block == 1,
         "matching_cost_small" | "matching_cost_lanes" => params.sums_small_blocks(),
         _ => true,
     })
@@ -455,6 +459,12 @@ fn bm_columns(params: &mut Params) {
     params.shader_checks = true;
 }
 
+/// Block matching by normalised cross correlation.
+fn ncc(params: &mut Params) {
+    bm(params);
+    (params.cost, params.block) = (Cost::Ncc, 7);
+}
+
 /// A range whose last disparities win, and those beyond it would.
 fn bm_far(params: &mut Params) {
     bm(params);
@@ -641,6 +651,17 @@ const MUTANTS: &[Mutant] = &[
         params.shader_checks = true;
     }),
     mutant("block_match", "2u * frame.block_radius", "2u * frame.block_radius - 1u", bm_columns),
+    mutant("block_statistics", "+ vec4(BLOCK)", "+ vec4(BLOCK - 1u)", ncc),
+    mutant("block_statistics", "return root;", "return root + 1u;", ncc),
+    mutant("block_statistics", "frame.height) - 1)", "frame.height))", ncc),
+    mutant("block_statistics", "BLOCK * BLOCK * sums.squares", "(BLOCK * BLOCK - 1u) * sums.squares", ncc),
+    mutant("block_match", "left.x * right_sums", "left.y * right_sums", ncc),
+    mutant("block_match", "vec4(0.015625)", "vec4(1.5)", ncc),
+    mutant("block_match", "vec4(4096u) + part", "vec4(4096u)", ncc),
+    mutant("block_match", "frame.width - 1u - u32(x)", "frame.width - u32(x)", ncc),
+    mutant("block_match", "max(place, 1u) - 1u", "place", ncc),
+    mutant("block_match", "entering.y, last", "0u, last", ncc),
+    mutant("block_match", "(*seen).roots[q] = r", "(*seen).roots[q] = s", ncc),
     mutant("block_match", "k - 1u", "k", bm_columns),
     mutant("block_match_small", "frame.height) - 1)", "frame.height) - 2)", bm),
     mutant("block_match_small", "best * 100u", "best * 110u", bm),

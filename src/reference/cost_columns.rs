@@ -31,7 +31,7 @@ pub fn cost_columns(left: &Features, right: &Features, params: &Params) -> Volum
 /// How much two pixels differ, from their [`Features`]: the small function in which the costs differ.
 ///
 /// - `sad`, `zsad`: |l - r|; with three colours floor((floor((red + blue) / 2) + green) / 2) of their differences;
-/// - `ssd`: (l - r)^2;
+/// - `ssd`: (l - r)^2; `ncc`: l r;
 /// - `bt`: of the values l, r and the intervals around them, the smaller of the distance of l from the right interval and
 ///   of r from the left one (Birchfield and Tomasi 1998, equations 1 to 3); with three colours as `sad`;
 /// - `sad-xy`: the sum of the absolute differences;
@@ -62,6 +62,7 @@ pub fn pixel_cost(left: &[u8], right: &[u8], params: &Params) -> u32 {
             let weighted = params.ad_weight * difference(census_planes) + params.census_weight * bits(census_planes);
             ((weighted + 8) >> 4).min(255)
         }
-        Cost::Ncc | Cost::MutualInformation => unreachable!("refused by Params::validate"),
+        Cost::Ncc => u32::from(left[0]) * u32::from(right[0]),
+        Cost::MutualInformation => unreachable!("refused by Params::validate"),
     }
 }

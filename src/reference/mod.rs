@@ -5,6 +5,7 @@
 //! accepts, and each other's results: they check neither again.
 
 mod block_match;
+mod block_statistics;
 mod confidence;
 mod cost_columns;
 mod features;
@@ -25,6 +26,7 @@ mod winner;
 mod wls;
 
 pub use block_match::{block_match, block_sums};
+pub use block_statistics::{BlockStatistics, block_statistics};
 pub use confidence::{confidence, margin};
 pub use cost_columns::{cost_columns, pixel_cost};
 pub use features::{Features, features};
@@ -49,7 +51,7 @@ pub use wls::{wls, wls_couplings};
 use rayon::prelude::*;
 use std::time::Instant;
 
-use crate::{DisparityMap, Error, Fill, Image, Matched, Method, Params, Prefilter, StageTime};
+use crate::{Cost, DisparityMap, Error, Fill, Image, Matched, Method, Params, Prefilter, StageTime};
 
 /// An image, row by row from the top.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -181,7 +183,12 @@ fn views(left: &Image, right: &Image, params: &Params, clock: &mut Clock) -> Vie
     let (left, right) = clock.stage("features", (left.features(params), right.features(params)));
     let columns = clock.stage("cost_columns", cost_columns(&left, &right, params));
     match params.method {
-        Method::Bm => clock.stage("block_match", block_match(&columns, params)),
+        Method::Bm => {
+            let correlates = params.cost == Cost::Ncc;
+            let statistics =
+                correlates.then(|| clock.stage("block_statistics", block_statistics(&left, &right, params)));
+            clock.stage("block_match", block_match(&columns, statistics.as_ref(), params))
+        }
         Method::Sgm => {
             let cost = clock.stage("matching_cost", matching_cost(&columns, params));
             drop(columns);
