@@ -386,15 +386,24 @@ impl StereoMatcher {
                     }
                 }
             }
-            Output::Penalties { first } => {
-                let Some(penalties) = &expected.penalties else { return Ok(()) };
-                for (y, row) in each_row(whole, &bytes, 64 * u64::from(width.div_ceil(16) as u32)) {
-                    for (x, values) in row.chunks_exact(4).take(width).enumerate() {
-                        for (k, &got) in values.iter().enumerate() {
-                            let expected = penalties.data[(y * width + x) * penalties.disparities + first + k];
-                            stage.compare(x, y, Some(first + k), expected.into(), got.into());
+            Output::Penalties { direction } => {
+                let (Some(penalties), Some(k)) =
+                    (&expected.penalties, Direction::FORWARD.iter().position(|forward| forward == direction))
+                else {
+                    return Ok(());
+                };
+                let (dx, dy) = (direction.dx as isize, direction.dy as usize);
+                for (i, values) in penalties.data.chunks_exact(penalties.disparities).enumerate() {
+                    let (x, y) = (i % width, i / width);
+                    let (line, place) = match dy {
+                        0 => (y * (width / 16 + 1), x),
+                        _ => {
+                            let column = (x as isize - dx * (y / dy) as isize).rem_euclid(width as isize);
+                            (y % dy * width + column as usize, y / dy)
                         }
-                    }
+                    };
+                    let vector = line + place / 16 * (dy * width).max(1);
+                    stage.compare(x, y, Some(k), values[k].into(), bytes[16 * vector + place % 16].into());
                 }
             }
             Output::Cost { chunk, volume_row } => {

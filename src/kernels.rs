@@ -2,7 +2,7 @@
 
 use std::collections::HashSet;
 
-use crate::buffers::{TEXELS, WORDS};
+use crate::buffers::TEXELS;
 use crate::params::{Census, Cost, Params, Paths, Prefilter, Subpixel};
 use crate::reference::{median_decay, median_spacing, wls_bits};
 use crate::schedule::{Exchange, GROUP_LANES, Plan, STRIP_LANES};
@@ -79,7 +79,7 @@ pub(crate) const KERNELS: &[Kernel] = &[
     Kernel { name: "prefilter", stage: "prefilter", lanes: 64, sources: wgsl!("prefilter", "root", "gray_pixels", "placed", "bytes", "common"), choices: &[], storage: &[QUAD, Read, Write] },
     Kernel { name: "features", stage: "features", lanes: 64, sources: wgsl!("features", "gray_pixels", "placed", "bytes", "common"), choices: &[], storage: &[QUAD, Read, Write] },
     Kernel { name: "penalties", stage: "penalties", lanes: 64, sources: wgsl!("penalties", "intensity_steps", "common"), choices: &[], storage: &[QUAD, Write] },
-    Kernel { name: "penalties_steep", stage: "penalties", lanes: 64, sources: wgsl!("penalties_steep", "intensity_steps", "common"), choices: &[], storage: &[QUAD, Write] },
+    Kernel { name: "penalties_lines", stage: "penalties", lanes: 64, sources: wgsl!("penalties_lines", "intensity_steps", "common"), choices: &[], storage: &[QUAD, Write] },
     Kernel { name: "halve", stage: "halve", lanes: 64, sources: wgsl!("halve", "values", "common"), choices: &[], storage: &[QUAD, Write] },
     Kernel { name: "mi_histogram", stage: "mi_histogram", lanes: 64, sources: wgsl!("mi_histogram", "values", "common"), choices: &[], storage: &[QUAD, QUAD, Read, Write] },
     Kernel { name: "mi_smooth", stage: "mi_table", lanes: 64, sources: wgsl!("mi_smooth", "common"), choices: &[], storage: &[Read, Write] },
@@ -135,7 +135,7 @@ impl Kernel {
         let bound = |&access: &Access| match access {
             Costs => Some(if plan.lanes { Read } else { QUAD }),
             Table => (params.cost == Cost::MutualInformation).then_some(WORD),
-            Penalties => plan.adaptive.then_some(WORD),
+            Penalties => plan.adaptive.then_some(Read),
             access => Some(access),
         };
         self.storage.iter().filter_map(bound).collect()
@@ -164,7 +164,7 @@ impl Kernel {
                     (false, 1) => wgsl!("volume16", "cost_texels"),
                     (false, _) => wgsl!("volume32", "cost_texels"),
                 },
-                Choice::Penalty if plan.adaptive => wgsl!("penalty_texels"),
+                Choice::Penalty if plan.adaptive => wgsl!("penalty_lines"),
                 Choice::Penalty => wgsl!("penalty_fixed"),
                 Choice::PixelCosts => pixel_costs,
                 Choice::PixelPairs => {
@@ -250,7 +250,6 @@ pub(crate) fn constants(kernel: &Kernel, params: &Params, format: PixelFormat, p
         ("DISPARITIES", number(params.disparities)),
         ("QUADS", number(quads)),
         ("TEXELS", number(TEXELS)),
-        ("WORDS", number(WORDS)),
         ("PENALTIES", number(penalties)),
         ("BEYOND", ("vec4<u32>", format!("vec4({})", beyond.join(", ")))),
         ("BLOCK", number(params.block)),
@@ -330,7 +329,7 @@ pub(crate) fn compile(device: &wgpu::Device, kernel: &Kernel, text: &str, params
     let storage = storage.iter().map(|access| match access {
         Read | Costs => buffer(wgpu::BufferBindingType::Storage { read_only: true }, false),
         Write => buffer(wgpu::BufferBindingType::Storage { read_only: false }, false),
-        Table | Penalties => unreachable!("there is none, or it is texels"),
+        Table | Penalties => unreachable!("there is none, or it has another kind"),
         Texels(format) => wgpu::BindingType::StorageTexture {
             access: wgpu::StorageTextureAccess::ReadOnly,
             format: *format,
@@ -399,7 +398,9 @@ fn shader_module(
 pub(crate) fn check_limits(limits: &wgpu::Limits) -> Result<(), Error> {
     let most = KERNELS
         .iter()
-        .map(|kernel| kernel.storage.iter().filter(|access| matches!(access, Read | Write | Costs)).count() as u32)
+        .map(|kernel| {
+            kernel.storage.iter().filter(|access| matches!(access, Read | Write | Costs | Penalties)).count() as u32
+        })
         .max()
         .unwrap_or(0);
     let lanes = KERNELS.iter().map(|kernel| kernel.lanes.max(GROUP_LANES)).max().unwrap_or(0);

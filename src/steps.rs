@@ -46,8 +46,9 @@ pub(crate) enum Output {
     Columns {
         chunk: Rows,
     },
+    /// Of a forward direction.
     Penalties {
-        first: usize,
+        direction: Direction,
     },
     Cost {
         chunk: Rows,

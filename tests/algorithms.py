@@ -353,7 +353,8 @@ class Chain:
         p1, p2 = self.case["p1"], self.case["p2"]
 
         def penalty(x, y, dx, dy):
-            delta = abs(self.at(g, x, y) - self.at(g, x - dx, y - dy))
+            inside = self.inside(x - dx) and 0 <= y - dy < self.height
+            delta = abs(g[y][x] - g[y - dy][x - dx]) if inside else 0
             return min(p2, max(10 * p2 // max(delta, 10), p1 + p1 // 2))
 
         directions = FORWARD[: 8 if self.case["paths"] == 16 else 4]
