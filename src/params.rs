@@ -180,11 +180,11 @@ impl Default for Wls {
 #[non_exhaustive]
 pub enum Preset {
     /// The plain chain, [`Params::sgm`], and the speckle filter.
-    #[default]
     Classic,
-    /// As the classic one, along three directions.
+    /// As balanced, along three directions.
     Fast,
     /// Census strings and gradients, four directions, P2 by the intensity step.
+    #[default]
     Balanced,
     /// As balanced, and only what a second match confirms.
     Strict,
@@ -334,21 +334,25 @@ impl Params {
         let balanced = Self {
             cost: Cost::CensusSobel,
             block: 1,
+            census: Census::Seven,
             prefilter: Prefilter::None,
-            p1: 18,
+            prefilter_cap: 24,
+            p1: 21,
+            p2: 90,
             adaptive_p2: true,
-            uniqueness: 0,
+            uniqueness: 6,
+            subpixel: Subpixel::Equiangular,
+            speckle_range: 1,
             ..classic.clone()
         };
         match preset {
             Preset::Classic => classic,
-            Preset::Fast => Self { paths: Paths::Three, ..classic },
+            Preset::Fast => Self { paths: Paths::Three, ..balanced },
             Preset::Balanced => balanced,
-            Preset::Strict => {
-                Self { right_view: RightView::Match, uniqueness: 10, speckle_window: 200, speckle_range: 1, ..balanced }
-            }
+            Preset::Strict => Self { right_view: RightView::Match, uniqueness: 10, speckle_window: 200, ..balanced },
             Preset::Dense => {
-                Self { right_view: RightView::Match, fill: Fill::Rays, weighted_median: Some(5), ..balanced }
+                let matched = Self { p1: 28, p2: 110, uniqueness: 0, right_view: RightView::Match, ..balanced };
+                Self { speckle_range: 2, fill: Fill::Rays, weighted_median: Some(5), ..matched }
             }
         }
     }
@@ -716,7 +720,7 @@ impl Params {
     /// 1024 times the quantised cost of the largest block sum: at most 59 * 1550, which gives 89.
     pub(crate) fn cost_top(&self) -> u32 {
         match self.cost {
-            Cost::CensusSobel => 128 * 248,
+            Cost::CensusSobel => 128 * self.pixel_max(),
             Cost::MutualInformation => 64 * 1024,
             _ => 59 * 1550,
         }

@@ -322,7 +322,8 @@ class Chain:
 
     def scale(self):
         largest = self.largest_total >> self.narrowing
-        top = {"census-sobel": 128 * 248, "mi": 64 * 1024}.get(self.case["cost"], 59 * 1550)
+        tops = {"census-sobel": 128 * self.largest_pixel_cost(), "mi": 64 * 1024}
+        top = tops.get(self.case["cost"], 59 * 1550)
         return (top * 2**14 + largest // 2) // largest
 
     def block_statistics(self, plane, columns):

@@ -1021,12 +1021,12 @@ fn the_help_and_the_readme_tell_the_defaults() {
 fn single_options_override_a_preset_in_any_order() {
     let folder = noisy();
     let map = |more: &str| map(&folder, more);
-    let classic = map("--preset classic");
+    let balanced = map("--preset balanced");
     assert!(map("") == map(&format!("--preset {}", Preset::default())));
-    assert!(map("--preset fast") != classic);
-    assert!(map("--preset fast --paths 4") == classic);
-    assert!(map("--paths 4 --preset fast") == classic);
-    assert!(map("--preset fast --method bm") == map("--method bm --preset classic"), "bm has no paths");
+    assert!(map("--preset fast") != balanced);
+    assert!(map("--preset fast --paths 4") == balanced);
+    assert!(map("--paths 4 --preset fast") == balanced);
+    assert!(map("--preset fast --method bm") == map("--method bm --preset balanced"), "bm has no paths");
     for (preset, _) in Preset::NAMES {
         let told = succeeds(folder.path(), &on("left.png", "right.png", &["--preset", preset, "-o", "m.npy"]));
         assert_eq!(stderr(&told), "", "a preset says nothing of its own options");
