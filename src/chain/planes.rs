@@ -39,8 +39,7 @@ impl Picture {
         name: &str,
         storage: &[Bound<'_>],
         pass: Pass,
-        lines: u32,
-        rows: u32,
+        [lines, rows]: [u32; 2],
         output: Output,
     ) {
         let depth = if self.deep { PixelFormat::Gray16 } else { PixelFormat::Gray8 };
@@ -95,7 +94,7 @@ pub(super) fn planes(b: &mut Builder<'_>, sources: &[wgpu::Texture; 2]) -> Plane
                 );
             }
             let storage = [Texture(&picture.texels), Buffer(&scratch.sums), Buffer(&buffers[side])];
-            picture.step(b, "features", &storage, pass, pass.stride / 4, height, output);
+            picture.step(b, "features", &storage, pass, [pass.stride / 4, height], output);
         }
         if b.sizes.small_block && !b.plan.lanes {
             let rows = b.params.planes() * height;
@@ -215,7 +214,7 @@ fn prefilter(b: &mut Builder<'_>, picture: &Picture, scratch: &Sums, to: &wgpu::
         scratch.compute(b, picture, window, Output::WindowSums { side, channel, filtered: false, window });
     }
     let storage = [Texture(&picture.texels), Buffer(&scratch.sums), Buffer(to)];
-    picture.step(b, "prefilter", &storage, pass, pass.stride / 4, b.sizes.frame.height, output);
+    picture.step(b, "prefilter", &storage, pass, [pass.stride / 4, b.sizes.frame.height], output);
 }
 
 /// Stage `window_sums`: where it is computed, and what it is computed with. Two words if nothing needs it: the kernels
@@ -238,7 +237,7 @@ impl Sums {
         let segments = |side: u32| side.div_ceil(kernels::segment(&b.plan));
         let (across, down) = (segments(width), segments(height));
         let storage = [Texture(&picture.texels), Buffer(&self.columns)];
-        picture.step(b, "window_columns", &storage, pass, width.div_ceil(4), down, Output::Part);
+        picture.step(b, "window_columns", &storage, pass, [width.div_ceil(4), down], Output::Part);
         b.step("window_sums", &[Buffer(&self.columns), Buffer(&self.sums)], pass, height, across, output);
     }
 }

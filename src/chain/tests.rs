@@ -191,11 +191,11 @@ fn fill_of_holes() {
         right
             .data
             .iter_mut()
-            .for_each(|value| *value = if noise() % 3 == 0 { INVALID } else { 16 * ((noise() % 50) as i16 - 5) });
+            .for_each(|value| *value = if noise().is_multiple_of(3) { INVALID } else { 16 * ((noise() % 50) as i16 - 5) });
         for holes in [1, 3, 30, 300] {
             let mut left = map(width, height, |_, _| INVALID);
             left.data.iter_mut().for_each(|value| {
-                *value = if noise() % (holes + 1) == 0 { (noise() % 640) as i16 - 50 } else { INVALID }
+                *value = if noise().is_multiple_of(holes + 1) { (noise() % 640) as i16 - 50 } else { INVALID }
             });
             fill(&setup, &left, &right, None);
             let rows =
