@@ -234,7 +234,8 @@ impl Study {
             if sheet.is_none() {
                 sheet = Some(self.blank(ready, &left, repeat, (first, last))?);
             }
-            let Frames { map, times, .. } = ready.frames(&left, &right, params, false, repeat).with_context(context)?;
+            let frames = ready.frames(&left, &right, params, false, repeat).with_context(context)?;
+            let (map, times) = (frames.matched.map, frames.times);
             let found = Found {
                 label: label.clone(),
                 settings: settings.clone(),
