@@ -52,6 +52,10 @@ struct Pass {
     penalties_line: u32,  // from line to line
     penalties_step: u32,  // from one to the next of a line
     place: i32,           // in its line, of the step into the first pixel of a path
+    halvings: u32,        // of the images of a map, beyond those of the images at hand
+    narrowing: u32,       // bits by which entries of a table are shifted down
+    prior: u32,           // what is added to them
+    logarithms: u32,      // 1: their logarithms are taken
 }
 
 @group(0) @binding(0) var<uniform> frame: Frame;

@@ -59,6 +59,10 @@ pub(crate) struct Pass {
     pub(crate) penalties_line: u32,
     pub(crate) penalties_step: u32,
     pub(crate) place: i32,
+    pub(crate) halvings: u32,
+    pub(crate) narrowing: u32,
+    pub(crate) prior: u32,
+    pub(crate) logarithms: u32,
 }
 
 /// Neighbouring rows that are worked on together.
@@ -194,6 +198,9 @@ impl Sizes {
         let planes = u64::from(params.planes());
         fits("what costs compare of an image", planes * rows(left_stride.max(right_stride)), smaller)?;
 
+        if params.cost == Cost::MutualInformation {
+            fits("the histogram of all pairs of values", 4 * 256 * 256, "take another cost")?;
+        }
         if params.sums_windows() {
             fits("the sums over windows", 4 * pixels, smaller)?;
         }

@@ -195,7 +195,7 @@ fn rows(
                 Buffer(&views.left),
                 Buffer(&views.right),
             ];
-            let output = Output::Views { last: strip.first + strip.count == frame.height };
+            let output = Output::Views { right: views.right.clone(), last: strip.first + strip.count == frame.height };
             let pass = Pass { slot: rows.count * frame.volume_stride, ..pass };
             let (storage, pass) = penalties.bound(frame, along[1], &storage, pass);
             b.step("winner", &storage, pass, strip.count, 1, output);

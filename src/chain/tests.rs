@@ -18,7 +18,8 @@ fn run(setup: &Setup, params: &Params, stage: &str, left: &DisparityMap, right: 
     let matcher = StereoMatcher::new(device, queue, left.width, left.height, PixelFormat::Gray8, &params).unwrap();
     let views = matcher.steps.iter().rposition(|step| matches!(step.output, Output::Views { .. })).unwrap();
     let stride = 2 * matcher.sizes.frame.map_stride as usize;
-    for (buffer, map) in [(&matcher.steps[views].buffer, left), (&matcher.right_map, right)] {
+    let Output::Views { right: behind, .. } = &matcher.steps[views].output else { unreachable!() };
+    for (buffer, map) in [(&matcher.steps[views].buffer, left), (behind, right)] {
         // The padding is what no kernel may take for a pixel.
         let mut bytes = Vec::new();
         for row in map.data.chunks(left.width as usize) {
@@ -137,7 +138,7 @@ fn speckle_of_steps_and_noise() {
                     level => 17 * level as i16 - (noise() % 2) as i16,
                 }
             });
-            for (window, range) in [(1, 1), (2, 1), (7, 0), (40, 2), (u32::MAX, 3)] {
+            for (window, range) in [(1, 1), (2, 1), (7, 0), (40, 2), (i32::MAX as u32, 3)] {
                 speckle(&setup, &noisy, window, range);
             }
         }
