@@ -329,7 +329,7 @@ pub(crate) fn compile(device: &wgpu::Device, kernel: &Kernel, text: &str, params
     let storage = storage.iter().map(|access| match access {
         Read | Costs => buffer(wgpu::BufferBindingType::Storage { read_only: true }, false),
         Write => buffer(wgpu::BufferBindingType::Storage { read_only: false }, false),
-        Table | Penalties => unreachable!("there is none, or it has another kind"),
+        Table | Penalties => unreachable!("there is none, or it is bound as what holds it"),
         Texels(format) => wgpu::BindingType::StorageTexture {
             access: wgpu::StorageTextureAccess::ReadOnly,
             format: *format,

@@ -188,10 +188,9 @@ fn fill_of_holes() {
     let mut noise = noise();
     for (width, height) in [(1, 1), (1, 70), (70, 1), (8, 8), (9, 5), (129, 63), (61, 203)] {
         let mut right = map(width, height, |_, _| INVALID);
-        right
-            .data
-            .iter_mut()
-            .for_each(|value| *value = if noise().is_multiple_of(3) { INVALID } else { 16 * ((noise() % 50) as i16 - 5) });
+        right.data.iter_mut().for_each(|value| {
+            *value = if noise().is_multiple_of(3) { INVALID } else { 16 * ((noise() % 50) as i16 - 5) }
+        });
         for holes in [1, 3, 30, 300] {
             let mut left = map(width, height, |_, _| INVALID);
             left.data.iter_mut().for_each(|value| {

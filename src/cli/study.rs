@@ -4,7 +4,7 @@ use crate::args::{self, Compare, StudyArgs};
 use crate::output::{self, Output, SheetFormat};
 use crate::report::{self, FrameMs};
 use crate::resolve;
-use crate::run::{Engine, Frames};
+use crate::run::Engine;
 use crate::sheet::{Layout, Order, Sheet};
 use crate::{input, tell};
 use anyhow::{Context as _, Result, bail, ensure};

@@ -800,6 +800,7 @@ const MUTANTS: &[Mutant] = &[
     mutant("wls_start", "16 * frame.min_disparity", "16 * frame.min_disparity - 1", wls),
     mutant("wls_start", "disparity == INVALID", "false", wls),
     mutant("wls_forward", "0u, i + 1u == pass_.rows", "9u, i + 1u == pass_.rows", wls),
+    mutant("wls_forward", "- select(0u, 1u, rest < 0)", "- 1u", wls),
     mutant("wls_forward", "pass_.shift +", "0u +", wls),
     mutant("wls_forward", "65536u - share", "65535u - share", wls),
     mutant("wls_forward", "+ 16u;", "+ 15u;", wls),
