@@ -48,8 +48,14 @@ struct Pass {
     carry_from: u32,      // row of carry_in and of carry_out
     carry_to: u32,
     slot: u32,            // pixels of a volume: before the one that is written, or from one to the next in a buffer
-    penalty_offset: i32,  // from a pixel to where P2 of the step into it is
-    penalty_shift: u32,   // to its byte there
+    penalties_from: u32,  // vectors of penalties: before the first line
+    penalties_line: u32,  // from line to line
+    penalties_step: u32,  // from one to the next of a line
+    place: i32,           // in its line, of the step into the first pixel of a path
+    halvings: u32,        // of the images of a map, beyond those of the images at hand
+    narrowing: u32,       // bits by which entries of a table are shifted down
+    prior: u32,           // what is added to them
+    logarithms: u32,      // 1: their logarithms are taken
 }
 
 @group(0) @binding(0) var<uniform> frame: Frame;

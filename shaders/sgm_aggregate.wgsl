@@ -25,7 +25,7 @@ fn main(@builtin(global_invocation_id) id: vec3<u32>, @builtin(local_invocation_
     let line = i32(pass_.first_line + min(group, pass_.lines - 1u));
     let enters = i32((u32(line) + pass_.shift) % frame.width);
     var x = select(enters, select(width - 1, 0, pass_.dx > 0), horizontal);
-    var y = select(pass_.entry, line, horizontal);
+    let y = select(pass_.entry, line, horizontal);
     var state: State;
     let before = x - pass_.dx;
     let first_carry = pass_.carry_from * frame.volume_stride;
@@ -43,22 +43,29 @@ fn main(@builtin(global_invocation_id) id: vec3<u32>, @builtin(local_invocation_
     var at = y * stride + x;
     let turn = select(-width, width, pass_.dx > 0);
     let steps = select(i32(pass_.rows), width, horizontal);
-    for (var i = 0; i < steps; i++) {
-        path_step(&state, u32(at), penalty(x, i32(pass_.first_row) + y), writes || !BARRIERS);
-        at += pass_.dy * stride + pass_.dx;
-        x += pass_.dx;
-        y += pass_.dy;
-        // A mask in place of a branch, which would copy the state.
-        let leaves = !horizontal && (x < 0 || x >= width);
-        let keep = vec4(select(0xffffffffu, 0u, leaves));
-        for (var s = 0u; s < SLICES; s++) {
-            for (var w = 0u; w < WIDTH; w++) {
-                state[s][w] &= keep;
+    let forward = pass_.dy > 0 || (horizontal && pass_.dx > 0);
+    var place = pass_.place;
+    var i = 0;
+    while i < steps {
+        let known = penalties_from(place, u32(line));
+        let end = min(steps, i + steps_from(place, forward));
+        for (; i < end; i++) {
+            path_step(&state, u32(at), penalty(known, place), writes || !BARRIERS);
+            place += select(-1, 1, forward);
+            at += pass_.dy * stride + pass_.dx;
+            x += pass_.dx;
+            // A mask in place of a branch, which would copy the state.
+            let leaves = !horizontal && (x < 0 || x >= width);
+            let keep = vec4(select(0xffffffffu, 0u, leaves));
+            for (var s = 0u; s < SLICES; s++) {
+                for (var w = 0u; w < WIDTH; w++) {
+                    state[s][w] &= keep;
+                }
             }
+            let back = select(0, turn, leaves);
+            x -= back;
+            at -= back;
         }
-        let back = select(0, turn, leaves);
-        x -= back;
-        at -= back;
     }
     if !horizontal && writes {
         // The state belongs to the pixel before x. After a wrap the next row's path starts anew and needs none.

@@ -28,13 +28,19 @@ fn main(@builtin(global_invocation_id) id: vec3<u32>, @builtin(local_invocation_
     var diagonal = no_costs(COST_NONE << 12u);
     var kept = RowWriter(INVALID, 0, INVALID);
     let steps = row_steps();
-    for (var i = 0; i < steps; i++) {
+    var i = 0;
+    while i < steps {
+        // What P2 is outside the image does not matter.
         let x = row_start() - i;
-        if inside_row(x) {
-            let p2 = penalty(x, i32(pass_.first_row + strip_row));
-            walk(&state, &costs, strip_row * frame.volume_stride + u32(x), p2);
+        let known = penalties_from(clamp(x + 1, 0, i32(frame.width)), strip_row);
+        let end = min(steps, i + steps_from(x + 1, false));
+        for (; i < end; i++) {
+            let x = row_start() - i;
+            if inside_row(x) {
+                walk(&state, &costs, strip_row * frame.volume_stride + u32(x), penalty(known, x + 1));
+            }
+            choose(&costs, &diagonal, &kept, pass_.first_row + strip_row, x, writes);
         }
-        choose(&costs, &diagonal, &kept, pass_.first_row + strip_row, x, writes);
     }
 }
 

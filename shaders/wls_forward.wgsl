@@ -18,6 +18,14 @@ fn gray_at(line: u32, i: u32) -> i32 {
     return i32((select(two.x, two.y, (x & 4u) != 0u) >> (8u * (x & 3u))) & 255u);
 }
 
+// floor(65536 a / b), of a <= b and a < 65536. A division of floats is off by less than 1, and lavapipe has it in all
+// lanes at once, other than one of integers.
+fn quotient(a: u32, b: u32) -> u32 {
+    let near = u32(f32(a) / f32(b) * 65536.0);
+    let rest = bitcast<i32>((a << 16u) - near * b);
+    return near + select(0u, 1u, rest >= i32(b)) - select(0u, 1u, rest < 0);
+}
+
 @compute @workgroup_size(LANES)
 fn main(@builtin(global_invocation_id) id: vec3<u32>) {
     if id.x >= pass_.lines {
@@ -29,10 +37,10 @@ fn main(@builtin(global_invocation_id) id: vec3<u32>) {
     var here = gray_at(id.x, 0u);
     for (var i = 0u; i < pass_.rows; i++) {
         let at = pixel(id.x, i);
-        mean = blend(values[at], mean, (64u << 16u) / weight);
+        mean = blend(values[at], mean, quotient(64u, weight));
         let next = gray_at(id.x, min(i + 1u, pass_.rows - 1u));
         let coupling = select(couplings[pass_.shift + u32(abs(next - here))], 0u, i + 1u == pass_.rows);
-        let share = (weight << 16u) / (weight + coupling);
+        let share = quotient(weight, weight + coupling);
         values[at] = mean;
         shares[at] = share;
         weight = 64u + (((65536u - share) * weight) >> 16u);

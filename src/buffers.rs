@@ -55,8 +55,14 @@ pub(crate) struct Pass {
     pub(crate) carry_from: u32,
     pub(crate) carry_to: u32,
     pub(crate) slot: u32,
-    pub(crate) penalty_offset: i32,
-    pub(crate) penalty_shift: u32,
+    pub(crate) penalties_from: u32,
+    pub(crate) penalties_line: u32,
+    pub(crate) penalties_step: u32,
+    pub(crate) place: i32,
+    pub(crate) halvings: u32,
+    pub(crate) narrowing: u32,
+    pub(crate) prior: u32,
+    pub(crate) logarithms: u32,
 }
 
 /// Neighbouring rows that are worked on together.
@@ -90,9 +96,6 @@ pub(crate) const TEXELS: u32 = 1024;
 /// Buffers of a band that hold the paths which cross rows.
 pub(crate) const PAIR_BUFFERS: usize = 3;
 
-/// Words of 4 bytes in a row of the textures that hold penalties.
-pub(crate) const WORDS: u32 = 2048;
-
 /// Bytes of a row of [`TEXELS`].
 pub(crate) const TEXTURE_ROW: u64 = 16 * TEXELS as u64;
 
@@ -113,7 +116,7 @@ pub(crate) struct Sizes {
     pub(crate) right: u64,
     /// Bytes of one disparity map.
     pub(crate) map: u64,
-    /// Bytes of the penalties of four directions.
+    /// Bytes of the penalties of a direction.
     pub(crate) penalties: u64,
     /// Bytes of the right view's map, and of the margins behind it if a confidence is wanted.
     pub(crate) right_map: u64,
@@ -195,6 +198,9 @@ impl Sizes {
         let planes = u64::from(params.planes());
         fits("what costs compare of an image", planes * rows(left_stride.max(right_stride)), smaller)?;
 
+        if params.cost == Cost::MutualInformation {
+            fits("the histogram of all pairs of values", 4 * 256 * 256, "take another cost")?;
+        }
         if params.sums_windows() {
             fits("the sums over windows", 4 * pixels, smaller)?;
         }
@@ -220,12 +226,19 @@ impl Sizes {
                 return Err(Error::TooLarge { what: what.into(), needed, allowed, remedy: smaller });
             }
         }
-        let penalties = (64 * u64::from(width.div_ceil(16)) * u64::from(height)).next_multiple_of(4 * u64::from(WORDS));
-        let penalties_allowed = allowed.min(4 * u64::from(WORDS) * u64::from(limits.max_texture_dimension_2d));
-        if plan.adaptive && penalties > penalties_allowed {
-            let what = "the penalties of the pixels".into();
-            let remedy = "make the images smaller or switch adaptive_p2 off";
-            return Err(Error::TooLarge { what, needed: penalties, allowed: penalties_allowed, remedy });
+        // The place behind the last one is read, too.
+        let (across, along) = (width * 2 * (height.div_ceil(2) / 16 + 1), (width / 16 + 1) * height);
+        let penalties = 16 * u64::from(across.max(along));
+        if plan.adaptive {
+            fits("the penalties of the pixels", penalties, "make the images smaller or switch adaptive_p2 off")?;
+            // `winner` takes a round for sixteen pixels more.
+            let most = ROUNDS / 17 * 16;
+            if width + params.min_disparity.unsigned_abs() > most {
+                return Err(Error::Image(format!(
+                    "the images are {width} pixels wide, but with an adaptive P2 at most {most}, less the smallest disparity, \
+                     are possible; make them smaller or switch adaptive_p2 off"
+                )));
+            }
         }
         let map = texels(map_stride);
         let right_map = if params.confidence { 2 * map } else { map };

@@ -1,8 +1,9 @@
 //! The comparison of every stage's buffer with the reference.
 
 use crate::buffers::{Frame, Rows};
-use crate::reference::{self, BlockStatistics, Channel, Direction, Features, Images, Plane, Views, Volume};
-use crate::steps::{Output, Step};
+use crate::matcher::map_of;
+use crate::reference::{self, BlockStatistics, Channel, Direction, Features, Images, Plane, Round, Views, Volume};
+use crate::steps::{Level, Output, Step};
 use crate::{Cost, DisparityMap, Error, Image, Method, Params, StereoMatcher, readback};
 
 /// The first element of a stage that differs from the reference.
@@ -50,13 +51,19 @@ const SENTINEL: u8 = 0xa5;
 
 /// The reference's buffers, each computed when a step asks for it.
 struct Expected {
-    params: Params,
     /// The left view of the mirrored pair, mirrored, if it was matched before.
     matched: Option<DisparityMap>,
     luma: [Plane<u8>; 2],
     images: [Images; 2],
     prefiltered: [Images; 2],
-    features: [Features; 2],
+    /// What the cost compares of both images, halved ever more often.
+    pyramid: Vec<[Features; 2]>,
+    rounds: Vec<Round>,
+    /// The round to which what follows belongs, and its settings.
+    level: Option<usize>,
+    params: Params,
+    counts: Vec<u32>,
+    table: Vec<u8>,
     penalties: Option<Volume<u8>>,
     columns: Volume<u32>,
     statistics: Option<[BlockStatistics; 2]>,
@@ -72,32 +79,54 @@ impl Expected {
         let luma = [left, right].map(|image| reference::gray(image, Channel::Luma));
         let images = [left, right].map(|image| reference::images(image, params));
         let prefiltered = [0, 1].map(|side: usize| images[side].prefiltered(params));
-        let features = [0, 1].map(|side: usize| prefiltered[side].features(params));
-        let adaptive = params.adaptive_p2 && params.method == Method::Sgm;
-        let penalties = adaptive.then(|| reference::penalties(&luma[0], params));
-        let columns = reference::cost_columns(&features[0], &features[1], params);
-        let correlates = params.cost == Cost::Ncc;
-        let statistics = correlates.then(|| reference::block_statistics(&features[0], &features[1], params));
-        let cost = match params.method {
-            Method::Sgm => reference::matching_cost(&columns, params),
-            Method::Bm => Volume::new(0, 0, 0),
-        };
-        let params = params.clone();
+        let mut pyramid = vec![[0, 1].map(|side: usize| prefiltered[side].features(params))];
+        let rounds = reference::rounds(left.width(), left.height(), params);
+        for _ in 0..rounds[0].halvings {
+            pyramid.push(pyramid[pyramid.len() - 1].each_ref().map(reference::halve));
+        }
         Self {
-            params,
             matched: None,
             luma,
             images,
             prefiltered,
-            features,
-            penalties,
-            columns,
-            statistics,
-            cost,
+            pyramid,
+            rounds,
+            level: None,
+            params: params.clone(),
+            counts: Vec::new(),
+            table: Vec::new(),
+            penalties: None,
+            columns: Volume::new(0, 0, 0),
+            statistics: None,
+            cost: Volume::new(0, 0, 0),
             paths: Vec::new(),
             views: None,
             checked: None,
         }
+    }
+
+    /// Goes on with another round.
+    fn enter(&mut self, level: usize) {
+        let before = self.level.replace(level);
+        if before == Some(level) {
+            return;
+        }
+        let Round { halvings, params } = self.rounds[level].clone();
+        let [left, right] = &self.pyramid[halvings as usize];
+        if params.cost == Cost::MutualInformation {
+            let halved = before.map_or(0, |before| self.rounds[before].halvings - halvings);
+            self.counts = reference::mi_histogram(left, right, self.checked.as_ref(), halved);
+            self.table = reference::mi_table(&self.counts, (left.width * left.height) as u64);
+        }
+        let adaptive = params.adaptive_p2 && params.method == Method::Sgm;
+        self.penalties = adaptive.then(|| reference::penalties(&self.luma[0], &params));
+        self.columns = reference::cost_columns(left, right, &self.table, &params);
+        let correlates = params.cost == Cost::Ncc;
+        self.statistics = correlates.then(|| reference::block_statistics(left, right, &params));
+        if params.method == Method::Sgm {
+            self.cost = reference::matching_cost(&self.columns, &params);
+        }
+        (self.paths, self.views, self.checked, self.params) = (Vec::new(), None, None, params);
     }
 
     fn path(&mut self, direction: Direction) -> &Volume<u8> {
@@ -113,8 +142,8 @@ impl Expected {
     /// The right view that the filters read.
     fn right_view(&mut self) -> DisparityMap {
         match &self.matched {
-            Some(matched) => matched.clone(),
-            None => self.views().right.clone(),
+            Some(matched) if self.level == Some(self.rounds.len() - 1) => matched.clone(),
+            _ => self.views().right.clone(),
         }
     }
 
@@ -176,15 +205,21 @@ impl StereoMatcher {
             None => Expected::new(&self.params, left, right),
         };
         let mut stages: Vec<StageCheck> = Vec::new();
-        let mut first_views = true;
+        let (mut last_views, mut level) = (None, None);
         for step in &self.steps {
             if mirrored && !step.mirrored {
                 expected = Expected { matched: expected.matched, ..Expected::new(&self.params, left, right) };
-                (mirrored, first_views) = (false, true);
+                (mirrored, last_views, level) = (false, None, None);
+            }
+            // A level that follows a wrong one begins with a wrong map.
+            if level.replace(step.level).is_some_and(|before| before != step.level)
+                && stages.iter().any(|stage| stage.mismatches > 0)
+            {
+                break;
             }
             let fresh = match &step.output {
                 Output::Paths { first, .. } => *first,
-                Output::Views { .. } => std::mem::take(&mut first_views),
+                Output::Views { .. } => last_views.replace(step.level) != Some(step.level),
                 Output::Cost { volume_row, .. } => *volume_row == 0,
                 Output::BlockStatistics { side, .. } => *side == 0,
                 Output::Part => false,
@@ -194,8 +229,8 @@ impl StereoMatcher {
             readback::guarded(&self.device, || {
                 if fresh {
                     self.fill(&step.buffer);
-                    if matches!(step.output, Output::Views { .. }) {
-                        self.fill(&self.right_map);
+                    if let Output::Views { right, .. } = &step.output {
+                        self.fill(right);
                     }
                 }
                 let mut encoder = self.device.create_command_encoder(&wgpu::CommandEncoderDescriptor::default());
@@ -235,14 +270,25 @@ impl StereoMatcher {
         stage: &mut StageCheck,
         spoil: &mut impl FnMut(&str, &mut [u8]),
     ) -> Result<(), Error> {
+        let Level { halvings, params, sizes, .. } = &self.levels[step.level];
         let Frame { width, height, min_disparity, block_radius, gray_stride, left_stride, right_stride, .. } =
-            self.sizes.frame;
+            sizes.frame;
         let whole = Rows { first: 0, count: height };
-        let (width, disparities) = (width as usize, self.params.disparities as usize);
-        let padded = 16 * self.params.quads() as usize;
+        let (width, disparities) = (width as usize, params.disparities as usize);
+        let padded = 16 * params.quads() as usize;
         // Maps and paths are compared when all their parts are there.
-        if matches!(step.output, Output::Part | Output::Views { last: false } | Output::Paths { last: false, .. }) {
+        if matches!(step.output, Output::Part | Output::Views { last: false, .. } | Output::Paths { last: false, .. }) {
             return Ok(());
+        }
+        if !matches!(
+            step.output,
+            Output::Gray { .. }
+                | Output::WindowSums { .. }
+                | Output::Prefiltered { .. }
+                | Output::Values { .. }
+                | Output::Features { .. }
+        ) {
+            expected.enter(step.level);
         }
         let bytes = self.fetch(step, &step.buffer, spoil)?;
         match &step.output {
@@ -276,7 +322,8 @@ impl StereoMatcher {
                 compare_picture(stage, whole, &bytes, 16 * gray_stride, |x, y| plane.clamped(x, y));
             }
             Output::Features { side, first, count } => {
-                let (features, stride) = (&expected.features[*side], 4 * [left_stride, right_stride][*side] as usize);
+                let (features, stride) =
+                    (&expected.pyramid[*halvings as usize][*side], 4 * [left_stride, right_stride][*side] as usize);
                 let reach = i64::from(block_radius);
                 let rows = bytes.chunks_exact(stride).enumerate().skip(first * height as usize);
                 for (row, bytes) in rows.take(count * height as usize) {
@@ -290,16 +337,31 @@ impl StereoMatcher {
                     }
                 }
             }
+            Output::Values { side } => {
+                let values = &expected.pyramid[*halvings as usize][*side];
+                compare_picture(stage, whole, &bytes, 16 * gray_stride, |x, y| values.clamped(x, y)[0].into());
+            }
+            Output::Histogram => {
+                let counts = bytemuck::pod_collect_to_vec::<u8, u32>(&bytes);
+                for (i, (&expected, &got)) in expected.counts.iter().zip(&counts).enumerate() {
+                    stage.compare(i % 256, i / 256, None, expected.into(), got.into());
+                }
+            }
+            Output::Table => {
+                for (i, (&expected, &got)) in expected.table.iter().zip(&bytes).enumerate() {
+                    stage.compare(i % 256, i / 256, None, expected.into(), got.into());
+                }
+            }
             Output::Columns { chunk } => {
                 let columns = &expected.columns;
-                for (y, row) in each_row(*chunk, &bytes, self.sizes.columns_row) {
-                    let sum_bytes = if self.params.wide_sums() { 4 } else { 2 };
+                for (y, row) in each_row(*chunk, &bytes, sizes.columns_row) {
+                    let sum_bytes = if params.wide_sums() { 4 } else { 2 };
                     for (c, values) in row.chunks_exact(sum_bytes * padded).enumerate() {
                         let expected = &columns.data[(y * columns.width + c) * disparities..][..disparities];
                         for (d, &expected) in expected.iter().enumerate() {
                             // Two a word: of disparities 4k .. 4k + 3 the even two, then the odd two.
                             let at = 2 * (d / 4 * 4 + d % 2 * 2 + d / 2 % 2);
-                            let got = match self.params.wide_sums() {
+                            let got = match params.wide_sums() {
                                 true => bytemuck::pod_read_unaligned::<u32>(&values[4 * d..][..4]),
                                 false => u16::from_le_bytes([values[at], values[at + 1]]).into(),
                             };
@@ -313,7 +375,7 @@ impl StereoMatcher {
                 let numbers = bytemuck::pod_collect_to_vec::<u8, u32>(&bytes);
                 let columns = &statistics[*side].columns;
                 let count = (columns.end - columns.start) as usize;
-                let row_numbers = self.sizes.statistics_row as usize / 4;
+                let row_numbers = sizes.statistics_row as usize / 4;
                 for (row, y) in (chunk.first..chunk.first + chunk.count).enumerate() {
                     let found = &numbers[row * row_numbers + 2 * side * width..][..2 * count];
                     for (i, found) in found.chunks_exact(2).enumerate() {
@@ -324,20 +386,29 @@ impl StereoMatcher {
                     }
                 }
             }
-            Output::Penalties { first } => {
-                let Some(penalties) = &expected.penalties else { return Ok(()) };
-                for (y, row) in each_row(whole, &bytes, 64 * u64::from(width.div_ceil(16) as u32)) {
-                    for (x, values) in row.chunks_exact(4).take(width).enumerate() {
-                        for (k, &got) in values.iter().enumerate() {
-                            let expected = penalties.data[(y * width + x) * penalties.disparities + first + k];
-                            stage.compare(x, y, Some(first + k), expected.into(), got.into());
+            Output::Penalties { direction } => {
+                let (Some(penalties), Some(k)) =
+                    (&expected.penalties, Direction::FORWARD.iter().position(|forward| forward == direction))
+                else {
+                    return Ok(());
+                };
+                let (dx, dy) = (direction.dx as isize, direction.dy as usize);
+                for (i, values) in penalties.data.chunks_exact(penalties.disparities).enumerate() {
+                    let (x, y) = (i % width, i / width);
+                    let (line, place) = match dy {
+                        0 => (y * (width / 16 + 1), x),
+                        _ => {
+                            let column = (x as isize - dx * (y / dy) as isize).rem_euclid(width as isize);
+                            (y % dy * width + column as usize, y / dy)
                         }
-                    }
+                    };
+                    let vector = line + place / 16 * (dy * width).max(1);
+                    stage.compare(x, y, Some(k), values[k].into(), bytes[16 * vector + place % 16].into());
                 }
             }
             Output::Cost { chunk, volume_row } => {
-                let first = u64::from(*volume_row) * self.sizes.volume_row;
-                for (y, row) in each_row(*chunk, &bytes[first as usize..], self.sizes.volume_row) {
+                let first = u64::from(*volume_row) * sizes.volume_row;
+                for (y, row) in each_row(*chunk, &bytes[first as usize..], sizes.volume_row) {
                     for (x, values) in row.chunks_exact(padded).take(width).enumerate() {
                         let expected = &expected.cost.data[(y * width + x) * disparities..][..disparities];
                         for (d, (&expected, &got)) in expected.iter().zip(values).enumerate() {
@@ -347,14 +418,14 @@ impl StereoMatcher {
                 }
             }
             Output::Paths { directions, band, volume_row, .. } => {
-                let first = u64::from(*volume_row) * self.sizes.volume_row;
+                let first = u64::from(*volume_row) * sizes.volume_row;
                 // The device keeps T = L - C, summed over the directions so far.
                 for &direction in directions {
                     expected.path(direction);
                 }
                 let volumes: Vec<&Volume<u8>> =
                     expected.paths.iter().filter(|(d, _)| directions.contains(d)).map(|(_, volume)| volume).collect();
-                for (y, row) in each_row(*band, &bytes[first as usize..], self.sizes.volume_row) {
+                for (y, row) in each_row(*band, &bytes[first as usize..], sizes.volume_row) {
                     for (x, values) in row.chunks_exact(padded).take(width).enumerate() {
                         let at = (y * width + x) * disparities;
                         for (d, &got) in values[..disparities].iter().enumerate() {
@@ -365,16 +436,16 @@ impl StereoMatcher {
                     }
                 }
             }
-            Output::Views { .. } => {
-                let left = self.map(&bytes);
-                let behind = self.fetch(step, &self.right_map, spoil)?;
-                let right = self.map(&behind);
+            Output::Views { right, .. } => {
+                let left = map_of(sizes, &bytes);
+                let behind = self.fetch(step, right, spoil)?;
+                let right = map_of(sizes, &behind);
                 let wanted = expected.params.confidence;
                 let views = expected.views();
                 compare_maps(stage, &views.left, &left);
                 compare_maps(stage, &views.right, &right);
                 if wanted {
-                    let margins = self.map(&behind[self.sizes.map as usize..]);
+                    let margins = map_of(sizes, &behind[sizes.map as usize..]);
                     for (i, (&expected, &got)) in views.margins.data.iter().zip(&margins.data).enumerate() {
                         stage.compare(i % width, i / width, None, expected.into(), got.into());
                     }
@@ -383,55 +454,55 @@ impl StereoMatcher {
             }
             Output::Mirrored => {
                 let matched = reference::mirror(&expected.views().left);
-                compare_maps(stage, &matched, &self.map(&bytes));
+                compare_maps(stage, &matched, &map_of(sizes, &bytes));
                 expected.matched = Some(matched);
             }
             Output::Textured => {
                 if let Some(map) = &expected.checked {
-                    let textured = reference::texture(map, &expected.luma[0], &self.params);
-                    compare_maps(stage, &textured, &self.map(&bytes));
+                    let textured = reference::texture(map, &expected.luma[0], params);
+                    compare_maps(stage, &textured, &map_of(sizes, &bytes));
                     expected.checked = Some(textured);
                 }
             }
             Output::Checked => {
                 if let Some(map) = expected.checked.take() {
-                    let max_difference = self.params.lr_check.unwrap_or(0);
+                    let max_difference = params.lr_check.unwrap_or(0);
                     let checked = reference::lr_check(&map, &expected.right_view(), max_difference);
-                    compare_maps(stage, &checked, &self.map(&bytes));
+                    compare_maps(stage, &checked, &map_of(sizes, &bytes));
                     expected.checked = Some(checked);
                 }
             }
             Output::Speckle => {
                 if let Some(checked) = &mut expected.checked {
-                    *checked = reference::speckle(checked, self.params.speckle_window, self.params.speckle_range);
-                    compare_maps(stage, checked, &self.map(&bytes));
+                    *checked = reference::speckle(checked, params.speckle_window, params.speckle_range);
+                    compare_maps(stage, checked, &map_of(sizes, &bytes));
                 }
             }
             Output::Median => {
-                if let (Some(map), Some(side)) = (expected.checked.take(), self.params.median.side()) {
+                if let (Some(map), Some(side)) = (expected.checked.take(), params.median.side()) {
                     let filtered = reference::median(&map, side);
-                    compare_maps(stage, &filtered, &self.map(&bytes));
+                    compare_maps(stage, &filtered, &map_of(sizes, &bytes));
                     expected.checked = Some(filtered);
                 }
             }
             Output::Fill => {
                 let right = expected.right_view();
                 if let Some(checked) = &mut expected.checked {
-                    *checked = reference::fill(checked, &right, &self.params);
-                    compare_maps(stage, checked, &self.map(&bytes));
+                    *checked = reference::fill(checked, &right, params);
+                    compare_maps(stage, checked, &map_of(sizes, &bytes));
                 }
             }
             Output::Wls => {
-                if let (Some(map), Some(settings)) = (expected.checked.take(), &self.params.wls) {
-                    let smooth = reference::wls(&map, &expected.luma[0], settings, &self.params);
-                    compare_maps(stage, &smooth, &self.map(&bytes));
+                if let (Some(map), Some(settings)) = (expected.checked.take(), &params.wls) {
+                    let smooth = reference::wls(&map, &expected.luma[0], settings, params);
+                    compare_maps(stage, &smooth, &map_of(sizes, &bytes));
                     expected.checked = Some(smooth);
                 }
             }
             Output::WeightedMedian => {
-                if let (Some(map), Some(radius)) = (expected.checked.take(), self.params.weighted_median) {
-                    let filtered = reference::weighted_median(&map, &expected.luma[0], radius, &self.params);
-                    compare_maps(stage, &filtered, &self.map(&bytes));
+                if let (Some(map), Some(radius)) = (expected.checked.take(), params.weighted_median) {
+                    let filtered = reference::weighted_median(&map, &expected.luma[0], radius, params);
+                    compare_maps(stage, &filtered, &map_of(sizes, &bytes));
                     expected.checked = Some(filtered);
                 }
             }

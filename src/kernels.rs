@@ -2,7 +2,7 @@
 
 use std::collections::HashSet;
 
-use crate::buffers::{TEXELS, WORDS};
+use crate::buffers::TEXELS;
 use crate::params::{Census, Cost, Params, Paths, Prefilter, Subpixel};
 use crate::reference::{median_decay, median_spacing, wls_bits};
 use crate::schedule::{Exchange, GROUP_LANES, Plan, STRIP_LANES};
@@ -17,10 +17,12 @@ pub(crate) enum Access {
     Texels(wgpu::TextureFormat),
     /// The cost, read as the plan has it: from a texture or from its buffer.
     Costs,
+    /// What pairs of values cost: there only for [`Cost::MutualInformation`].
+    Table,
     /// The penalties of the pixels, where the plan has them.
     Penalties,
 }
-use Access::{Costs, Penalties, Read, Texels, Write};
+use Access::{Costs, Penalties, Read, Table, Texels, Write};
 
 /// Fragments of which the plan or the settings choose some.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -77,12 +79,18 @@ pub(crate) const KERNELS: &[Kernel] = &[
     Kernel { name: "prefilter", stage: "prefilter", lanes: 64, sources: wgsl!("prefilter", "root", "gray_pixels", "placed", "bytes", "common"), choices: &[], storage: &[QUAD, Read, Write] },
     Kernel { name: "features", stage: "features", lanes: 64, sources: wgsl!("features", "gray_pixels", "placed", "bytes", "common"), choices: &[], storage: &[QUAD, Read, Write] },
     Kernel { name: "penalties", stage: "penalties", lanes: 64, sources: wgsl!("penalties", "intensity_steps", "common"), choices: &[], storage: &[QUAD, Write] },
-    Kernel { name: "penalties_steep", stage: "penalties", lanes: 64, sources: wgsl!("penalties_steep", "intensity_steps", "common"), choices: &[], storage: &[QUAD, Write] },
-    Kernel { name: "cost_columns", stage: "cost_columns", lanes: 128, sources: wgsl!("cost_columns", "differences", "common"), choices: &[Choice::PixelPairs, Choice::Sums], storage: &[Read, Read, Write] },
+    Kernel { name: "penalties_lines", stage: "penalties", lanes: 64, sources: wgsl!("penalties_lines", "intensity_steps", "common"), choices: &[], storage: &[QUAD, Write] },
+    Kernel { name: "halve", stage: "halve", lanes: 64, sources: wgsl!("halve", "values", "common"), choices: &[], storage: &[QUAD, Write] },
+    Kernel { name: "mi_histogram", stage: "mi_histogram", lanes: 64, sources: wgsl!("mi_histogram", "values", "common"), choices: &[], storage: &[QUAD, QUAD, Read, Write] },
+    Kernel { name: "mi_smooth", stage: "mi_table", lanes: 64, sources: wgsl!("mi_smooth", "common"), choices: &[], storage: &[Read, Write] },
+    Kernel { name: "mi_marginals", stage: "mi_table", lanes: 64, sources: wgsl!("mi_marginals", "common"), choices: &[], storage: &[Read, Write] },
+    Kernel { name: "mi_range", stage: "mi_table", lanes: 256, sources: wgsl!("mi_range", "mi_shared", "common"), choices: &[], storage: &[Read, Read, Write] },
+    Kernel { name: "mi_table", stage: "mi_table", lanes: 64, sources: wgsl!("mi_table", "mi_shared", "common"), choices: &[], storage: &[Read, Read, Read, Write] },
+    Kernel { name: "cost_columns", stage: "cost_columns", lanes: 128, sources: wgsl!("cost_columns", "differences", "common"), choices: &[Choice::PixelPairs, Choice::Sums], storage: &[Read, Read, Write, Table] },
     Kernel { name: "matching_cost", stage: "matching_cost", lanes: 32, sources: wgsl!("matching_cost", "column_sums", "differences", "quantise", "common"), choices: &[Choice::Sums], storage: &[Read, Write] },
-    Kernel { name: "matching_cost_pixels", stage: "matching_cost", lanes: 32, sources: wgsl!("matching_cost_pixels", "right_bytes", "differences", "quantise", "common"), choices: &[Choice::PixelCosts], storage: &[WORD, WORD, Write] },
-    Kernel { name: "matching_cost_lanes", stage: "matching_cost", lanes: 128, sources: wgsl!("matching_cost_lanes", "differences", "quantise", "common"), choices: &[Choice::PixelCosts], storage: &[Read, Read, Write] },
-    Kernel { name: "matching_cost_small", stage: "matching_cost", lanes: 32, sources: wgsl!("matching_cost_small", "right_bytes", "differences", "quantise", "common"), choices: &[Choice::PixelCosts], storage: &[WORD, WORD, Write] },
+    Kernel { name: "matching_cost_pixels", stage: "matching_cost", lanes: 32, sources: wgsl!("matching_cost_pixels", "right_bytes", "differences", "quantise", "common"), choices: &[Choice::PixelCosts], storage: &[WORD, WORD, Write, Table] },
+    Kernel { name: "matching_cost_lanes", stage: "matching_cost", lanes: 128, sources: wgsl!("matching_cost_lanes", "differences", "quantise", "common"), choices: &[Choice::PixelCosts], storage: &[Read, Read, Write, Table] },
+    Kernel { name: "matching_cost_small", stage: "matching_cost", lanes: 32, sources: wgsl!("matching_cost_small", "right_bytes", "differences", "quantise", "common"), choices: &[Choice::PixelCosts], storage: &[WORD, WORD, Write, Table] },
     Kernel { name: "sgm_aggregate", stage: "sgm_aggregate", lanes: STRIP_LANES, sources: wgsl!("sgm_aggregate", "path_step", "common"), choices: PATHS, storage: &[Costs, Write, Read, Write, Penalties] },
     Kernel { name: "winner", stage: "winner", lanes: STRIP_LANES, sources: wgsl!("winner", "path_step", "winner_row", "refinement", "costs", "common"), choices: PATHS, storage: &[Costs, Read, Read, Read, Read, Write, Write, Penalties] },
     Kernel { name: "block_statistics", stage: "block_statistics", lanes: 32, sources: wgsl!("block_statistics", "root", "common"), choices: &[], storage: &[Read, Write] },
@@ -123,15 +131,14 @@ impl Kernel {
         if self.choices.contains(&Choice::Members) { plan.members } else { 1 }
     }
 
-    pub(crate) fn storage(&self, plan: &Plan) -> Vec<Access> {
-        let cost = if plan.lanes { Read } else { QUAD };
-        let present = self.storage.iter().filter(|access| plan.adaptive || **access != Penalties);
-        let bound = present.map(|&access| match access {
-            Costs => cost,
-            Penalties => WORD,
-            access => access,
-        });
-        bound.collect()
+    pub(crate) fn storage(&self, params: &Params, plan: &Plan) -> Vec<Access> {
+        let bound = |&access: &Access| match access {
+            Costs => Some(if plan.lanes { Read } else { QUAD }),
+            Table => (params.cost == Cost::MutualInformation).then_some(WORD),
+            Penalties => plan.adaptive.then_some(Read),
+            access => Some(access),
+        };
+        self.storage.iter().filter_map(bound).collect()
     }
 
     /// All its WGSL but the constants.
@@ -139,7 +146,8 @@ impl Kernel {
         let pixel_costs = match params.cost {
             Cost::Sad | Cost::ZeroMeanSad | Cost::SadXy => wgsl!("pixel_sad"),
             Cost::Ncc => wgsl!("pixel_ncc"),
-            Cost::Ssd | Cost::MutualInformation => wgsl!("pixel_ssd"),
+            Cost::Ssd => wgsl!("pixel_ssd"),
+            Cost::MutualInformation => wgsl!("pixel_mi"),
             Cost::BirchfieldTomasi => wgsl!("pixel_bt"),
             Cost::Census | Cost::CensusSobel | Cost::AdCensus => wgsl!("pixel_census"),
         };
@@ -156,7 +164,7 @@ impl Kernel {
                     (false, 1) => wgsl!("volume16", "cost_texels"),
                     (false, _) => wgsl!("volume32", "cost_texels"),
                 },
-                Choice::Penalty if plan.adaptive => wgsl!("penalty_texels"),
+                Choice::Penalty if plan.adaptive => wgsl!("penalty_lines"),
                 Choice::Penalty => wgsl!("penalty_fixed"),
                 Choice::PixelCosts => pixel_costs,
                 Choice::PixelPairs => {
@@ -242,7 +250,6 @@ pub(crate) fn constants(kernel: &Kernel, params: &Params, format: PixelFormat, p
         ("DISPARITIES", number(params.disparities)),
         ("QUADS", number(quads)),
         ("TEXELS", number(TEXELS)),
-        ("WORDS", number(WORDS)),
         ("PENALTIES", number(penalties)),
         ("BEYOND", ("vec4<u32>", format!("vec4({})", beyond.join(", ")))),
         ("BLOCK", number(params.block)),
@@ -315,20 +322,14 @@ pub(crate) struct Compiled {
 }
 
 /// Compiles `text`, a kernel's [`source`].
-pub(crate) fn compile(
-    device: &wgpu::Device,
-    kernel: &Kernel,
-    text: &str,
-    shader_checks: bool,
-    plan: &Plan,
-) -> Compiled {
+pub(crate) fn compile(device: &wgpu::Device, kernel: &Kernel, text: &str, params: &Params, plan: &Plan) -> Compiled {
     let label = format!("gpu-stereo.{}", kernel.name);
     let buffer = |ty, has_dynamic_offset| wgpu::BindingType::Buffer { ty, has_dynamic_offset, min_binding_size: None };
-    let storage = kernel.storage(plan);
+    let storage = kernel.storage(params, plan);
     let storage = storage.iter().map(|access| match access {
         Read | Costs => buffer(wgpu::BufferBindingType::Storage { read_only: true }, false),
         Write => buffer(wgpu::BufferBindingType::Storage { read_only: false }, false),
-        Penalties => unreachable!("the plan has no penalties, or texels"),
+        Table | Penalties => unreachable!("there is none, or it is bound as what holds it"),
         Texels(format) => wgpu::BindingType::StorageTexture {
             access: wgpu::StorageTextureAccess::ReadOnly,
             format: *format,
@@ -349,7 +350,7 @@ pub(crate) fn compile(
     let module = shader_module(
         device,
         wgpu::ShaderModuleDescriptor { label: Some(&label), source: wgpu::ShaderSource::Wgsl(text.into()) },
-        shader_checks,
+        params.shader_checks,
     );
     let pipeline_layout = device.create_pipeline_layout(&wgpu::PipelineLayoutDescriptor {
         label: Some(&label),
@@ -397,13 +398,15 @@ fn shader_module(
 pub(crate) fn check_limits(limits: &wgpu::Limits) -> Result<(), Error> {
     let most = KERNELS
         .iter()
-        .map(|kernel| kernel.storage.iter().filter(|access| matches!(access, Read | Write | Costs)).count() as u32)
+        .map(|kernel| {
+            kernel.storage.iter().filter(|access| matches!(access, Read | Write | Costs | Penalties)).count() as u32
+        })
         .max()
         .unwrap_or(0);
     let lanes = KERNELS.iter().map(|kernel| kernel.lanes.max(GROUP_LANES)).max().unwrap_or(0);
     let needs = [
         ("max_storage_buffers_per_shader_stage", limits.max_storage_buffers_per_shader_stage, most),
-        ("max_storage_textures_per_shader_stage", limits.max_storage_textures_per_shader_stage, 2),
+        ("max_storage_textures_per_shader_stage", limits.max_storage_textures_per_shader_stage, 3),
         ("max_compute_invocations_per_workgroup", limits.max_compute_invocations_per_workgroup, lanes),
         ("max_compute_workgroup_size_x", limits.max_compute_workgroup_size_x, lanes),
         ("max_dynamic_uniform_buffers_per_pipeline_layout", limits.max_dynamic_uniform_buffers_per_pipeline_layout, 1),

@@ -4,8 +4,9 @@ use std::sync::OnceLock;
 
 use crate::buffers::{Frame, Sizes, TEXELS, TEXTURE_ROW};
 use crate::chain::{Made, chain};
+use crate::reference::{self, Round};
 use crate::schedule::Plan;
-use crate::steps::{Builder, Step, row_bytes};
+use crate::steps::{Builder, Level, Step, row_bytes};
 use crate::{ConfidenceMap, DisparityMap, Error, Image, Matched, Params, PixelFormat, kernels, readback};
 
 /// The time of one stage in one frame.
@@ -30,9 +31,10 @@ pub struct StereoMatcher {
     pub(crate) params: Params,
     pub(crate) format: PixelFormat,
     pub(crate) sizes: Sizes,
+    /// The passes through the chain; the last one has these settings and sizes.
+    pub(crate) levels: Vec<Level>,
     pub(crate) steps: Vec<Step>,
     sources: [wgpu::Texture; 2],
-    pub(crate) right_map: wgpu::Buffer,
     output: wgpu::Buffer,
     confidence: Option<wgpu::Buffer>,
     readback: wgpu::Buffer,
@@ -57,6 +59,16 @@ pub(crate) fn check_pair(left: &Image, right: &Image) -> Result<(), Error> {
         "the left image is {}x{} and the right one {}x{}, but a rectified pair has one size; crop or rectify them again",
         l.0, l.1, r.0, r.1
     )))
+}
+
+/// A disparity map from the bytes of its buffer.
+pub(crate) fn map_of(sizes: &Sizes, bytes: &[u8]) -> DisparityMap {
+    let Frame { width, height, map_stride, .. } = sizes.frame;
+    let mut data = Vec::with_capacity(width as usize * height as usize);
+    for row in bytes.chunks_exact(4 * map_stride as usize).take(height as usize) {
+        data.extend(row[..2 * width as usize].chunks_exact(2).map(|v| i16::from_le_bytes([v[0], v[1]])));
+    }
+    DisparityMap { width, height, data }
 }
 
 impl StereoMatcher {
@@ -98,31 +110,31 @@ impl StereoMatcher {
         if width == 0 || height == 0 {
             return Err(Error::Image(format!("the images are {width}x{height}, but each side must be at least 1")));
         }
-        let plan = Plan::new(device, params);
-        let sizes = Sizes::new(width, height, format, params, &limits, &plan)?;
-        readback::guarded(device, || Self::build(device, queue, format, params, plan, sizes))
+        let level = |Round { halvings, params }: Round| {
+            let plan = Plan::new(device, &params);
+            let [width, height] = [width, height].map(|side| side.div_ceil(1 << halvings));
+            let sizes = Sizes::new(width, height, format, &params, &limits, &plan)?;
+            Ok(Level { halvings, params, plan, sizes })
+        };
+        let levels: Vec<Level> =
+            reference::rounds(width, height, params).into_iter().map(level).collect::<Result<_, Error>>()?;
+        readback::guarded(device, || Self::build(device, queue, format, levels))
     }
 
-    fn build(
-        device: &wgpu::Device,
-        queue: &wgpu::Queue,
-        format: PixelFormat,
-        params: &Params,
-        plan: Plan,
-        sizes: Sizes,
-    ) -> Self {
-        let mut builder = Builder::new(device, params, plan, format, &sizes);
-        let Made { sources, right_map, output, confidence } = chain(&mut builder);
+    fn build(device: &wgpu::Device, queue: &wgpu::Queue, format: PixelFormat, levels: Vec<Level>) -> Self {
+        let mut builder = Builder::new(device, &levels, format);
+        let Made { sources, output, confidence } = chain(&mut builder);
         let (steps, device_bytes) = builder.finish(queue);
+        let Level { params, sizes, .. } = levels[levels.len() - 1].clone();
         let read_bytes = sizes.map + confidence.as_ref().map_or(0, |_| sizes.confidence);
         Self {
             device: device.clone(),
             queue: queue.clone(),
-            params: params.clone(),
+            params,
             format,
+            levels,
             steps,
             sources,
-            right_map,
             output,
             confidence,
             readback: readback::buffer(device, "gpu-stereo.readback", read_bytes),
@@ -190,13 +202,13 @@ impl StereoMatcher {
 
     /// Records the work of one frame, from the uploaded pair to [`StereoMatcher::output`].
     pub fn record(&self, encoder: &mut wgpu::CommandEncoder) {
-        // A compute pass ends where something is copied.
-        for steps in self.steps.split_inclusive(|step| step.copy_to.is_some()) {
+        // A compute pass ends where something is copied or cleared.
+        for steps in self.steps.chunk_by(|a, b| a.copy_to.is_none() && !b.clears) {
             self.record_steps(encoder, "gpu-stereo", steps, None);
         }
     }
 
-    /// Records steps in one compute pass. Only the last one may copy.
+    /// Records steps in one compute pass. Only the first one may clear, only the last one copy.
     pub(crate) fn record_steps(
         &self,
         encoder: &mut wgpu::CommandEncoder,
@@ -204,6 +216,9 @@ impl StereoMatcher {
         steps: &[Step],
         timestamp_writes: Option<wgpu::ComputePassTimestampWrites<'_>>,
     ) {
+        if let Some(step) = steps.first().filter(|step| step.clears) {
+            encoder.clear_buffer(&step.buffer, 0, None);
+        }
         let label = Some(label);
         let mut pass = encoder.begin_compute_pass(&wgpu::ComputePassDescriptor { label, timestamp_writes });
         for step in steps {
@@ -270,12 +285,7 @@ impl StereoMatcher {
 
     /// A disparity map from the bytes of one of the matcher's map buffers.
     pub(crate) fn map(&self, bytes: &[u8]) -> DisparityMap {
-        let Frame { width, height, map_stride, .. } = self.sizes.frame;
-        let mut data = Vec::with_capacity(width as usize * height as usize);
-        for row in bytes.chunks_exact(4 * map_stride as usize).take(height as usize) {
-            data.extend(row[..2 * width as usize].chunks_exact(2).map(|v| i16::from_le_bytes([v[0], v[1]])));
-        }
-        DisparityMap { width, height, data }
+        map_of(&self.sizes, bytes)
     }
 
     /// A confidence from the bytes of its buffer.
@@ -301,7 +311,8 @@ impl StereoMatcher {
     /// As [`StereoMatcher::compute`].
     pub fn compute_all_timed(&self, left: &Image, right: &Image) -> Result<(Matched, Vec<StageTime>), Error> {
         // Neighbouring steps of a stage are timed together.
-        let runs: Vec<&[Step]> = self.steps.chunk_by(|a, b| a.stage() == b.stage() && a.copy_to.is_none()).collect();
+        let runs: Vec<&[Step]> =
+            self.steps.chunk_by(|a, b| a.stage() == b.stage() && a.copy_to.is_none() && !b.clears).collect();
         let count = 2 * runs.len() as u32;
         let timed = self.device.features().contains(wgpu::Features::TIMESTAMP_QUERY);
         if !timed || count > wgpu::QUERY_SET_MAX_QUERIES {

@@ -349,9 +349,7 @@ impl Params {
             Preset::Classic => classic,
             Preset::Fast => Self { paths: Paths::Three, ..balanced },
             Preset::Balanced => balanced,
-            Preset::Strict => {
-                Self { right_view: RightView::Match, uniqueness: 10, speckle_window: 200, ..balanced }
-            }
+            Preset::Strict => Self { right_view: RightView::Match, uniqueness: 10, speckle_window: 200, ..balanced },
             Preset::Dense => {
                 let matched = Self { p1: 28, p2: 110, uniqueness: 0, right_view: RightView::Match, ..balanced };
                 Self { speckle_range: 2, fill: Fill::Rays, weighted_median: Some(5), ..matched }
@@ -544,29 +542,47 @@ impl Params {
             self.prefilter_cap.to_string(),
             format!("from 1 to {most_cap} with this cost, whose largest value for a pixel must fit a byte"),
             "31 is usual",
-        )?;
-        check(
-            self.cost != Cost::MutualInformation,
-            "cost",
-            format!("{:?}", self.cost),
-            "another one".into(),
-            "take census",
         )
+    }
+
+    /// The same for images that are halved so often, without what comes after the map of the left view.
+    pub(crate) fn rough(&self, halvings: u32) -> Self {
+        let last = self.min_disparity + self.disparities as i32 - 1;
+        let (from, to) = (self.min_disparity >> halvings, -(-last >> halvings));
+        Self {
+            min_disparity: from,
+            disparities: (to - from + 1) as u32,
+            adaptive_p2: false,
+            texture: 0,
+            lr_check: Some(1),
+            right_view: RightView::Diagonal,
+            speckle_window: 0,
+            median: Median::Off,
+            fill: Fill::None,
+            weighted_median: None,
+            wls: None,
+            confidence: false,
+            ..self.clone()
+        }
     }
 
     /// The settings of a second match of the mirrored pair for the right view, if that is wanted and something reads it:
     /// whole pixels, and all of them.
     pub(crate) fn second_match(&self) -> Option<Self> {
         let read = self.lr_check.is_some() || matches!(self.fill, Fill::Rays | Fill::Hirschmuller);
-        let wanted = self.right_view == RightView::Match && read;
-        wanted.then(|| Self {
+        (self.right_view == RightView::Match && read).then(|| self.second())
+    }
+
+    /// The same for a second match.
+    pub(crate) fn second(&self) -> Self {
+        Self {
             subpixel: Subpixel::Off,
             uniqueness: 0,
             texture: 0,
             confidence: false,
             right_view: RightView::Diagonal,
             ..self.clone()
-        })
+        }
     }
 
     /// Rows and columns by which a block reaches beyond its centre.
@@ -642,7 +658,8 @@ impl Params {
     /// The largest cost of a pixel.
     pub(crate) fn pixel_max(&self) -> u32 {
         match self.cost {
-            Cost::Sad | Cost::BirchfieldTomasi | Cost::MutualInformation => self.prefiltered_max(),
+            Cost::Sad | Cost::BirchfieldTomasi => self.prefiltered_max(),
+            Cost::MutualInformation => 255,
             Cost::Ssd | Cost::Ncc => self.prefiltered_max().pow(2),
             Cost::ZeroMeanSad => (2 * self.prefiltered_max()).min(254),
             Cost::SadXy => 4 * self.prefilter_cap,
@@ -704,6 +721,7 @@ impl Params {
     pub(crate) fn cost_top(&self) -> u32 {
         match self.cost {
             Cost::CensusSobel => 128 * self.pixel_max(),
+            Cost::MutualInformation => 64 * 1024,
             _ => 59 * 1550,
         }
     }

@@ -2,7 +2,7 @@
 
 use std::collections::HashMap;
 
-use crate::buffers::{Pass, Rows, Sizes, TEXELS, TEXTURE_ROW};
+use crate::buffers::{Frame, Pass, Rows, Sizes, TEXELS, TEXTURE_ROW};
 use crate::kernels::{self, Compiled, KERNELS};
 use crate::reference::Direction;
 use crate::schedule::Plan;
@@ -37,11 +37,18 @@ pub(crate) enum Output {
         first: usize,
         count: usize,
     },
+    /// The values that are halved, or what came of it, laid out like a gray image.
+    Values {
+        side: usize,
+    },
+    Histogram,
+    Table,
     Columns {
         chunk: Rows,
     },
+    /// Of a forward direction.
     Penalties {
-        first: usize,
+        direction: Direction,
     },
     Cost {
         chunk: Rows,
@@ -60,7 +67,9 @@ pub(crate) enum Output {
         first: bool,
         last: bool,
     },
+    /// Both views; the right one, and the margins, are in `right`.
     Views {
+        right: wgpu::Buffer,
         last: bool,
     },
     /// The right view of a second match.
@@ -75,10 +84,22 @@ pub(crate) enum Output {
     Confidence,
 }
 
+/// A pass through the chain: its settings, and what follows from them.
+#[derive(Clone, Debug)]
+pub(crate) struct Level {
+    /// How often the images are halved.
+    pub(crate) halvings: u32,
+    pub(crate) params: Params,
+    pub(crate) plan: Plan,
+    pub(crate) sizes: Sizes,
+}
+
 /// One dispatch, and what is copied after it.
 #[derive(Debug)]
 pub(crate) struct Step {
     kernel: usize,
+    /// The [`Level`] that it belongs to.
+    pub(crate) level: usize,
     pub(crate) pipeline: wgpu::ComputePipeline,
     pub(crate) bind_group: wgpu::BindGroup,
     /// The offset of its [`Pass`] in the uniform buffer.
@@ -86,6 +107,8 @@ pub(crate) struct Step {
     pub(crate) workgroups: [u32; 2],
     pub(crate) output: Output,
     pub(crate) buffer: wgpu::Buffer,
+    /// Whether `buffer` is filled with zeros before.
+    pub(crate) clears: bool,
     /// Whether this is of the mirrored pair.
     pub(crate) mirrored: bool,
     /// The texture that `buffer` is copied into when it is complete, row by row.
@@ -116,12 +139,14 @@ pub(crate) fn row_bytes(format: wgpu::TextureFormat, width: u32) -> u32 {
 /// A step whose bind group is not made yet.
 struct Planned {
     kernel: usize,
+    level: usize,
     compiled: Compiled,
     storage: Vec<Resource>,
     pass: Pass,
     workgroups: [u32; 2],
     output: Output,
     buffer: wgpu::Buffer,
+    clears: bool,
     mirrored: bool,
     copy_to: Option<wgpu::Texture>,
 }
@@ -160,6 +185,8 @@ impl<T: Clone> Shared<T> {
 /// Makes buffers and steps.
 pub(crate) struct Builder<'a> {
     device: &'a wgpu::Device,
+    pub(crate) levels: &'a [Level],
+    pub(crate) level: usize,
     /// The settings of the kernels that are made next.
     pub(crate) params: Params,
     pub(crate) plan: Plan,
@@ -175,18 +202,17 @@ pub(crate) struct Builder<'a> {
 }
 
 impl<'a> Builder<'a> {
-    pub(crate) fn new(
-        device: &'a wgpu::Device,
-        params: &Params,
-        plan: Plan,
-        format: PixelFormat,
-        sizes: &'a Sizes,
-    ) -> Self {
+    /// A builder for the last of the levels.
+    pub(crate) fn new(device: &'a wgpu::Device, levels: &'a [Level], format: PixelFormat) -> Self {
         let (compiled, planned, tables) = (HashMap::new(), Vec::new(), Vec::new());
+        let level = levels.len() - 1;
+        let Level { params, plan, sizes, .. } = &levels[level];
         Self {
             device,
+            levels,
+            level,
             params: params.clone(),
-            plan,
+            plan: *plan,
             format,
             sizes,
             mirrored: false,
@@ -195,6 +221,20 @@ impl<'a> Builder<'a> {
             planned,
             tables,
             device_bytes: 0,
+        }
+    }
+
+    /// Goes on with another level.
+    pub(crate) fn enter(&mut self, level: usize) {
+        let Level { params, plan, sizes, .. } = &self.levels[level];
+        let params = if self.mirrored { params.second() } else { params.clone() };
+        (self.level, self.params, self.plan, self.sizes) = (level, params, *plan, sizes);
+    }
+
+    /// Has the buffer that the last step writes filled with zeros before it.
+    pub(crate) fn clear(&mut self) {
+        if let Some(step) = self.planned.last_mut() {
+            step.clears = true;
         }
     }
 
@@ -312,9 +352,10 @@ impl<'a> Builder<'a> {
         };
         let row = &KERNELS[kernel];
         let text = kernels::source(row, &self.params, self.format, &self.plan);
-        let compiled = self.compiled.entry((kernel, text)).or_insert_with_key(|(_, text)| {
-            kernels::compile(self.device, row, text, self.params.shader_checks, &self.plan)
-        });
+        let compiled = self
+            .compiled
+            .entry((kernel, text))
+            .or_insert_with_key(|(_, text)| kernels::compile(self.device, row, text, &self.params, &self.plan));
         let written = row.storage.iter().position(|access| *access == kernels::Access::Write);
         let Some(Bound::Buffer(buffer)) = written.map(|i| storage[i]) else {
             unreachable!("{name} writes no buffer");
@@ -326,12 +367,14 @@ impl<'a> Builder<'a> {
         let invocations = lines * row.members(&self.plan);
         self.planned.push(Planned {
             kernel,
+            level: self.level,
             compiled: compiled.clone(),
             storage: storage.iter().map(resource).collect(),
             pass,
             workgroups: [invocations.div_ceil(row.lanes(&self.plan)), rows],
             output,
             buffer: buffer.clone(),
+            clears: false,
             mirrored: self.mirrored,
             copy_to: None,
         });
@@ -356,13 +399,13 @@ impl<'a> Builder<'a> {
         for (block, step) in blocks.chunks_exact_mut(PASS_STRIDE as usize).zip(&self.planned) {
             block[..size_of::<Pass>()].copy_from_slice(bytemuck::bytes_of(&step.pass));
         }
-        let frame_bytes = bytemuck::bytes_of(&self.sizes.frame);
-        let (frame, passes) = (uniform("frame", frame_bytes), uniform("passes", &blocks));
-        self.device_bytes += frame_bytes.len() as u64 + blocks.len() as u64;
+        let frames = self.levels.iter().map(|level| uniform("frame", bytemuck::bytes_of(&level.sizes.frame)));
+        let (frames, passes): (Vec<_>, _) = (frames.collect(), uniform("passes", &blocks));
+        self.device_bytes += (frames.len() * size_of::<Frame>() + blocks.len()) as u64;
         let block = (size_of::<Pass>() as u64).try_into().ok();
         let finished = |(pass, step): (u32, Planned)| {
             let passes = wgpu::BufferBinding { buffer: &passes, offset: 0, size: block };
-            let uniforms = [frame.as_entire_binding(), wgpu::BindingResource::Buffer(passes)];
+            let uniforms = [frames[step.level].as_entire_binding(), wgpu::BindingResource::Buffer(passes)];
             let storage = step.storage.iter().map(|resource| match resource {
                 Resource::Buffer(buffer) => buffer.as_entire_binding(),
                 Resource::Texture(view) => wgpu::BindingResource::TextureView(view),
@@ -378,12 +421,14 @@ impl<'a> Builder<'a> {
             });
             Step {
                 kernel: step.kernel,
+                level: step.level,
                 pipeline: step.compiled.pipeline,
                 bind_group,
                 pass: pass * PASS_STRIDE,
                 workgroups: step.workgroups,
                 output: step.output,
                 buffer: step.buffer,
+                clears: step.clears,
                 mirrored: step.mirrored,
                 copy_to: step.copy_to,
             }

@@ -7,6 +7,7 @@ Needs nothing but Python 3.8. Raw files are little endian; tests/algorithms.rs w
 """
 
 import array
+import functools
 import json
 import math
 import os
@@ -48,6 +49,23 @@ def unit_of(kind):
 
 def three(red, green, blue):
     return (red + 2 * green + blue) >> 2
+
+
+def log(n):
+    e = n.bit_length() - 1
+    f = ((n << (31 - e)) >> 19) & 4095
+    return 4096 * e + f + ((f * (4096 - f) * 11) >> 17)
+
+
+@functools.lru_cache(maxsize=4096)
+def smoothed_row(row):
+    far = (row[0],) * 3 + row + (row[-1],) * 3
+    return tuple(sum(w * n for w, n in zip((1, 6, 15, 20, 15, 6, 1), far[i:])) for i in range(len(row)))
+
+
+def smoothed(table):
+    rows = [smoothed_row(tuple(row)) for row in table]
+    return zip(*(smoothed_row(column) for column in zip(*rows)))
 
 
 class Chain:
@@ -154,7 +172,7 @@ class Chain:
 
         def of_channel(f, sums, x, y):
             v = level(f[y][x], u)
-            if cost in ("sad", "ssd", "ncc"):
+            if cost in ("sad", "ssd", "ncc", "mi"):
                 return [v]
             if cost == "zsad":
                 z = (2 * (n * f[y][x] - sums[y][x]) + n * u) // (2 * n * u)
@@ -181,6 +199,7 @@ class Chain:
             "sad": v,
             "ssd": v * v,
             "ncc": v * v,
+            "mi": 255,
             "zsad": min(2 * v, 254),
             "bt": v,
             "sad-xy": 4 * self.cap,
@@ -191,6 +210,8 @@ class Chain:
 
     def pixel_cost(self, l, p):
         cost, i = self.case["cost"], self.census_bytes
+        if cost == "mi":
+            return self.table[l[0]][p[0]]
         if cost == "bt":
 
             def between(i):
@@ -218,6 +239,65 @@ class Chain:
             return 2 * bits + difference[i] + difference[i + 1]
         return self.mix(difference[i], bits)
 
+    def halve(self, image):
+        half = Chain(dict(self.case, width=(self.width + 1) // 2, height=(self.height + 1) // 2))
+
+        def mean(x, y):
+            return [(sum(self.at(image, 2 * x + i, 2 * y + j)[0] for i in (0, 1) for j in (0, 1)) + 2) >> 2]
+
+        return half.over_pixels(mean)
+
+    def mi_histogram(self, left, right, before, halved):
+        counts = [[0] * 256 for _ in range(256)]
+        for y in range(self.height if before else 0):
+            for x in range(self.width):
+                v = before[y >> halved][x >> halved]
+                seen = x - q(v << halved)
+                if v != INVALID and self.inside(seen):
+                    counts[left[y][x][0]][right[y][seen][0]] += 1
+        return counts
+
+    def mi_table(self, counts):
+        pixels = self.width * self.height
+        narrowing = max(0, pixels.bit_length() - 20)
+        prior = ((pixels >> narrowing) >> 8) + 1
+        joint = smoothed([[n >> narrowing for n in row] for row in counts])
+        joint = [[n + prior for n in row] for row in joint]
+        sums = [sum(row) for row in joint], [sum(column) for column in zip(*joint)]
+        joint = [[(n + 2048) >> 12 for n in row] for row in smoothed([[log(n) for n in row] for row in joint])]
+        lefts, rights = ([(n + 32) >> 6 for n in smoothed_row(tuple(log(n) for n in values))] for values in sums)
+        shared = [[n - a - b for n, b in zip(row, rights)] for row, a in zip(joint, lefts)]
+        least, most = min(map(min, shared)), max(map(max, shared))
+        span = most - least
+        if span == 0:
+            return [[abs(l - r) for r in range(256)] for l in range(256)]
+        return [[(255 * (most - n) + span // 2) // span for n in row] for row in shared]
+
+    def last_table(self, left, right):
+        """The table of the last round."""
+        most = max(h for h in range(5) if h == 0 or min(self.width, self.height) >> h >= 16)
+        pyramid = [(self, left, right)]
+        for _ in range(most):
+            chain, left, right = pyramid[-1]
+            half = Chain(dict(chain.case, width=(chain.width + 1) // 2, height=(chain.height + 1) // 2))
+            pyramid.append((half, chain.halve(left), chain.halve(right)))
+        before, last = None, self.smallest + self.count - 1
+        rounds = [most] * 2 + list(range(most, -1, -1))
+        for i, h in enumerate(rounds):
+            size, left, right = pyramid[h]
+            smallest, largest = self.smallest >> h, -(-last >> h)
+            chain = Chain(
+                dict(size.case, min_disparity=smallest, disparities=largest - smallest + 1, lr_check=1, adaptive_p2="off")
+            )
+            halved = rounds[i - 1] - h if i > 0 else 0
+            chain.table = chain.mi_table(chain.mi_histogram(left, right, before, halved))
+            if i + 1 < len(rounds):
+                cost = chain.block_sums(chain.cost_columns(left, right))
+                if self.case["method"] == "sgm":
+                    cost = chain.sgm_aggregate(chain.matching_cost(cost), None)
+                before = chain.lr_check(*chain.winner(cost)[:2])
+        return chain.table
+
     def cost_columns(self, left, right):
         columns = range(-self.radius, self.width + self.radius)
 
@@ -242,7 +322,8 @@ class Chain:
 
     def scale(self):
         largest = self.largest_total >> self.narrowing
-        top = 128 * self.largest_pixel_cost() if self.case["cost"] == "census-sobel" else 59 * 1550
+        tops = {"census-sobel": 128 * self.largest_pixel_cost(), "mi": 64 * 1024}
+        top = tops.get(self.case["cost"], 59 * 1550)
         return (top * 2**14 + largest // 2) // largest
 
     def block_statistics(self, plane, columns):
@@ -273,7 +354,8 @@ class Chain:
         p1, p2 = self.case["p1"], self.case["p2"]
 
         def penalty(x, y, dx, dy):
-            delta = abs(self.at(g, x, y) - self.at(g, x - dx, y - dy))
+            inside = self.inside(x - dx) and 0 <= y - dy < self.height
+            delta = abs(g[y][x] - g[y - dy][x - dx]) if inside else 0
             return min(p2, max(10 * p2 // max(delta, 10), p1 + p1 // 2))
 
         directions = FORWARD[: 8 if self.case["paths"] == 16 else 4]
@@ -553,6 +635,9 @@ class Chain:
             yield "features_" + side, "B", features
             sides.append(features)
             grays.append(gray)
+        if self.case["cost"] == "mi":
+            self.table = self.last_table(*sides)
+            yield "mi_table", "B", self.table
         columns = self.cost_columns(*sides)
         yield "cost_columns", "I", columns
         cost = self.block_sums(columns)
@@ -641,7 +726,7 @@ EXAMPLE_PAIR = [10, 40, 70, 60, 200, 90], [40, 66, 190, 210, 90, 90]
 def example():
     """The tables of the worked example."""
     chain = Chain(EXAMPLE)
-    stages = {name: values[0] for name, _, values in chain.run(*EXAMPLE_PAIR)}
+    stages = {name: values[0] for name, _, values in chain.run(*EXAMPLE_PAIR) if values}
     cost = [stages["matching_cost"]]
 
     def show(title, values, first=0, name="d"):

@@ -122,7 +122,8 @@ fn stages(left: &Image, right: &Image, params: &Params) -> Vec<(&'static str, us
     let deep = [left, right].map(|image| reference::images(image, params));
     let prefiltered = [0, 1].map(|side: usize| deep[side].prefiltered(params));
     let features = [0, 1].map(|side: usize| prefiltered[side].features(params));
-    let columns = reference::cost_columns(&features[0], &features[1], params);
+    let table = reference::cost_table(&features, params);
+    let columns = reference::cost_columns(&features[0], &features[1], &table, params);
     let rows = 0..columns.height;
     let sums = rows.flat_map(|y| reference::block_sums(&columns, y, params)).flat_map(u32::to_le_bytes).collect();
     let bytes16s = |images: &reference::Images| images.channels.iter().flat_map(|c| bytes16(&c.data)).collect();
@@ -138,6 +139,9 @@ fn stages(left: &Image, right: &Image, params: &Params) -> Vec<(&'static str, us
         ("cost_columns", 4, columns.data.iter().flat_map(|v| v.to_le_bytes()).collect()),
         ("block_sums", 4, sums),
     ];
+    if !table.is_empty() {
+        stages.push(("mi_table", 1, table));
+    }
     let views = if params.method == Method::Sgm {
         let cost = reference::matching_cost(&columns, params);
         let luma = reference::gray(left, reference::Channel::Luma);
@@ -373,6 +377,13 @@ fn cases() -> Vec<Case> {
             Image::new(12, 5, Pixels::Gray8(samples)).unwrap()
         };
         cases.push(Case { left: image(6), right: image(4), params });
+    }
+    // Mutual information of images that are halved once.
+    for (seed, mut params) in (300..).zip([Params::sgm(6), Params::bm(5)]) {
+        (params.cost, params.prefilter, params.min_disparity) = (Cost::MutualInformation, Prefilter::None, -1);
+        params.block = 2 * (seed as u32 - 300) + 1;
+        let (left, right) = support::pair(35, 33, seed);
+        cases.push(Case { left, right, params });
     }
     // Luma exactly half way between two levels.
     let half = |&(r, g, b): &(u32, u32, u32)| (9798 * r + 19235 * g + 3735 * b) % 32768 == 16384;

@@ -336,7 +336,7 @@ fn expected_values(left: &Image, right: &Image, params: &Params) -> impl Fn(&str
     let gray = reference::gray(left, reference::Channel::Luma);
     let prefiltered = [left, right].map(|image| reference::images(image, params).prefiltered(params));
     let features = [0, 1].map(|side: usize| prefiltered[side].features(params));
-    let columns = reference::cost_columns(&features[0], &features[1], params);
+    let columns = reference::cost_columns(&features[0], &features[1], &[], params);
     let cost = reference::matching_cost(&columns, params);
     let paths = [0, 1].map(|i| reference::aggregate_direction(&cost, None, Direction::all(params.paths)[i], params));
     let sum = reference::sgm_aggregate(&cost, None, params);

@@ -214,6 +214,26 @@ fn the_mask_is_255_where_there_is_a_disparity() {
 }
 
 #[test]
+fn the_confidence_is_0_where_there_is_no_disparity() {
+    let folder = noisy();
+    for method in ["sgm", "bm"] {
+        let files = ["--method", method, "--confidence", "c.png", "--mask", "mask.png", "-o", "m.npy"];
+        succeeds(folder.path(), &on("left.png", "right.png", &files));
+        let read = |name: &str| match image::open(folder.path().join(name)).unwrap() {
+            DynamicImage::ImageLuma8(image) if image.dimensions() == (48, 30) => image.into_raw(),
+            other => panic!("{name} is {:?} of {}x{}", other.color(), other.width(), other.height()),
+        };
+        let (confidence, mask) = (read("c.png"), read("mask.png"));
+        assert!(confidence.iter().zip(&mask).all(|(&confidence, &mask)| (confidence > 0) == (mask > 0)));
+        let known: std::collections::BTreeSet<_> = confidence.iter().collect();
+        assert!(known.len() > 10, "{method}: {known:?}");
+        // It changes nothing about the map.
+        let with = fs::read(folder.path().join("m.npy")).unwrap();
+        assert!(map(&folder, &format!("--method {method}")) == with, "{method}");
+    }
+}
+
+#[test]
 fn a_valid_disparity_of_0_is_not_the_invalid_0() {
     let folder = scene();
     succeeds(folder.path(), &on("left.png", "left.png", &["--subpixel", "off", "-o", "zero.png"]));
@@ -629,6 +649,9 @@ fn bad_outputs() {
         (&["--mask", "out.png", "-o", "out.png"], &["out.png", "twice"]),
         (&["--color", "out.png", "--mask", "./out.png"], &["out.png", "twice"]),
         (&["--mask", "left.png"], &["left.png", "input"]),
+        (&["--confidence", "out.npy"], &["--confidence", "out.npy", ".png"]),
+        (&["--confidence", "out.png", "--mask", "out.png"], &["out.png", "twice"]),
+        (&["--confidence", "right.png"], &["right.png", "input"]),
         (&["-o", "left.png"], &["left.png", "input"]),
         (&["-o", &long], &["cannot be written"]),
     ];
@@ -1057,6 +1080,7 @@ fn help_and_version() {
         "-o",
         "--color",
         "--mask",
+        "--confidence",
         "--check",
         "--timings",
         "--repeat",

@@ -52,8 +52,8 @@ const NUMBERS: &[(&str, &[&str])] = &[
     ("wls-sigma", &["1.5", "30"]),
 ];
 
-/// Words of options that no case takes: one that stands for another, and a cost that is refused so far.
-const UNLISTED: &[(&str, &str)] = &[("schedule", "auto"), ("cost", "mi")];
+/// Words of options that no case takes: one that stands for another.
+const UNLISTED: &[(&str, &str)] = &[("schedule", "auto")];
 
 /// What a case has besides its options.
 const CIRCUMSTANCES: &[(&str, &[&str])] = &[
@@ -275,7 +275,7 @@ type NamedPair = [(&'static str, &'static str); 2];
 /// What [`Params::validate`] refuses of the values here.
 fn refusals() -> BTreeSet<NamedPair> {
     let with_ncc = [[("block", "1"), ("cost", "ncc")], [("cost", "ncc"), ("method", "sgm")]];
-    let colours = ["ssd", "zsad", "sad-xy", "census", "census-sobel", "ad-census", "ncc"]
+    let colours = ["ssd", "zsad", "sad-xy", "census", "census-sobel", "ad-census", "ncc", "mi"]
         .map(|cost| [("color-cost", "on"), ("cost", cost)]);
     with_ncc.into_iter().chain(colours).collect()
 }

@@ -110,6 +110,41 @@ fn random_parameters() {
     }
 }
 
+/// Mutual information: images that are halved never, once, twice and, long ones, never; maps that are halved once, or not.
+#[test]
+fn mutual_information() {
+    let (Some(full), Some(bare)) = (support::device(), support::bare_device()) else { return };
+    let sizes = [(1, 1), (1, 9), (9, 1), (50, 40), (67, 65), (64, 71), (131, 140), (20_000, 1), (1, 20_000)];
+    for (seed, (width, height)) in (0..).zip(sizes) {
+        let (left, right) = support::pair(width, height, seed);
+        for (i, setup, schedule) in
+            [(0, &full, Schedule::Lines), (1, &full, Schedule::Lanes), (2, &bare, Schedule::Auto)]
+        {
+            let mut params = if i == 1 { Params::bm(21) } else { Params::sgm(21) };
+            (params.cost, params.schedule) = (Cost::MutualInformation, schedule);
+            params.block = [1, 5, 17][(seed as usize + i) % 3];
+            params.min_disparity = [0, -7, 3][(seed as usize + i / 2) % 3];
+            params.prefilter = [Prefilter::None, Prefilter::XSobel][seed as usize % 2];
+            params.shader_checks = seed % 3 == 0 && width < 1000;
+            params.lr_check = if seed % 4 == 2 { None } else { Some(1) };
+            params.right_view = if seed % 3 == 1 { RightView::Match } else { RightView::Diagonal };
+            params.adaptive_p2 = seed % 2 == 0;
+            let [left, right] = [&left, &right].map(|image| support::as_format(image, (seed as u32 + i as u32) % 4));
+            check(setup, &left, &right, &params, seed);
+        }
+    }
+}
+
+/// So many pixels that their counts are narrowed.
+#[test]
+fn mutual_information_of_a_large_pair() {
+    let Some(setup) = support::device() else { return };
+    let (left, right) = support::pair(1301, 1201, 1);
+    let mut params = Params::sgm(8);
+    (params.cost, params.block, params.prefilter) = (Cost::MutualInformation, 1, Prefilter::None);
+    check(&setup, &left, &right, &params, 1);
+}
+
 /// The extremes of what an accumulator holds.
 #[test]
 fn largest_sums() {

@@ -3,8 +3,7 @@
 use super::Views;
 use super::cost::{self, Cost};
 use super::planes::Planes;
-use crate::Paths;
-use crate::buffers::{Frame, PAIR_BUFFERS, Pass, Rows, WORDS, cut};
+use crate::buffers::{Frame, PAIR_BUFFERS, Pass, Rows, cut};
 use crate::reference::Direction;
 use crate::schedule::{PATHS_BYTES, ROWS_BYTES};
 use crate::steps::Bound::{self, Buffer, Texture};
@@ -12,8 +11,8 @@ use crate::steps::{Builder, Output};
 
 /// Stages `penalties`, `matching_cost`, `sgm_aggregate` and `winner`.
 pub(super) fn winner(b: &mut Builder<'_>, planes: &Planes, views: &Views) {
-    let penalties = Penalties::new(b, planes);
     let directions = Direction::all(b.params.paths);
+    let penalties = Penalties::new(b, &directions, &planes.grays[0]);
     let (across, along) = directions.split_at(directions.len() - 2);
     let pairs: Vec<&[Direction]> = across.chunks(2).collect();
     // The i-th pair is in buffer i % 3, which is one for each band.
@@ -34,27 +33,29 @@ pub(super) fn winner(b: &mut Builder<'_>, planes: &Planes, views: &Views) {
     rows(b, along, &costs, &penalties, &paired, &carries[0], views);
 }
 
-/// Where P2 of each step is read; nothing where it is the same for all.
-struct Penalties(Vec<wgpu::TextureView>);
+/// P2 of the steps of each forward direction that is walked, one way or the other; nothing where it is the same for all.
+struct Penalties(Vec<(Direction, wgpu::Buffer)>);
 
 impl Penalties {
     /// Stage `penalties`, if P2 is adaptive.
-    fn new(b: &mut Builder<'_>, planes: &Planes) -> Self {
+    fn new(b: &mut Builder<'_>, directions: &[Direction], gray: &wgpu::TextureView) -> Self {
         let Frame { width, height, .. } = b.sizes.frame;
-        let kernels: &[&str] = match b.params.paths {
-            _ if !b.plan.adaptive => &[],
-            Paths::Sixteen => &["penalties", "penalties_steep"],
-            _ => &["penalties"],
-        };
-        let textures = kernels.iter().enumerate().map(|(word, kernel)| {
+        let forward: &[Direction] = if b.plan.adaptive { &Direction::FORWARD } else { &[] };
+        let walked = |forward: &&Direction| directions.iter().any(|d| [*d, d.opposite()].contains(forward));
+        let compute = |&direction: &Direction| {
             let buffer = b.buffer("penalties", b.sizes.penalties);
-            let storage = [Texture(&planes.grays[0]), Buffer(&buffer)];
-            let output = Output::Penalties { first: 4 * word };
-            b.step(kernel, &storage, Pass::default(), width.div_ceil(16), height, output);
-            let rows = (b.sizes.penalties / (4 * u64::from(WORDS))) as u32;
-            b.copy_to_texture(WORDS, rows, wgpu::TextureFormat::R32Uint)
-        });
-        Self(textures.collect())
+            let (storage, output) = ([Texture(gray), Buffer(&buffer)], Output::Penalties { direction });
+            match direction.dy.unsigned_abs() {
+                0 => b.step("penalties", &storage, Pass::default(), width / 16 + 1, height, output),
+                step => {
+                    let Direction { dx, dy } = direction;
+                    let pass = Pass { dx: step_across(width, dx), dy, ..Pass::default() };
+                    b.step("penalties_lines", &storage, pass, width, step * (height.div_ceil(step) / 16 + 1), output);
+                }
+            }
+            (direction, buffer)
+        };
+        Self(forward.iter().filter(walked).map(compute).collect())
     }
 
     /// What the steps of a direction are bound to besides `storage`, and how they find their penalties.
@@ -65,16 +66,31 @@ impl Penalties {
         storage: &[Bound<'a>],
         pass: Pass,
     ) -> (Vec<Bound<'a>>, Pass) {
-        let stride = 16 * frame.width.div_ceil(16) as i32;
-        let is = |direction: Direction| Direction::FORWARD.iter().position(|forward| *forward == direction);
-        let (k, penalty_offset) = match is(direction) {
-            Some(k) => (k, 0),
-            None => (is(direction.opposite()).unwrap_or(0), -(direction.dy * stride + direction.dx)),
+        let of = self.0.iter().find(|(forward, _)| [direction, direction.opposite()].contains(forward));
+        let pass = match direction.dy.unsigned_abs() {
+            0 => {
+                let vectors = frame.width / 16 + 1;
+                Pass { penalties_from: pass.first_row * vectors, penalties_line: vectors, penalties_step: 1, ..pass }
+            }
+            step => {
+                // Of two sets of paths in a band of one row the second one has no pixel.
+                let (entry, rows) = (pass.first_row as i32 + pass.entry, step as i32);
+                Pass {
+                    penalties_from: entry.rem_euclid(rows) as u32 * frame.width,
+                    penalties_line: 1,
+                    penalties_step: step * frame.width,
+                    place: entry.div_euclid(rows) + i32::from(direction.dy < 0),
+                    ..pass
+                }
+            }
         };
-        let texture = self.0.get(k / 4).map(Texture);
-        let pass = Pass { penalty_offset, penalty_shift: 8 * (k as u32 % 4), ..pass };
-        (storage.iter().copied().chain(texture).collect(), pass)
+        (storage.iter().copied().chain(of.map(|(_, buffer)| Buffer(buffer))).collect(), pass)
     }
+}
+
+/// Columns of a step, but that every step leaves the image where there is one column.
+fn step_across(width: u32, dx: i32) -> i32 {
+    if width == 1 { dx.signum() } else { dx }
 }
 
 /// Paths that cross a band: `set` 0 are those that enter at its first row in their direction, `set` 1 those that
@@ -90,8 +106,7 @@ fn paths_through(frame: Frame, band: Rows, direction: Direction, set: u32) -> Pa
         first_row: band.first,
         rows,
         shift: (slope * steps).rem_euclid(frame.width.into()) as u32,
-        // Where there is one column, every step leaves the image.
-        dx: if frame.width == 1 { dx.signum() } else { dx },
+        dx: step_across(frame.width, dx),
         dy,
         entry,
         carry_from: set,
@@ -180,7 +195,7 @@ fn rows(
                 Buffer(&views.left),
                 Buffer(&views.right),
             ];
-            let output = Output::Views { last: strip.first + strip.count == frame.height };
+            let output = Output::Views { right: views.right.clone(), last: strip.first + strip.count == frame.height };
             let pass = Pass { slot: rows.count * frame.volume_stride, ..pass };
             let (storage, pass) = penalties.bound(frame, along[1], &storage, pass);
             b.step("winner", &storage, pass, strip.count, 1, output);

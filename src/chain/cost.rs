@@ -29,7 +29,7 @@ impl Columns {
         let lanes = (b.sizes.frame.width + 2 * b.params.radius()) * (quads / kernels::vectors(quads, &b.plan));
         let segments = chunk.count.div_ceil(kernels::segment(&b.plan));
         let [left, right] = &planes.buffers;
-        let storage = [Buffer(left), Buffer(right), Buffer(&self.buffer)];
+        let storage = planes.with_table(&[Buffer(left), Buffer(right), Buffer(&self.buffer)]);
         b.step("cost_columns", &storage, pass, lanes, segments, Output::Columns { chunk });
         pass
     }
@@ -74,14 +74,16 @@ pub(super) fn matching_cost(b: &mut Builder<'_>, planes: &Planes, computed: &[wg
             let output = Output::Cost { chunk: rows, volume_row: 0 };
             if b.plan.lanes {
                 let [left, right] = &planes.buffers;
-                let storage = [Buffer(left), Buffer(right), Buffer(cost)];
+                let storage = planes.with_table(&[Buffer(left), Buffer(right), Buffer(cost)]);
                 let segments = rows.count.div_ceil(kernels::segment(&b.plan));
                 b.step("matching_cost_lanes", &storage, pass, width * quads, segments, output);
             } else if b.params.block == 1 {
-                let storage = [Texture(&planes.textures[0]), Texture(&planes.textures[1]), Buffer(cost)];
+                let [left, right] = [0, 1].map(|side: usize| Texture(&planes.textures[side]));
+                let storage = planes.with_table(&[left, right, Buffer(cost)]);
                 b.step("matching_cost_pixels", &storage, pass, rows.count * quads, 1, output);
             } else {
-                let storage = [Texture(&planes.textures[0]), Texture(&planes.textures[1]), Buffer(cost)];
+                let [left, right] = [0, 1].map(|side: usize| Texture(&planes.textures[side]));
+                let storage = planes.with_table(&[left, right, Buffer(cost)]);
                 b.step("matching_cost_small", &storage, pass, rows.count.div_ceil(2) * quads, 1, output);
             }
         }
@@ -125,7 +127,7 @@ pub(super) fn block_match(b: &mut Builder<'_>, planes: &Planes, views: &Views) {
         let storage = [Texture(left), Texture(right), Buffer(&views.left), Buffer(&views.right)];
         let (parts, strip) = kernels::parts_and_strip(b.params.disparities);
         let lanes = parts * height.div_ceil(strip);
-        b.step("block_match_small", &storage, pass, lanes, 1, Output::Views { last: true });
+        b.step("block_match_small", &storage, pass, lanes, 1, Output::Views { right: views.right.clone(), last: true });
     }
     let columns = Columns::new(b);
     let statistics = (b.params.cost == crate::Cost::Ncc).then(|| Statistics::new(b));
@@ -134,7 +136,7 @@ pub(super) fn block_match(b: &mut Builder<'_>, planes: &Planes, views: &Views) {
         if let Some(statistics) = &statistics {
             statistics.compute(b, planes, chunk);
         }
-        let output = Output::Views { last: chunk.first + chunk.count == height };
+        let output = Output::Views { right: views.right.clone(), last: chunk.first + chunk.count == height };
         let known = statistics.as_ref().map_or(&columns.buffer, |statistics| &statistics.buffer);
         let storage = [Buffer(&columns.buffer), Buffer(&views.left), Buffer(&views.right), Buffer(known)];
         b.step("block_match", &storage, pass, chunk.count, 1, output);

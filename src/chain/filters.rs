@@ -171,7 +171,7 @@ fn fill(b: &mut Builder<'_>, right: &wgpu::Buffer) -> wgpu::Buffer {
         }
         let filled = b.buffer("fill", b.sizes.map);
         let [upright, falling, rising] = &filling.lines;
-        let nearest = [&filling.along, falling, upright, rising].map(|buffer| Buffer(buffer));
+        let nearest = [&filling.along, falling, upright, rising].map(Buffer);
         let storage: Vec<_> =
             [&[Texture(&texels)][..], &nearest[..], &[Buffer(&filling.seen), Buffer(&filled)][..]].concat();
         b.step("fill_rays", &storage, pass, map_stride / 4, height, Output::Part);

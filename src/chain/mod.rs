@@ -3,19 +3,19 @@
 mod aggregation;
 mod cost;
 mod filters;
+mod mi;
 mod planes;
 #[cfg(test)]
 mod tests;
 
-use crate::Method;
 use crate::steps::Builder;
+use crate::{Cost, Method};
+use planes::Planes;
 
 /// What the matcher needs of what the chain made.
 pub(crate) struct Made {
     /// The textures into which images are uploaded.
     pub(crate) sources: [wgpu::Texture; 2],
-    /// The map of the right view.
-    pub(crate) right_map: wgpu::Buffer,
     /// The map that is read back.
     pub(crate) output: wgpu::Buffer,
     /// The confidence of that map, if it is wanted.
@@ -29,11 +29,16 @@ pub(crate) struct Views {
     right: wgpu::Buffer,
 }
 
+impl Views {
+    fn new(b: &mut Builder<'_>) -> Self {
+        Self { left: b.buffer("winner.left", b.sizes.map), right: b.buffer("winner.right", b.sizes.right_map) }
+    }
+}
+
 /// All stages, from the uploaded images to the map.
 pub(crate) fn chain(b: &mut Builder<'_>) -> Made {
     let sources = planes::sources(b);
-    let right_map = b.buffer("winner.right", b.sizes.right_map);
-    let views = Views { left: b.buffer("winner.left", b.sizes.map), right: right_map.clone() };
+    let views = Views::new(b);
     let mut right = None;
     if let Some(second) = b.params.second_match() {
         let params = std::mem::replace(&mut b.params, second);
@@ -49,15 +54,23 @@ pub(crate) fn chain(b: &mut Builder<'_>) -> Made {
     let compared = Views { left: views.left.clone(), right: right.unwrap_or_else(|| views.right.clone()) };
     let output = filters::filtered(b, &compared, &planes.grays[0]);
     let confidence = b.params.confidence.then(|| filters::confidence(b, &views, &output));
-    Made { sources, right_map, output, confidence }
+    Made { sources, output, confidence }
 }
 
 /// From the images to the winner of both views. Returns the planes.
-fn winners(b: &mut Builder<'_>, sources: &[wgpu::Texture; 2], views: &Views) -> planes::Planes {
-    let planes = planes::planes(b, sources);
-    match b.params.method {
-        Method::Bm => cost::block_match(b, &planes, views),
-        Method::Sgm => aggregation::winner(b, &planes, views),
-    }
+fn winners(b: &mut Builder<'_>, sources: &[wgpu::Texture; 2], views: &Views) -> Planes {
+    let planes = match b.params.cost {
+        Cost::MutualInformation => mi::planes(b, sources),
+        _ => planes::planes(b, sources),
+    };
+    winner(b, &planes, views);
     planes
+}
+
+/// From what the cost compares to the winner of both views.
+fn winner(b: &mut Builder<'_>, planes: &Planes, views: &Views) {
+    match b.params.method {
+        Method::Bm => cost::block_match(b, planes, views),
+        Method::Sgm => aggregation::winner(b, planes, views),
+    }
 }

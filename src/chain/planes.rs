@@ -12,6 +12,15 @@ pub(super) struct Planes {
     pub(super) textures: Vec<wgpu::TextureView>,
     /// The gray images in 8 bits.
     pub(super) grays: Vec<wgpu::TextureView>,
+    /// What pairs of values cost, if the cost is looked up.
+    pub(super) table: Option<wgpu::TextureView>,
+}
+
+impl Planes {
+    /// What a kernel that compares pixels is bound to: the table comes last.
+    pub(super) fn with_table<'a>(&'a self, storage: &[Bound<'a>]) -> Vec<Bound<'a>> {
+        storage.iter().copied().chain(self.table.as_ref().map(Texture)).collect()
+    }
 }
 
 /// An image with a value a pixel: in a texture, of 8 or 16 bits.
@@ -30,8 +39,7 @@ impl Picture {
         name: &str,
         storage: &[Bound<'_>],
         pass: Pass,
-        lines: u32,
-        rows: u32,
+        [lines, rows]: [u32; 2],
         output: Output,
     ) {
         let depth = if self.deep { PixelFormat::Gray16 } else { PixelFormat::Gray8 };
@@ -49,7 +57,7 @@ pub(super) fn sources(b: &mut Builder<'_>) -> [wgpu::Texture; 2] {
 
 /// Stages `gray`, `prefilter` and `features` of both sides.
 pub(super) fn planes(b: &mut Builder<'_>, sources: &[wgpu::Texture; 2]) -> Planes {
-    let Frame { width, height, min_disparity, block_radius, left_stride, right_stride, .. } = b.sizes.frame;
+    let Frame { height, .. } = b.sizes.frame;
     let buffers = [b.buffer("features.left", b.sizes.left), b.buffer("features.right", b.sizes.right)];
     let scratch = Sums::new(b);
     let (mut textures, mut grays) = (Vec::new(), Vec::new());
@@ -57,25 +65,13 @@ pub(super) fn planes(b: &mut Builder<'_>, sources: &[wgpu::Texture; 2]) -> Plane
         // The pair is mirrored with its sides exchanged.
         let source = &sources[if b.mirrored { 1 - side } else { side }];
         let source = source.create_view(&wgpu::TextureViewDescriptor::default());
-        let radius = block_radius as i32;
-        let place = match side {
-            0 => Pass { lead: radius, stride: left_stride, ..Pass::default() },
-            _ => {
-                let lead = width as i32 - 1 + radius - min_disparity;
-                Pass { mirrored: 1, lead, stride: right_stride, ..Pass::default() }
-            }
-        };
+        let place = place_of(b, side);
         let channels = b.params.channels();
         let planes = b.params.planes() / channels;
         let luma = gray(b, &source, side);
         grays.push(luma.clone());
         for channel in 0..channels {
-            let picture = match (b.params.color_cost, b.format) {
-                (false, PixelFormat::Gray8 | PixelFormat::Rgba8) => {
-                    Picture { side, channel: 0, texels: luma.clone(), deep: false }
-                }
-                _ => channel_of(b, &source, side, channel),
-            };
+            let picture = picture_of(b, &source, &luma, side, channel);
             let first_plane = channel * planes;
             let pass = Pass { first_plane, ..place };
             let (first, count) = (first_plane as usize, planes as usize);
@@ -86,7 +82,7 @@ pub(super) fn planes(b: &mut Builder<'_>, sources: &[wgpu::Texture; 2]) -> Plane
             }
             let picture = match b.params.prefilter {
                 Prefilter::None => picture,
-                _ => prefiltered(b, &picture, &scratch),
+                _ => filtered(b, &picture, &scratch, Output::Prefiltered { side, channel: channel as usize }),
             };
             let block = b.params.block;
             if b.params.cost == Cost::ZeroMeanSad {
@@ -98,14 +94,81 @@ pub(super) fn planes(b: &mut Builder<'_>, sources: &[wgpu::Texture; 2]) -> Plane
                 );
             }
             let storage = [Texture(&picture.texels), Buffer(&scratch.sums), Buffer(&buffers[side])];
-            picture.step(b, "features", &storage, pass, pass.stride / 4, height, output);
+            picture.step(b, "features", &storage, pass, [pass.stride / 4, height], output);
         }
         if b.sizes.small_block && !b.plan.lanes {
             let rows = b.params.planes() * height;
             textures.push(b.copy_to_texture(place.stride, rows, wgpu::TextureFormat::R32Uint));
         }
     }
-    Planes { buffers, textures, grays }
+    Planes { buffers, textures, grays, table: None }
+}
+
+/// Where the bytes of a side lie in its planes.
+fn place_of(b: &Builder<'_>, side: usize) -> Pass {
+    let Frame { width, min_disparity, block_radius, left_stride, right_stride, .. } = b.sizes.frame;
+    let radius = block_radius as i32;
+    if side == 0 {
+        return Pass { lead: radius, stride: left_stride, ..Pass::default() };
+    }
+    let lead = width as i32 - 1 + radius - min_disparity;
+    Pass { mirrored: 1, lead, stride: right_stride, ..Pass::default() }
+}
+
+/// Stages `gray` and `prefilter` of both sides, for a cost that looks values up: the gray images, and the values in 8
+/// bits, laid out like those.
+pub(super) fn values(
+    b: &mut Builder<'_>,
+    sources: &[wgpu::Texture; 2],
+) -> (Vec<wgpu::TextureView>, [wgpu::TextureView; 2]) {
+    let scratch = Sums::new(b);
+    let mut grays = Vec::new();
+    let values = [0, 1].map(|side: usize| {
+        let source =
+            sources[if b.mirrored { 1 - side } else { side }].create_view(&wgpu::TextureViewDescriptor::default());
+        let luma = gray(b, &source, side);
+        grays.push(luma.clone());
+        let picture = picture_of(b, &source, &luma, side, 0);
+        if b.params.prefilter == Prefilter::None && !picture.deep {
+            return luma;
+        }
+        filtered(b, &picture, &scratch, Output::Values { side }).texels
+    });
+    (grays, values)
+}
+
+/// The planes of values that [`values`] left, or that were halved.
+pub(super) fn planes_of(b: &mut Builder<'_>, values: &[wgpu::TextureView; 2], grays: &[wgpu::TextureView]) -> Planes {
+    let wanted = std::mem::replace(&mut b.params.prefilter, Prefilter::None);
+    let buffers = [b.buffer("features.left", b.sizes.left), b.buffer("features.right", b.sizes.right)];
+    let scratch = Sums::new(b);
+    let mut textures = Vec::new();
+    for (side, texels) in values.iter().enumerate() {
+        let picture = Picture { side, channel: 0, texels: texels.clone(), deep: false };
+        let (place, output) = (place_of(b, side), Output::Features { side, first: 0, count: 1 });
+        prefilter(b, &picture, &scratch, &buffers[side], place, output);
+        if b.sizes.small_block && !b.plan.lanes {
+            textures.push(b.copy_to_texture(place.stride, b.sizes.frame.height, wgpu::TextureFormat::R32Uint));
+        }
+    }
+    b.params.prefilter = wanted;
+    Planes { buffers, textures, grays: grays.to_vec(), table: None }
+}
+
+/// What is prefiltered: luma that is there already, or [`channel_of`].
+fn picture_of(
+    b: &mut Builder<'_>,
+    source: &wgpu::TextureView,
+    luma: &wgpu::TextureView,
+    side: usize,
+    channel: u32,
+) -> Picture {
+    match (b.params.color_cost, b.format) {
+        (false, PixelFormat::Gray8 | PixelFormat::Rgba8) => {
+            Picture { side, channel: 0, texels: luma.clone(), deep: false }
+        }
+        _ => channel_of(b, source, side, channel),
+    }
 }
 
 /// Stage `gray`: luma in 8 bits.
@@ -135,12 +198,11 @@ fn channel_of(b: &mut Builder<'_>, source: &wgpu::TextureView, side: usize, chan
 }
 
 /// The prefiltered image, laid out like a gray one.
-fn prefiltered(b: &mut Builder<'_>, picture: &Picture, scratch: &Sums) -> Picture {
-    let (side, channel) = (picture.side, picture.channel);
+fn filtered(b: &mut Builder<'_>, picture: &Picture, scratch: &Sums, output: Output) -> Picture {
     let filtered = b.buffer("prefilter", b.sizes.gray);
     let pass = Pass { lead: 16, stride: 4 * b.sizes.frame.gray_stride, ..Pass::default() };
-    let output = Output::Prefiltered { side, channel };
     prefilter(b, picture, scratch, &filtered, pass, output);
+    let Picture { side, channel, .. } = *picture;
     Picture { side, channel, texels: b.copy_to_texels(), deep: false }
 }
 
@@ -152,7 +214,7 @@ fn prefilter(b: &mut Builder<'_>, picture: &Picture, scratch: &Sums, to: &wgpu::
         scratch.compute(b, picture, window, Output::WindowSums { side, channel, filtered: false, window });
     }
     let storage = [Texture(&picture.texels), Buffer(&scratch.sums), Buffer(to)];
-    picture.step(b, "prefilter", &storage, pass, pass.stride / 4, b.sizes.frame.height, output);
+    picture.step(b, "prefilter", &storage, pass, [pass.stride / 4, b.sizes.frame.height], output);
 }
 
 /// Stage `window_sums`: where it is computed, and what it is computed with. Two words if nothing needs it: the kernels
@@ -175,7 +237,7 @@ impl Sums {
         let segments = |side: u32| side.div_ceil(kernels::segment(&b.plan));
         let (across, down) = (segments(width), segments(height));
         let storage = [Texture(&picture.texels), Buffer(&self.columns)];
-        picture.step(b, "window_columns", &storage, pass, width.div_ceil(4), down, Output::Part);
+        picture.step(b, "window_columns", &storage, pass, [width.div_ceil(4), down], Output::Part);
         b.step("window_sums", &[Buffer(&self.columns), Buffer(&self.sums)], pass, height, across, output);
     }
 }

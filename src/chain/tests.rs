@@ -18,7 +18,8 @@ fn run(setup: &Setup, params: &Params, stage: &str, left: &DisparityMap, right: 
     let matcher = StereoMatcher::new(device, queue, left.width, left.height, PixelFormat::Gray8, &params).unwrap();
     let views = matcher.steps.iter().rposition(|step| matches!(step.output, Output::Views { .. })).unwrap();
     let stride = 2 * matcher.sizes.frame.map_stride as usize;
-    for (buffer, map) in [(&matcher.steps[views].buffer, left), (&matcher.right_map, right)] {
+    let Output::Views { right: behind, .. } = &matcher.steps[views].output else { unreachable!() };
+    for (buffer, map) in [(&matcher.steps[views].buffer, left), (behind, right)] {
         // The padding is what no kernel may take for a pixel.
         let mut bytes = Vec::new();
         for row in map.data.chunks(left.width as usize) {
@@ -137,7 +138,7 @@ fn speckle_of_steps_and_noise() {
                     level => 17 * level as i16 - (noise() % 2) as i16,
                 }
             });
-            for (window, range) in [(1, 1), (2, 1), (7, 0), (40, 2), (u32::MAX, 3)] {
+            for (window, range) in [(1, 1), (2, 1), (7, 0), (40, 2), (i32::MAX as u32, 3)] {
                 speckle(&setup, &noisy, window, range);
             }
         }
@@ -187,14 +188,13 @@ fn fill_of_holes() {
     let mut noise = noise();
     for (width, height) in [(1, 1), (1, 70), (70, 1), (8, 8), (9, 5), (129, 63), (61, 203)] {
         let mut right = map(width, height, |_, _| INVALID);
-        right
-            .data
-            .iter_mut()
-            .for_each(|value| *value = if noise() % 3 == 0 { INVALID } else { 16 * ((noise() % 50) as i16 - 5) });
+        right.data.iter_mut().for_each(|value| {
+            *value = if noise().is_multiple_of(3) { INVALID } else { 16 * ((noise() % 50) as i16 - 5) }
+        });
         for holes in [1, 3, 30, 300] {
             let mut left = map(width, height, |_, _| INVALID);
             left.data.iter_mut().for_each(|value| {
-                *value = if noise() % (holes + 1) == 0 { (noise() % 640) as i16 - 50 } else { INVALID }
+                *value = if noise().is_multiple_of(holes + 1) { (noise() % 640) as i16 - 50 } else { INVALID }
             });
             fill(&setup, &left, &right, None);
             let rows =

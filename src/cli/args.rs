@@ -84,6 +84,10 @@ pub struct Args {
     #[arg(long, value_name = "FILE", help_heading = OUTPUT)]
     pub mask: Option<PathBuf>,
 
+    /// Write how far each winner is ahead of its rivals (8-bit PNG): 1 to 255, 0 where there is no disparity
+    #[arg(long, value_name = "FILE", help_heading = OUTPUT)]
+    pub confidence: Option<PathBuf>,
+
     /// Compare every stage with the CPU reference; on a mismatch exit with 1 and write no file
     #[arg(long, help_heading = OUTPUT)]
     pub check: bool,

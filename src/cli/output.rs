@@ -1,7 +1,7 @@
 //! Disparity maps become files, whole or not at all.
 
 use anyhow::{Context as _, Result, bail, ensure};
-use gpu_stereo::{DisparityMap, Params};
+use gpu_stereo::{ConfidenceMap, DisparityMap, Params};
 use image::codecs::jpeg::JpegEncoder;
 use image::codecs::png::PngEncoder;
 use image::{ExtendedColorType, ImageEncoder as _, Rgb, RgbImage};
@@ -26,6 +26,8 @@ pub enum Format {
     Color,
     /// An 8-bit gray PNG: 255 where there is a disparity, 0 where not.
     Mask,
+    /// An 8-bit gray PNG: the confidence.
+    Confidence,
 }
 
 /// What a file with a sheet holds.
@@ -190,9 +192,14 @@ fn temporary(folder: &Path) -> std::io::Result<NamedTempFile> {
     builder.tempfile_in(folder)
 }
 
-/// Writes a map to every file, or, if one cannot be written, to none.
-pub fn write(outputs: &[Output], map: &DisparityMap, params: &Params) -> Result<()> {
-    put(outputs, |format| encode(format, map, params))
+/// Writes a map and its confidence to every file, or, if one cannot be written, to none.
+pub fn write(
+    outputs: &[Output],
+    map: &DisparityMap,
+    confidence: Option<&ConfidenceMap>,
+    params: &Params,
+) -> Result<()> {
+    put(outputs, |format| encode(format, map, confidence, params))
 }
 
 /// Writes a sheet, or nothing.
@@ -231,7 +238,7 @@ fn cannot_write<F>(output: &Output<F>) -> String {
 }
 
 /// The contents of a file.
-fn encode(format: Format, map: &DisparityMap, params: &Params) -> Result<Vec<u8>> {
+fn encode(format: Format, map: &DisparityMap, confidence: Option<&ConfidenceMap>, params: &Params) -> Result<Vec<u8>> {
     let (width, height) = (map.width, map.height);
     let floats = |invalid: f32| map.data.iter().map(move |&value| pixels(value).unwrap_or(invalid));
     let mut bytes = Cursor::new(Vec::new());
@@ -268,6 +275,10 @@ fn encode(format: Format, map: &DisparityMap, params: &Params) -> Result<Vec<u8>
             let samples: Vec<u8> =
                 map.data.iter().map(|&value| if pixels(value).is_some() { 255 } else { 0 }).collect();
             PngEncoder::new(&mut bytes).write_image(&samples, width, height, ExtendedColorType::L8)?;
+        }
+        Format::Confidence => {
+            let confidence = confidence.context("no confidence was computed")?;
+            PngEncoder::new(&mut bytes).write_image(&confidence.data, width, height, ExtendedColorType::L8)?;
         }
     }
     Ok(bytes.into_inner())
@@ -346,7 +357,7 @@ mod tests {
         let paths = [folder.path().join("a.npy"), folder.path().join("b.png")];
         let none = PathBuf::new();
         let outputs = resolve(&paths, &[], [&none, &none], &Params::sgm(8)).unwrap();
-        assert!(write(&outputs, &map(&[-16]), &Params::sgm(8)).is_err());
+        assert!(write(&outputs, &map(&[-16]), None, &Params::sgm(8)).is_err());
         assert_eq!(fs::read_dir(folder.path()).unwrap().count(), 0);
     }
 }

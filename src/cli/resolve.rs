@@ -42,7 +42,8 @@ const DISPARITIES: u32 = 64;
 pub fn resolve(args: Args) -> Result<Job> {
     let given: Vec<_> = args.settings.iter().map(|(name, _)| name).collect();
     ensure_disparities(&given)?;
-    let params = params(args.settings.iter())?;
+    let mut params = params(args.settings.iter())?;
+    params.confidence = args.confidence.is_some();
     tell_unused(&[(given, &params)]);
     if args.check && args.backend == args::Backend::Cpu {
         bail!("--check compares an adapter with the CPU reference, but --backend is cpu; take auto or gpu");
@@ -52,7 +53,11 @@ pub fn resolve(args: Args) -> Result<Job> {
     let (Some(left), Some(right)) = (args.left, args.right) else {
         bail!("two images are needed, LEFT and RIGHT; see gpu-stereo --help");
     };
-    let pictures = [("color", &args.color, Format::Color), ("mask", &args.mask, Format::Mask)];
+    let pictures = [
+        ("color", &args.color, Format::Color),
+        ("mask", &args.mask, Format::Mask),
+        ("confidence", &args.confidence, Format::Confidence),
+    ];
     let outputs = crate::output::resolve(&args.output, &pictures, [&left, &right], &params)?;
     Ok(Job {
         left,

@@ -6,7 +6,7 @@ use crate::report::{FrameMs, Report};
 use crate::resolve::Job;
 use crate::{input, output};
 use anyhow::{Result, bail, ensure};
-use gpu_stereo::{DisparityMap, Error, Image, Method, Params, StageCheck, StageTime, StereoMatcher, reference};
+use gpu_stereo::{Error, Image, Matched, Method, Params, StageCheck, StageTime, StereoMatcher, reference};
 use std::time::Instant;
 
 /// What computes.
@@ -28,7 +28,7 @@ pub fn run(job: &Job) -> Result<Report> {
     let engine = Engine::open(job.backend, job.adapter.as_deref(), job.check, &left, &job.params)?;
     // Stage times come from the frames that are told, so that stages and transfers add up to the frame.
     let timed = job.timings || job.json;
-    let Frames { map, first, times, stages } = engine.frames(&left, &right, &job.params, timed, job.repeat)?;
+    let Frames { matched, first, times, stages } = engine.frames(&left, &right, &job.params, timed, job.repeat)?;
     let first_frame_ms = (first - start).as_secs_f64() * 1e3;
 
     let check = if job.check {
@@ -44,7 +44,7 @@ pub fn run(job: &Job) -> Result<Report> {
     };
     let passed = check.iter().flatten().all(|stage| stage.mismatches == 0);
     if passed {
-        output::write(&job.outputs, &map, &job.params)?;
+        output::write(&job.outputs, &matched.map, matched.confidence.as_ref(), &job.params)?;
     }
     let outputs = if passed { job.outputs.iter().map(|output| output.path.clone()).collect() } else { Vec::new() };
     let (adapter, backend, driver) = engine.names();
@@ -52,11 +52,11 @@ pub fn run(job: &Job) -> Result<Report> {
         adapter,
         backend,
         driver,
-        width: map.width,
-        height: map.height,
+        width: matched.map.width,
+        height: matched.map.height,
         min_disparity: job.params.min_disparity,
         disparities: job.params.disparities,
-        valid: map.valid_fraction(),
+        valid: matched.map.valid_fraction(),
         frame_ms: times,
         first_frame_ms,
         stages,
@@ -68,8 +68,8 @@ pub fn run(job: &Job) -> Result<Report> {
 
 /// What came of frames of one pair.
 pub struct Frames {
-    /// The map.
-    pub map: DisparityMap,
+    /// The map and its confidence.
+    pub matched: Matched,
     /// When the first frame was done.
     pub first: Instant,
     /// The time of a frame.
@@ -150,7 +150,7 @@ impl Engine {
         repeat: Option<u32>,
     ) -> Result<Frames, Error> {
         let before_first = Instant::now();
-        let (mut map, stages) = self.compute(left, right, params, timed)?;
+        let (mut matched, stages) = self.compute(left, right, params, timed)?;
         let first = Instant::now();
         let mut frames = vec![(milliseconds(before_first), stages)];
         if let Some(repeat) = repeat {
@@ -159,12 +159,12 @@ impl Engine {
                 let before = Instant::now();
                 let (frame, stages) = self.compute(left, right, params, timed)?;
                 frames.push((milliseconds(before), stages));
-                map = frame;
+                matched = frame;
             }
         }
         let (times, stages): (Vec<_>, Vec<_>) = frames.into_iter().unzip();
         let times = FrameMs { min: times.iter().copied().fold(f64::INFINITY, f64::min), median: median(times) };
-        Ok(Frames { map, first, times, stages: median_stages(stages) })
+        Ok(Frames { matched, first, times, stages: median_stages(stages) })
     }
 
     fn compute(
@@ -173,20 +173,20 @@ impl Engine {
         right: &Image,
         params: &Params,
         timed: bool,
-    ) -> Result<(DisparityMap, Vec<StageTime>), Error> {
+    ) -> Result<(Matched, Vec<StageTime>), Error> {
         match self {
             Self::Adapter(on) => {
                 let OnAdapter { opened, matcher } = on.as_ref();
                 let frame = if timed {
-                    matcher.compute_timed(left, right)
+                    matcher.compute_all_timed(left, right)
                 } else {
-                    matcher.compute(left, right).map(|map| (map, Vec::new()))
+                    matcher.compute_all(left, right).map(|matched| (matched, Vec::new()))
                 };
                 opened.fault()?;
                 frame
             }
-            Self::Reference if timed => reference::compute_timed(left, right, params),
-            Self::Reference => reference::compute(left, right, params).map(|map| (map, Vec::new())),
+            Self::Reference if timed => reference::compute_all_timed(left, right, params),
+            Self::Reference => reference::compute_all(left, right, params).map(|matched| (matched, Vec::new())),
         }
     }
 

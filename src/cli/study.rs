@@ -4,7 +4,7 @@ use crate::args::{self, Compare, StudyArgs};
 use crate::output::{self, Output, SheetFormat};
 use crate::report::{self, FrameMs};
 use crate::resolve;
-use crate::run::{Engine, Frames};
+use crate::run::Engine;
 use crate::sheet::{Layout, Order, Sheet};
 use crate::{input, tell};
 use anyhow::{Context as _, Result, bail, ensure};
@@ -234,7 +234,8 @@ impl Study {
             if sheet.is_none() {
                 sheet = Some(self.blank(ready, &left, repeat, (first, last))?);
             }
-            let Frames { map, times, .. } = ready.frames(&left, &right, params, false, repeat).with_context(context)?;
+            let frames = ready.frames(&left, &right, params, false, repeat).with_context(context)?;
+            let (map, times) = (frames.matched.map, frames.times);
             let found = Found {
                 label: label.clone(),
                 settings: settings.clone(),

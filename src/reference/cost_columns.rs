@@ -7,7 +7,7 @@ use rayon::prelude::*;
 /// With r = block / 2, entry (c, y, d) stands for the image column x = c - r, so that c runs over width + 2 r columns:
 /// the sum over |j| <= r of [`pixel_cost`] between left(x, y + j) and right(x - (min_disparity + d), y + j), both images
 /// continued by their borders. At most 51 * 65025.
-pub fn cost_columns(left: &Features, right: &Features, params: &Params) -> Volume<u32> {
+pub fn cost_columns(left: &Features, right: &Features, table: &[u8], params: &Params) -> Volume<u32> {
     let radius = i64::from(params.radius());
     let disparities = params.disparities as usize;
     let mut columns = Volume::new(left.width + 2 * radius as usize, left.height, disparities);
@@ -20,7 +20,7 @@ pub fn cost_columns(left: &Features, right: &Features, params: &Params) -> Volum
                 let here = left.clamped(x, y);
                 for (d, sum) in sums.iter_mut().enumerate() {
                     let disparity = i64::from(params.min_disparity) + d as i64;
-                    *sum += pixel_cost(here, right.clamped(x - disparity, y), params);
+                    *sum += pixel_cost(here, right.clamped(x - disparity, y), table, params);
                 }
             }
         }
@@ -37,8 +37,9 @@ pub fn cost_columns(left: &Features, right: &Features, params: &Params) -> Volum
 /// - `sad-xy`: the sum of the absolute differences;
 /// - `census`: the number of bits that differ;
 /// - `census-sobel`: twice that, and the absolute differences of both derivatives;
-/// - `ad-census`: min(255, (ad_weight |l - r| + census_weight bits + 8) >> 4).
-pub fn pixel_cost(left: &[u8], right: &[u8], params: &Params) -> u32 {
+/// - `ad-census`: min(255, (ad_weight |l - r| + census_weight bits + 8) >> 4);
+/// - `mi`: what [`super::mi_table`] says of the values.
+pub fn pixel_cost(left: &[u8], right: &[u8], table: &[u8], params: &Params) -> u32 {
     let difference = |p: usize| u32::from(left[p].abs_diff(right[p]));
     let bits = |planes: usize| -> u32 { (0..planes).map(|p| (left[p] ^ right[p]).count_ones()).sum() };
     let interval = |p: usize| {
@@ -63,6 +64,6 @@ pub fn pixel_cost(left: &[u8], right: &[u8], params: &Params) -> u32 {
             ((weighted + 8) >> 4).min(255)
         }
         Cost::Ncc => u32::from(left[0]) * u32::from(right[0]),
-        Cost::MutualInformation => unreachable!("refused by Params::validate"),
+        Cost::MutualInformation => table[usize::from(left[0]) * 256 + usize::from(right[0])].into(),
     }
 }

@@ -11,9 +11,12 @@ mod cost_columns;
 mod features;
 mod fill;
 mod gray;
+mod halve;
 mod lr_check;
 mod matching_cost;
 mod median;
+mod mi_histogram;
+mod mi_table;
 mod mirror;
 mod penalties;
 mod prefilter;
@@ -32,9 +35,12 @@ pub use cost_columns::{cost_columns, pixel_cost};
 pub use features::{Features, features};
 pub use fill::fill;
 pub use gray::{Channel, deep_gray, depth_unit, gray};
+pub use halve::{Round, halve, rounds};
 pub use lr_check::lr_check;
 pub use matching_cost::{matching_cost, matching_cost_scale};
 pub use median::median;
+pub use mi_histogram::mi_histogram;
+pub use mi_table::{logarithm, mi_narrowing, mi_prior, mi_table};
 pub use mirror::{mirror, mirrored};
 pub use penalties::penalties;
 pub use prefilter::prefilter;
@@ -137,7 +143,7 @@ pub fn compute_timed(left: &Image, right: &Image, params: &Params) -> Result<(Di
 pub fn compute_all_timed(left: &Image, right: &Image, params: &Params) -> Result<(Matched, Vec<StageTime>), Error> {
     params.validate()?;
     crate::matcher::check_pair(left, right)?;
-    let mut clock = Clock { last: Instant::now(), times: Vec::new() };
+    let mut clock = Clock::new();
     let matched = match params.second_match() {
         Some(second) => Some(views(&mirrored(right)?, &mirrored(left)?, &second, &mut clock).left),
         None => None,
@@ -180,22 +186,14 @@ fn views(left: &Image, right: &Image, params: &Params, clock: &mut Clock) -> Vie
     let (left, right) = clock.stage("gray", (images(left, params), images(right, params)));
     let penalties = luma.map(|luma| clock.stage("penalties", penalties(&luma, params)));
     let (left, right) = clock.stage("prefilter", (left.prefiltered(params), right.prefiltered(params)));
-    let (left, right) = clock.stage("features", (left.features(params), right.features(params)));
-    let columns = clock.stage("cost_columns", cost_columns(&left, &right, params));
-    match params.method {
-        Method::Bm => {
-            let correlates = params.cost == Cost::Ncc;
-            let statistics =
-                correlates.then(|| clock.stage("block_statistics", block_statistics(&left, &right, params)));
-            clock.stage("block_match", block_match(&columns, statistics.as_ref(), params))
-        }
-        Method::Sgm => {
-            let cost = clock.stage("matching_cost", matching_cost(&columns, params));
-            drop(columns);
-            let sum = clock.stage("sgm_aggregate", sgm_aggregate(&cost, penalties.as_ref(), params));
-            clock.stage("winner", winner(&sum, params))
-        }
-    }
+    let sides = clock.stage("features", [left.features(params), right.features(params)]);
+    let table = clock.table(&sides, params);
+    clock.winner(&sides, &table, penalties.as_ref(), params)
+}
+
+/// What matches cost in the last round of [`rounds`], for a cost that has a table; else nothing.
+pub fn cost_table(sides: &[Features; 2], params: &Params) -> Vec<u8> {
+    Clock::new().table(sides, params)
 }
 
 /// An image as the chain takes it: luma, or with [`Params::color_cost`] red, green and blue.
@@ -236,6 +234,64 @@ struct Clock {
 }
 
 impl Clock {
+    fn new() -> Self {
+        Self { last: Instant::now(), times: Vec::new() }
+    }
+
+    /// [`cost_table`].
+    fn table(&mut self, sides: &[Features; 2], params: &Params) -> Vec<u8> {
+        if params.cost != Cost::MutualInformation {
+            return Vec::new();
+        }
+        let rounds = rounds(sides[0].width as u32, sides[0].height as u32, params);
+        let mut pyramid = vec![sides.clone()];
+        for _ in 0..rounds[0].halvings {
+            let halved = pyramid[pyramid.len() - 1].each_ref().map(halve);
+            pyramid.push(self.stage("halve", halved));
+        }
+        let mut table = self.round(&pyramid[rounds[0].halvings as usize], None, 0);
+        for (before, here) in rounds.iter().zip(&rounds[1..]) {
+            let views = self.winner(&pyramid[before.halvings as usize], &table, None, &before.params);
+            let map = match before.params.lr_check {
+                Some(max_difference) => self.stage("lr_check", lr_check(&views.left, &views.right, max_difference)),
+                None => views.left,
+            };
+            table = self.round(&pyramid[here.halvings as usize], Some(&map), before.halvings - here.halvings);
+        }
+        table
+    }
+
+    /// The table of a round, by the map of the round before.
+    fn round(&mut self, [left, right]: &[Features; 2], map: Option<&DisparityMap>, halvings: u32) -> Vec<u8> {
+        let counts = self.stage("mi_histogram", mi_histogram(left, right, map, halvings));
+        self.stage("mi_table", mi_table(&counts, (left.width * left.height) as u64))
+    }
+
+    /// From what the cost compares to the winner of both views.
+    fn winner(
+        &mut self,
+        [left, right]: &[Features; 2],
+        table: &[u8],
+        penalties: Option<&Volume<u8>>,
+        params: &Params,
+    ) -> Views {
+        let columns = self.stage("cost_columns", cost_columns(left, right, table, params));
+        match params.method {
+            Method::Bm => {
+                let correlates = params.cost == Cost::Ncc;
+                let statistics =
+                    correlates.then(|| self.stage("block_statistics", block_statistics(left, right, params)));
+                self.stage("block_match", block_match(&columns, statistics.as_ref(), params))
+            }
+            Method::Sgm => {
+                let cost = self.stage("matching_cost", matching_cost(&columns, params));
+                drop(columns);
+                let sum = self.stage("sgm_aggregate", sgm_aggregate(&cost, penalties, params));
+                self.stage("winner", winner(&sum, params))
+            }
+        }
+    }
+
     /// Adds the time since the stage before, in which `result` was computed.
     fn stage<T>(&mut self, name: &str, result: T) -> T {
         let now = Instant::now();

@@ -8,7 +8,7 @@ use rayon::prelude::*;
 ///
 /// P2'(delta) = min(P2, max(floor(10 P2 / max(delta, 10)), P1 + floor(P1 / 2))), delta = |I(p) - I(q)| of the left gray
 /// image in 8 bits: P2 where the intensity changes by at most 10 levels, and in inverse proportion to the change above
-/// (Hirschmüller 2008, section 2.3), but not below one and a half times P1.
+/// (Hirschmüller 2008, section 2.3), but not below one and a half times P1. delta is 0 where q lies outside.
 pub fn penalties(gray: &Plane<u8>, params: &Params) -> Volume<u8> {
     let directions = &Direction::FORWARD[..if params.paths == crate::Paths::Sixteen { 8 } else { 4 }];
     let mut penalties = Volume::new(gray.width, gray.height, directions.len());
@@ -17,8 +17,10 @@ pub fn penalties(gray: &Plane<u8>, params: &Params) -> Volume<u8> {
         for (x, values) in row.chunks_exact_mut(directions.len()).enumerate() {
             let (x, y) = (x as i64, y as i64);
             for (value, step) in values.iter_mut().zip(directions) {
-                let before = gray.clamped(x - i64::from(step.dx), y - i64::from(step.dy));
-                *value = penalty(gray.clamped(x, y).abs_diff(before), params) as u8;
+                let (u, v) = (x - i64::from(step.dx), y - i64::from(step.dy));
+                let inside = (0..gray.width as i64).contains(&u) && (0..gray.height as i64).contains(&v);
+                let delta = if inside { gray.clamped(x, y).abs_diff(gray.clamped(u, v)) } else { 0 };
+                *value = penalty(delta, params) as u8;
             }
         }
     });

@@ -164,6 +164,9 @@ pub fn random_params(random: &mut ChaCha8Rng) -> Params {
     };
     params.adaptive_p2 = random.random_bool(0.4);
     params.right_view = if random.random_bool(0.3) { RightView::Match } else { RightView::Diagonal };
+    if random.random_bool(0.1) {
+        (params.cost, params.color_cost) = (Cost::MutualInformation, false);
+    }
     if params.method == gpu_stereo::Method::Bm && random.random_bool(0.2) {
         (params.cost, params.color_cost) = (Cost::Ncc, false);
         params.block = 2 * random.random_range(1..10) + 1;

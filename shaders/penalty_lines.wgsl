@@ -1,0 +1,17 @@
+// Appended to the kernels that walk a path: P2 of the step into a pixel, from the bytes that the stage `penalties` left, one
+// after the other along a line, so that a load serves sixteen steps. A place is that of a pixel in its line; a path that
+// goes the other way finds its step at the pixel before.
+@group(0) @binding(PENALTIES) var<storage, read> penalties: array<vec4<u32>>;
+
+fn penalties_from(place: i32, line: u32) -> vec4<u32> {
+    return penalties[pass_.penalties_from + u32(place >> 4u) * pass_.penalties_step + line * pass_.penalties_line];
+}
+
+fn steps_from(place: i32, forward: bool) -> i32 {
+    return select((place & 15) + 1, 16 - (place & 15), forward);
+}
+
+fn penalty(known: vec4<u32>, place: i32) -> u32 {
+    let k = u32(place) & 15u;
+    return extractBits(known[k / 4u], 8u * (k % 4u), 8u);
+}
