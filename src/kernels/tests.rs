@@ -607,7 +607,7 @@ const MUTANTS: &[Mutant] = &[
         mutual(params);
         wide(params);
     }),
-    mutant("matching_cost_small", "vec4(3u)) * 8u", "vec4(1u)) * 8u", mutual),
+    mutant("matching_cost_pixels", "vec4(3u)) * 8u", "vec4(1u)) * 8u", mutual),
     mutant("matching_cost_lanes", "vec2(columns.w, l)", "vec2(columns.w, 0u)", |params| {
         mutual(params);
         lanes(params);
