@@ -42,7 +42,7 @@ macro_rules! names {
 names! {
     Preset {
         Classic "classic" "the plain chain and a speckle filter",
-        Fast "fast" "balanced, along three directions",
+        Fast "fast" "both derivatives, along three directions",
         Balanced "balanced" "census and gradients, P2 by the intensity step",
         Strict "strict" "balanced, and only what a second match confirms",
         Dense "dense" "balanced, and every hole filled",

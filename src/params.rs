@@ -347,7 +347,10 @@ impl Params {
         };
         match preset {
             Preset::Classic => classic,
-            Preset::Fast => Self { paths: Paths::Three, ..balanced },
+            Preset::Fast => {
+                let derivatives = Self { cost: Cost::SadXy, prefilter: Prefilter::None, ..classic };
+                Self { paths: Paths::Three, p1: 22, p2: 127, ..derivatives }
+            }
             Preset::Balanced => balanced,
             Preset::Strict => Self { right_view: RightView::Match, uniqueness: 10, speckle_window: 200, ..balanced },
             Preset::Dense => {

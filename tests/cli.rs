@@ -1047,9 +1047,10 @@ fn single_options_override_a_preset_in_any_order() {
     let balanced = map("--preset balanced");
     assert!(map("") == map(&format!("--preset {}", Preset::default())));
     assert!(map("--preset fast") != balanced);
-    assert!(map("--preset fast --paths 4") == balanced);
-    assert!(map("--paths 4 --preset fast") == balanced);
-    assert!(map("--preset fast --method bm") == map("--method bm --preset balanced"), "bm has no paths");
+    assert!(map("--preset fast --paths 4") == map("--paths 4 --preset fast"));
+    assert!(map("--preset fast --paths 4") != map("--preset fast"));
+    assert!(map("--preset strict --uniqueness 6 --right-view diagonal --speckle-window 100") == balanced);
+    assert!(map("--preset fast --method bm") == map("--method bm --preset fast --paths 8"), "bm has no paths");
     for (preset, _) in Preset::NAMES {
         let told = succeeds(folder.path(), &on("left.png", "right.png", &["--preset", preset, "-o", "m.npy"]));
         assert_eq!(stderr(&told), "", "a preset says nothing of its own options");
