@@ -21,7 +21,7 @@ pub fn block_sums(columns: &Volume<u32>, y: usize, params: &Params) -> Vec<u32> 
 }
 
 /// Stage `block_match`: the winner of the block sums, or with [`crate::Cost::Ncc`], which has `statistics`, of
-/// [`correlation_cost`].
+/// `correlation_cost`.
 pub fn block_match(columns: &Volume<u32>, statistics: Option<&[BlockStatistics; 2]>, params: &Params) -> Views {
     let disparities = params.disparities as usize;
     let row = |y: usize| {
