@@ -408,7 +408,7 @@ impl Params {
             "block",
             self.block.to_string(),
             format!("odd and from 1 to {}", Self::MAX_BLOCK),
-            "take the next odd number",
+            "take an odd number in that range",
         )?;
         check(
             (1..=Self::MAX_CAP).contains(&self.prefilter_cap),
