@@ -377,7 +377,9 @@ impl Params {
             "lr-check" "PX|off" or_off lr_check
                 "Largest difference in pixels between the left and the right view";
             "right-view" "RIGHT-VIEW" RightView right_view
-                "Where the right view comes from";
+                "Where the right view comes from"
+                idle by "lr-check" if |params| params.lr_check.is_none()
+                    && !matches!(params.fill, Fill::Rays | Fill::Hirschmuller);
             "speckle-window" "PX|off" or_zero speckle_window
                 "Regions of at most so many pixels are removed";
             "speckle-range" "PX" natural speckle_range

@@ -415,7 +415,7 @@ impl Params {
             "prefilter-cap",
             self.prefilter_cap.to_string(),
             format!("from 1 to {}", Self::MAX_CAP),
-            "31 is usual",
+            "24 is usual",
         )?;
         check(
             self.p2 <= Self::MAX_P2,
@@ -544,7 +544,7 @@ impl Params {
             "prefilter-cap",
             self.prefilter_cap.to_string(),
             format!("from 1 to {most_cap} with this cost, whose largest value for a pixel must fit a byte"),
-            "31 is usual",
+            "24 is usual",
         )
     }
 
