@@ -112,7 +112,7 @@ SECTIONS = [
         "Block matching, semi-global matching, and WLS",
         ["compare", *CLASSIC, "--disp", "{disp}", "--variants", "bm", "sgm", "sgm+wls"],
         {
-            "motorcycle": "Semi-global matching leaves fewer holes than block matching, and thinner ones; WLS fills them all, "
+            "motorcycle": "Semi-global matching leaves fewer holes than block matching, and thinner ones; WLS fills nearly all of them, "
             "smoothly, up to the edges of the image. It is for the eye: at its usual strength the even ground falls into "
             "plateaus, and thin objects pale.",
             "corridor": "The rims of sphere and ball are frayed with block matching and sharp with semi-global matching; WLS "

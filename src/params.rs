@@ -411,13 +411,6 @@ impl Params {
             "take an odd number in that range",
         )?;
         check(
-            (1..=Self::MAX_CAP).contains(&self.prefilter_cap),
-            "prefilter-cap",
-            self.prefilter_cap.to_string(),
-            format!("from 1 to {}", Self::MAX_CAP),
-            "24 is usual",
-        )?;
-        check(
             self.p2 <= Self::MAX_P2,
             "p2",
             self.p2.to_string(),
@@ -540,10 +533,13 @@ impl Params {
             _ => Self::MAX_CAP,
         };
         check(
-            self.prefilter_cap <= most_cap,
+            (1..=most_cap).contains(&self.prefilter_cap),
             "prefilter-cap",
             self.prefilter_cap.to_string(),
-            format!("from 1 to {most_cap} with this cost, whose largest value for a pixel must fit a byte"),
+            match most_cap {
+                Self::MAX_CAP => format!("from 1 to {most_cap}"),
+                _ => format!("from 1 to {most_cap} with this cost, whose largest value for a pixel must fit a byte"),
+            },
             "24 is usual",
         )
     }

@@ -560,7 +560,7 @@ fn bad_parameters() {
         (&["--disp", "16", "--p2", "5"], &["5", "p1"]),
         (&["--disp", "16", "--p2", "128"], &["--p2 is 128,"]),
         (&["--disp", "16", "--p1", "-1"], &["--p1 is -1,"]),
-        (&["--disp", "16", "--prefilter-cap", "0"], &["--prefilter-cap is 0,", "1 to 127"]),
+        (&["--disp", "16", "--prefilter-cap", "0"], &["--prefilter-cap is 0,", "1 to 39"]),
         (&["--disp", "16", "--prefilter", "gauss"], &["--prefilter is gauss,", "xsobel, sobel, normalized, none"]),
         (&["--disp", "16", "--prefilter-window", "2"], &["--prefilter-window is 2,", "odd", "3 to 51"]),
         (&["--disp", "16", "--prefilter-window", "1"], &["--prefilter-window is 1,"]),

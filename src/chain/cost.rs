@@ -77,14 +77,14 @@ pub(super) fn matching_cost(b: &mut Builder<'_>, planes: &Planes, computed: &[wg
                 let storage = planes.with_table(&[Buffer(left), Buffer(right), Buffer(cost)]);
                 let segments = rows.count.div_ceil(kernels::segment(&b.plan));
                 b.step("matching_cost_lanes", &storage, pass, width * quads, segments, output);
-            } else if b.params.block == 1 {
-                let [left, right] = [0, 1].map(|side: usize| Texture(&planes.textures[side]));
-                let storage = planes.with_table(&[left, right, Buffer(cost)]);
-                b.step("matching_cost_pixels", &storage, pass, rows.count * quads, 1, output);
             } else {
                 let [left, right] = [0, 1].map(|side: usize| Texture(&planes.textures[side]));
                 let storage = planes.with_table(&[left, right, Buffer(cost)]);
-                b.step("matching_cost_small", &storage, pass, rows.count.div_ceil(2) * quads, 1, output);
+                let (kernel, lines) = match b.params.block {
+                    1 => ("matching_cost_pixels", rows.count),
+                    _ => ("matching_cost_small", rows.count.div_ceil(2)),
+                };
+                b.step(kernel, &storage, pass, lines * quads, 1, output);
             }
         }
         for &chunk in chunks {
