@@ -147,6 +147,22 @@ impl Expected {
         }
     }
 
+    /// The map that a stage after the winner makes of the one before it; `None` where there is none or it is no such stage.
+    fn filtered(&mut self, stage: &Output, params: &Params) -> Option<DisparityMap> {
+        let map = self.checked.take()?;
+        let luma = &self.luma[0];
+        Some(match stage {
+            Output::Textured => reference::texture(&map, luma, params),
+            Output::Checked => reference::lr_check(&map, &self.right_view(), params.lr_check?),
+            Output::Speckle => reference::speckle(&map, params.speckle_window, params.speckle_range),
+            Output::Median => reference::median(&map, params.median.side()?),
+            Output::Fill => reference::fill(&map, &self.right_view(), params),
+            Output::WeightedMedian => reference::weighted_median(&map, luma, params.weighted_median?, params),
+            Output::Wls => reference::wls(&map, luma, params.wls.as_ref()?, params),
+            _ => return None,
+        })
+    }
+
     fn views(&mut self) -> &Views {
         if self.views.is_none() {
             let params = &self.params.clone();
@@ -292,7 +308,6 @@ impl StereoMatcher {
         }
         let bytes = self.fetch(step, &step.buffer, spoil)?;
         match &step.output {
-            Output::Part => {}
             Output::Gray { side, channel: 0, deep: false } => {
                 let plane = &expected.luma[*side];
                 compare_picture(stage, whole, &bytes, 16 * gray_stride, |x, y| plane.clamped(x, y));
@@ -457,55 +472,6 @@ impl StereoMatcher {
                 compare_maps(stage, &matched, &map_of(sizes, &bytes));
                 expected.matched = Some(matched);
             }
-            Output::Textured => {
-                if let Some(map) = &expected.checked {
-                    let textured = reference::texture(map, &expected.luma[0], params);
-                    compare_maps(stage, &textured, &map_of(sizes, &bytes));
-                    expected.checked = Some(textured);
-                }
-            }
-            Output::Checked => {
-                if let Some(map) = expected.checked.take() {
-                    let max_difference = params.lr_check.unwrap_or(0);
-                    let checked = reference::lr_check(&map, &expected.right_view(), max_difference);
-                    compare_maps(stage, &checked, &map_of(sizes, &bytes));
-                    expected.checked = Some(checked);
-                }
-            }
-            Output::Speckle => {
-                if let Some(checked) = &mut expected.checked {
-                    *checked = reference::speckle(checked, params.speckle_window, params.speckle_range);
-                    compare_maps(stage, checked, &map_of(sizes, &bytes));
-                }
-            }
-            Output::Median => {
-                if let (Some(map), Some(side)) = (expected.checked.take(), params.median.side()) {
-                    let filtered = reference::median(&map, side);
-                    compare_maps(stage, &filtered, &map_of(sizes, &bytes));
-                    expected.checked = Some(filtered);
-                }
-            }
-            Output::Fill => {
-                let right = expected.right_view();
-                if let Some(checked) = &mut expected.checked {
-                    *checked = reference::fill(checked, &right, params);
-                    compare_maps(stage, checked, &map_of(sizes, &bytes));
-                }
-            }
-            Output::Wls => {
-                if let (Some(map), Some(settings)) = (expected.checked.take(), &params.wls) {
-                    let smooth = reference::wls(&map, &expected.luma[0], settings, params);
-                    compare_maps(stage, &smooth, &map_of(sizes, &bytes));
-                    expected.checked = Some(smooth);
-                }
-            }
-            Output::WeightedMedian => {
-                if let (Some(map), Some(radius)) = (expected.checked.take(), params.weighted_median) {
-                    let filtered = reference::weighted_median(&map, &expected.luma[0], radius, params);
-                    compare_maps(stage, &filtered, &map_of(sizes, &bytes));
-                    expected.checked = Some(filtered);
-                }
-            }
             Output::Confidence => {
                 if let Some(map) = expected.checked.clone() {
                     let confidence = reference::confidence(&map, &expected.views().margins);
@@ -513,6 +479,12 @@ impl StereoMatcher {
                     for (i, (&expected, &got)) in confidence.data.iter().zip(&got.data).enumerate() {
                         stage.compare(i % width, i / width, None, expected.into(), got.into());
                     }
+                }
+            }
+            filter => {
+                if let Some(filtered) = expected.filtered(filter, params) {
+                    compare_maps(stage, &filtered, &map_of(sizes, &bytes));
+                    expected.checked = Some(filtered);
                 }
             }
         }

@@ -5,7 +5,7 @@ use crate::{
 };
 
 /// An enumeration whose values have names.
-trait Named: Copy + 'static {
+pub(crate) trait Named: Copy + 'static {
     /// Every value with its name and a few words.
     const NAMES: &'static [(&'static str, &'static str)];
     const VALUES: &'static [Self];

@@ -3,17 +3,22 @@
 use super::Views;
 use crate::buffers::{Frame, Pass, Rows, SEGMENT_GROUPS, cut};
 use crate::kernels;
-use crate::steps::Bound::{Buffer, Texture};
+use crate::steps::Bound::{self, Buffer, Texture};
 use crate::steps::{Builder, Output};
 use crate::{Fill, Median, reference};
 
+/// A step of a kernel that makes a map, eight pixels an invocation. `reads`: what it is bound to before and after the map.
+fn map_step(b: &mut Builder<'_>, kernel: &str, reads: [&[Bound<'_>]; 2], output: Output) -> wgpu::Buffer {
+    let Frame { height, map_stride, .. } = b.sizes.frame;
+    let map = b.buffer(kernel, b.sizes.map);
+    let storage = [reads[0], &[Buffer(&map)], reads[1]].concat();
+    b.step(kernel, &storage, Pass::default(), map_stride / 4, height, output);
+    map
+}
+
 /// Stage `mirror`: the right view, from the left one of the mirrored pair.
 pub(super) fn mirror(b: &mut Builder<'_>, left: &wgpu::Buffer) -> wgpu::Buffer {
-    let Frame { height, map_stride, .. } = b.sizes.frame;
-    let mirrored = b.buffer("mirror", b.sizes.map);
-    let storage = [Buffer(left), Buffer(&mirrored)];
-    b.step("mirror", &storage, Pass::default(), map_stride / 4, height, Output::Mirrored);
-    mirrored
+    map_step(b, "mirror", [&[Buffer(left)], &[]], Output::Mirrored)
 }
 
 /// Stages `texture`, `lr_check` and the filters, those of them that are wanted. Returns the buffer of the map.
@@ -25,16 +30,10 @@ pub(super) fn filtered(b: &mut Builder<'_>, views: &Views, gray: &wgpu::TextureV
         let segments = height.div_ceil(kernels::segment(&b.plan));
         let storage = [Texture(gray), Buffer(&columns)];
         b.step("texture_columns", &storage, Pass::default(), map_stride.div_ceil(8), segments, Output::Part);
-        let textured = b.buffer("texture", b.sizes.map);
-        let storage = [Buffer(&columns), Buffer(&map), Buffer(&textured)];
-        b.step("texture", &storage, Pass::default(), map_stride / 4, height, Output::Textured);
-        map = textured;
+        map = map_step(b, "texture", [&[Buffer(&columns), Buffer(&map)], &[]], Output::Textured);
     }
     if b.params.lr_check.is_some() {
-        let checked = b.buffer("lr_check", b.sizes.map);
-        let storage = [Buffer(&map), Buffer(&views.right), Buffer(&checked)];
-        b.step("lr_check", &storage, Pass::default(), map_stride / 4, height, Output::Checked);
-        map = checked;
+        map = map_step(b, "lr_check", [&[Buffer(&map), Buffer(&views.right)], &[]], Output::Checked);
     }
     if b.params.speckle_window > 0 {
         map = speckle(b);
@@ -46,20 +45,15 @@ pub(super) fn filtered(b: &mut Builder<'_>, views: &Views, gray: &wgpu::TextureV
     };
     if let Some(median) = median {
         let texels = b.copy_to_texels();
-        let filtered = b.buffer("median", b.sizes.map);
-        let storage = [Texture(&texels), Buffer(&filtered)];
-        b.step(median, &storage, Pass::default(), map_stride / 4, height, Output::Median);
-        map = filtered;
+        map = map_step(b, median, [&[Texture(&texels)], &[]], Output::Median);
     }
     if b.params.fill != Fill::None {
         map = fill(b, &views.right);
     }
     if b.params.weighted_median.is_some() {
         let texels = b.copy_to_texels();
-        let filtered = b.buffer("weighted_median", b.sizes.map);
-        let storage = [Texture(&texels), Buffer(&filtered), Texture(gray)];
-        b.step("weighted_median", &storage, Pass::default(), map_stride / 4, height, Output::WeightedMedian);
-        map = filtered;
+        let reads: [&[_]; 2] = [&[Texture(&texels)], &[Texture(gray)]];
+        map = map_step(b, "weighted_median", reads, Output::WeightedMedian);
     }
     if let Some(settings) = &b.params.wls {
         let couplings = reference::wls_couplings(settings);

@@ -61,10 +61,8 @@ pub(super) fn planes(b: &mut Builder<'_>, sources: &[wgpu::Texture; 2]) -> Plane
     let buffers = [b.buffer("features.left", b.sizes.left), b.buffer("features.right", b.sizes.right)];
     let scratch = Sums::new(b);
     let (mut textures, mut grays) = (Vec::new(), Vec::new());
-    for side in 0..2 {
-        // The pair is mirrored with its sides exchanged.
-        let source = &sources[if b.mirrored { 1 - side } else { side }];
-        let source = source.create_view(&wgpu::TextureViewDescriptor::default());
+    for (side, buffer) in buffers.iter().enumerate() {
+        let source = source_of(b, sources, side);
         let place = place_of(b, side);
         let channels = b.params.channels();
         let planes = b.params.planes() / channels;
@@ -77,7 +75,7 @@ pub(super) fn planes(b: &mut Builder<'_>, sources: &[wgpu::Texture; 2]) -> Plane
             let (first, count) = (first_plane as usize, planes as usize);
             let output = Output::Features { side, first, count };
             if b.params.compares_values() {
-                prefilter(b, &picture, &scratch, &buffers[side], pass, output);
+                prefilter(b, &picture, &scratch, buffer, pass, output);
                 continue;
             }
             let picture = match b.params.prefilter {
@@ -93,7 +91,7 @@ pub(super) fn planes(b: &mut Builder<'_>, sources: &[wgpu::Texture; 2]) -> Plane
                     Output::WindowSums { side, channel: 0, filtered: true, window: block },
                 );
             }
-            let storage = [Texture(&picture.texels), Buffer(&scratch.sums), Buffer(&buffers[side])];
+            let storage = [Texture(&picture.texels), Buffer(&scratch.sums), Buffer(buffer)];
             picture.step(b, "features", &storage, pass, [pass.stride / 4, height], output);
         }
         if b.sizes.small_block && !b.plan.lanes {
@@ -102,6 +100,11 @@ pub(super) fn planes(b: &mut Builder<'_>, sources: &[wgpu::Texture; 2]) -> Plane
         }
     }
     Planes { buffers, textures, grays, table: None }
+}
+
+/// The uploaded image of a side: a pair is mirrored with its sides exchanged.
+fn source_of(b: &Builder<'_>, sources: &[wgpu::Texture; 2], side: usize) -> wgpu::TextureView {
+    sources[if b.mirrored { 1 - side } else { side }].create_view(&wgpu::TextureViewDescriptor::default())
 }
 
 /// Where the bytes of a side lie in its planes.
@@ -124,8 +127,7 @@ pub(super) fn values(
     let scratch = Sums::new(b);
     let mut grays = Vec::new();
     let values = [0, 1].map(|side: usize| {
-        let source =
-            sources[if b.mirrored { 1 - side } else { side }].create_view(&wgpu::TextureViewDescriptor::default());
+        let source = source_of(b, sources, side);
         let luma = gray(b, &source, side);
         grays.push(luma.clone());
         let picture = picture_of(b, &source, &luma, side, 0);

@@ -8,6 +8,7 @@ use std::path::{Path, PathBuf};
 
 use super::*;
 use crate::buffers::{Frame, Pass};
+use crate::options::Named;
 use crate::{Fill, Median, RightView, Schedule, StereoMatcher, Wls};
 use wgpu::naga;
 
@@ -36,20 +37,6 @@ fn plans(params: &Params) -> BTreeSet<Plan> {
     let of = |&(lanes, subgroup, int64)| Plan { adaptive, ..Plan::of(params.quads(), lanes, subgroup, int64) };
     devices.iter().map(of).collect()
 }
-
-/// All costs.
-const COSTS: [Cost; 10] = [
-    Cost::Sad,
-    Cost::Ssd,
-    Cost::ZeroMeanSad,
-    Cost::BirchfieldTomasi,
-    Cost::SadXy,
-    Cost::Census,
-    Cost::CensusSobel,
-    Cost::AdCensus,
-    Cost::Ncc,
-    Cost::MutualInformation,
-];
 
 /// Settings that between them give every constant of [`constants`] every kind of value.
 fn specialisations() -> Vec<(Params, PixelFormat, Plan)> {
@@ -83,7 +70,7 @@ fn specialisations() -> Vec<(Params, PixelFormat, Plan)> {
             }
         }
     }
-    for cost in COSTS {
+    for &cost in Cost::VALUES {
         for (block, census, color_cost) in [
             (1, Census::NineBySeven, false),
             (5, Census::CentreSymmetric, true),
