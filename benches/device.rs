@@ -25,7 +25,7 @@
 
 use std::time::Instant;
 
-use gpu_stereo::{Image, Params, Paths, Schedule, StereoMatcher, wgpu};
+use gpu_stereo::{Image, Inputs, Outputs, Params, Paths, Schedule, StereoMatcher, wgpu};
 use serde_json::{Value, json};
 
 #[path = "../tests/support/mod.rs"]
@@ -126,18 +126,19 @@ fn case(
     let (left, right): (Image, Image) = support::pair(width, height, 1);
     let matcher = StereoMatcher::new(device, queue, width, height, left.format(), &params)?;
     let start = Instant::now();
-    matcher.compute(&left, &right)?;
+    matcher.compute_blocking(&left, &right)?;
     let first = start.elapsed().as_secs_f64() * 1e3;
     let mut frames = Vec::new();
     for _ in 0..options.frames {
         let start = Instant::now();
-        matcher.compute(&left, &right)?;
+        matcher.compute_blocking(&left, &right)?;
         frames.push(start.elapsed().as_secs_f64() * 1e3);
     }
-    let on_device = added_ms(device, queue, |encoder| matcher.record(encoder));
+    let record = |encoder: &mut _| matcher.record(encoder, &Inputs::Uploaded, &Outputs::default()).expect("recorded");
+    let on_device = added_ms(device, queue, record);
     let mut least: Option<(f64, Value)> = None;
     for _ in 0..options.frames {
-        let (_, stages) = matcher.compute_timed(&left, &right)?;
+        let (_, stages) = matcher.compute_timed_blocking(&left, &right)?;
         let sum: f64 = stages.iter().map(|stage| stage.ms).sum();
         if !stages.is_empty() && least.as_ref().is_none_or(|(ms, _)| sum < *ms) {
             let stages = stages.into_iter().map(|stage| (stage.name, stage.ms.into())).collect();

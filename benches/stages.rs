@@ -41,19 +41,19 @@ fn stages(criterion: &mut Criterion) {
         for (name, params) in settings(disparities) {
             let matcher =
                 StereoMatcher::new(&device, &queue, left.width(), left.height(), left.format(), &params).unwrap();
-            let (_, times) = matcher.compute_timed(&left, &right).unwrap(); // also compiles
+            let (_, times) = matcher.compute_timed_blocking(&left, &right).unwrap(); // also compiles
             let mut group = criterion.benchmark_group(name);
             let pixels = u64::from(left.width()) * u64::from(left.height());
             group.throughput(Throughput::Elements(pixels * u64::from(disparities)));
             group.sample_size(10).warm_up_time(Duration::from_millis(200)).measurement_time(Duration::from_secs(1));
             group.bench_function(BenchmarkId::new("frame", disparities), |bencher| {
-                bencher.iter(|| matcher.compute(&left, &right).unwrap());
+                bencher.iter(|| matcher.compute_blocking(&left, &right).unwrap().map);
             });
             for stage in times.iter().map(|time| &time.name) {
                 group.bench_function(BenchmarkId::new(stage, disparities), |bencher| {
                     bencher.iter_custom(|frames| {
                         let of_frame = |_| {
-                            let (_, times) = matcher.compute_timed(&left, &right).unwrap();
+                            let (_, times) = matcher.compute_timed_blocking(&left, &right).unwrap();
                             times.iter().find(|time| time.name == *stage).unwrap().ms / 1e3
                         };
                         Duration::from_secs_f64((0..frames).map(of_frame).sum())

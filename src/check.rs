@@ -201,12 +201,12 @@ impl StereoMatcher {
     /// two for the column sums and for the aggregate.
     ///
     /// # Errors
-    /// As [`StereoMatcher::compute`].
-    pub fn check(&self, left: &Image, right: &Image) -> Result<Vec<StageCheck>, Error> {
+    /// As [`StereoMatcher::compute_blocking`].
+    pub fn check_blocking(&self, left: &Image, right: &Image) -> Result<Vec<StageCheck>, Error> {
         self.check_with(left, right, |_, _| {})
     }
 
-    /// As [`StereoMatcher::check`], with a chance to spoil the bytes read back from a step: the test of the test.
+    /// As [`StereoMatcher::check_blocking`], with a chance to spoil the bytes read back from a step: the test of the test.
     #[doc(hidden)]
     pub fn check_with(
         &self,

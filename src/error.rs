@@ -42,6 +42,14 @@ pub enum Error {
     /// The device was lost or refused work while a frame was computed.
     #[error("the device failed while computing: {0}; run again, or take another adapter")]
     Lost(String),
+    /// A pair of a stream came while as many as may be were in flight.
+    #[error(
+        "the frame was dropped: {in_flight} frames were in flight already; take results sooner, or allow more in flight"
+    )]
+    Dropped {
+        /// How many were in flight.
+        in_flight: usize,
+    },
     /// No adapter answered to the name, index or kind asked for.
     #[error("{0}")]
     Adapter(String),

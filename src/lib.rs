@@ -29,7 +29,7 @@
 //! [`StereoMatcher::required_limits`] raises them so that large pairs are cut into fewer bands.
 //!
 //! ```no_run
-//! use gpu_stereo::{DisparityMap, Error, Image, Params, Pixels, StereoMatcher, reference, wgpu};
+//! use gpu_stereo::{DisparityMap, Error, Image, Inputs, Outputs, Params, Pixels, StereoMatcher, reference, wgpu};
 //!
 //! fn frame(device: &wgpu::Device, queue: &wgpu::Queue, l: Vec<u8>, r: Vec<u8>) -> Result<DisparityMap, Error> {
 //!     let left = Image::new(741, 500, Pixels::Gray8(l))?;
@@ -40,18 +40,18 @@
 //!     // In the caller's own frame: `record` neither submits nor waits.
 //!     matcher.upload(&left, &right)?;
 //!     let mut encoder = device.create_command_encoder(&wgpu::CommandEncoderDescriptor::default());
-//!     matcher.record(&mut encoder);
+//!     matcher.record(&mut encoder, &Inputs::Uploaded, &Outputs::default())?;
 //!     let _map: &wgpu::Buffer = matcher.output(); // i16 in 1/16 px, two pixels a word: for the caller's next pass
 //!     queue.submit([encoder.finish()]);
 //!
 //!     // Is this device right? The blocking convenience beside the definition.
-//!     let map = matcher.compute(&left, &right)?;
+//!     let map = matcher.compute_blocking(&left, &right)?.map;
 //!     assert_eq!(map, reference::compute(&left, &right, &params)?);
 //!     Ok(map)
 //! }
 //! ```
 //!
-//! [`StereoMatcher::check`] compares after every stage instead and names the first value that differs.
+//! [`StereoMatcher::check_blocking`] compares after every stage instead and names the first value that differs.
 //!
 //! `wgpu` is exported again, so that the caller's device and the matcher's are of one version.
 //!
@@ -76,6 +76,8 @@ mod readback;
 pub mod reference;
 mod schedule;
 mod steps;
+mod stream;
+mod surfaces;
 
 pub use check::{Mismatch, StageCheck};
 pub use error::Error;
@@ -84,4 +86,6 @@ pub use matcher::{StageTime, StereoMatcher};
 pub use options::ParamOption;
 pub use params::{Census, Cost, Fill, Median, Method, Params, Paths, Prefilter, Preset, RightView, Subpixel, Wls};
 pub use schedule::Schedule;
+pub use stream::{StereoStream, StreamFrame};
+pub use surfaces::{Inputs, Outputs};
 pub use wgpu;

@@ -7,7 +7,9 @@ use crate::chain::{Made, chain};
 use crate::reference::{self, Round};
 use crate::schedule::Plan;
 use crate::steps::{Builder, Level, Step, row_bytes};
-use crate::{ConfidenceMap, DisparityMap, Error, Image, Matched, Params, PixelFormat, kernels, readback};
+use crate::{
+    ConfidenceMap, DisparityMap, Error, Image, Inputs, Matched, Outputs, Params, PixelFormat, kernels, readback,
+};
 
 /// The time of one stage in one frame.
 #[derive(Clone, Debug, PartialEq)]
@@ -21,7 +23,7 @@ pub struct StageTime {
 /// Matches pairs of one size with one set of parameters on the caller's device.
 ///
 /// All buffers and pipelines are made in [`StereoMatcher::new`]. [`StereoMatcher::record`] records the work of a frame
-/// into the caller's encoder: it neither submits nor waits. [`StereoMatcher::compute`] is the blocking convenience.
+/// into the caller's encoder: it neither submits nor waits. [`StereoMatcher::compute_blocking`] is the blocking convenience.
 ///
 /// A matcher holds one frame at a time: two threads that use it at once overwrite each other's images. Make one each.
 #[derive(Debug)]
@@ -73,7 +75,7 @@ pub(crate) fn map_of(sizes: &Sizes, bytes: &[u8]) -> DisparityMap {
 
 impl StereoMatcher {
     /// The optional features that a matcher makes use of where the adapter has them; none is required.
-    /// `TIMESTAMP_QUERY` lets [`StereoMatcher::compute_timed`] time each stage; `SUBGROUP` lets invocations share a path
+    /// `TIMESTAMP_QUERY` lets [`StereoMatcher::compute_timed_blocking`] time each stage; `SUBGROUP` lets invocations share a path
     /// without workgroup memory; `SHADER_INT64` makes wider loads and stores.
     pub fn required_features(adapter: &wgpu::Adapter) -> wgpu::Features {
         adapter.features() & (wgpu::Features::TIMESTAMP_QUERY | wgpu::Features::SUBGROUP | wgpu::Features::SHADER_INT64)
@@ -144,6 +146,43 @@ impl StereoMatcher {
         }
     }
 
+    /// Takes pairs of another size from now on. No buffer and no texture is made where neither side is larger than the
+    /// matcher was made for; else the matcher grows. What was recorded before must be submitted before.
+    ///
+    /// # Errors
+    /// As [`StereoMatcher::new`]; the matcher is then as it was.
+    pub fn resize(&mut self, width: u32, height: u32) -> Result<(), Error> {
+        let params = self.params.clone();
+        *self = Self::new(&self.device, &self.queue, width, height, self.format, &params)?;
+        Ok(())
+    }
+
+    /// Computes with other settings from now on. Only kernels that the matcher has not had yet are compiled, and buffers
+    /// are made only where those that there are do not do. What was recorded before must be submitted before.
+    ///
+    /// # Errors
+    /// As [`StereoMatcher::new`]; the matcher is then as it was.
+    pub fn set_params(&mut self, params: &Params) -> Result<(), Error> {
+        let Frame { width, height, .. } = self.sizes.frame;
+        *self = Self::new(&self.device, &self.queue, width, height, self.format, params)?;
+        Ok(())
+    }
+
+    /// The settings.
+    pub fn params(&self) -> &Params {
+        &self.params
+    }
+
+    /// Columns and rows of the pairs.
+    pub fn size(&self) -> (u32, u32) {
+        (self.sizes.frame.width, self.sizes.frame.height)
+    }
+
+    /// The samples of the pairs.
+    pub fn format(&self) -> PixelFormat {
+        self.format
+    }
+
     /// Bytes of all buffers that the matcher holds on the device.
     pub fn device_bytes(&self) -> u64 {
         self.device_bytes
@@ -200,8 +239,24 @@ impl StereoMatcher {
         Ok(())
     }
 
+    /// Records the work of one frame into the caller's encoder: takes the pair from `inputs`, leaves the map in
+    /// [`StereoMatcher::output`] and in what `outputs` names. It neither submits nor waits.
+    ///
+    /// # Errors
+    /// [`Error::Image`] if an input or an output does not fit the matcher; then nothing is recorded.
+    pub fn record(
+        &self,
+        encoder: &mut wgpu::CommandEncoder,
+        inputs: &Inputs<'_>,
+        outputs: &Outputs<'_>,
+    ) -> Result<(), Error> {
+        let _ = (inputs, outputs.disparity);
+        self.record_chain(encoder);
+        Ok(())
+    }
+
     /// Records the work of one frame, from the uploaded pair to [`StereoMatcher::output`].
-    pub fn record(&self, encoder: &mut wgpu::CommandEncoder) {
+    fn record_chain(&self, encoder: &mut wgpu::CommandEncoder) {
         // A compute pass ends where something is copied or cleared.
         for steps in self.steps.chunk_by(|a, b| a.copy_to.is_none() && !b.clears) {
             self.record_steps(encoder, "gpu-stereo", steps, None);
@@ -242,20 +297,12 @@ impl StereoMatcher {
         }
     }
 
-    /// Uploads a pair, computes its map and reads it back. Blocks until it is there.
+    /// Uploads a pair, computes its maps and reads them back. Blocks until they are there.
     ///
     /// # Errors
     /// As [`StereoMatcher::upload`]; [`Error::Lost`] if the device fails on the way.
-    pub fn compute(&self, left: &Image, right: &Image) -> Result<DisparityMap, Error> {
-        Ok(self.compute_all(left, right)?.map)
-    }
-
-    /// As [`StereoMatcher::compute`], with the confidence if [`Params::confidence`] asks for it.
-    ///
-    /// # Errors
-    /// As [`StereoMatcher::compute`].
-    pub fn compute_all(&self, left: &Image, right: &Image) -> Result<Matched, Error> {
-        self.run(left, right, |encoder| self.record(encoder))
+    pub fn compute_blocking(&self, left: &Image, right: &Image) -> Result<Matched, Error> {
+        self.run(left, right, |encoder| self.record_chain(encoder))
     }
 
     fn run(
@@ -295,28 +342,19 @@ impl StereoMatcher {
         ConfidenceMap { width, height, data: rows.flat_map(|row| &row[..width as usize]).copied().collect() }
     }
 
-    /// As [`StereoMatcher::compute`], with the time of each stage in order of first use; none where the device was
-    /// made without `TIMESTAMP_QUERY`, or there are more steps than a query set can time (2048).
+    /// As [`StereoMatcher::compute_blocking`], with the time of each stage in order of first use; none where the device
+    /// was made without `TIMESTAMP_QUERY`, or there are more steps than a query set can time (2048).
     ///
     /// # Errors
-    /// As [`StereoMatcher::compute`].
-    pub fn compute_timed(&self, left: &Image, right: &Image) -> Result<(DisparityMap, Vec<StageTime>), Error> {
-        let (matched, times) = self.compute_all_timed(left, right)?;
-        Ok((matched.map, times))
-    }
-
-    /// As [`StereoMatcher::compute_timed`], with the confidence if [`Params::confidence`] asks for it.
-    ///
-    /// # Errors
-    /// As [`StereoMatcher::compute`].
-    pub fn compute_all_timed(&self, left: &Image, right: &Image) -> Result<(Matched, Vec<StageTime>), Error> {
+    /// As [`StereoMatcher::compute_blocking`].
+    pub fn compute_timed_blocking(&self, left: &Image, right: &Image) -> Result<(Matched, Vec<StageTime>), Error> {
         // Neighbouring steps of a stage are timed together.
         let runs: Vec<&[Step]> =
             self.steps.chunk_by(|a, b| a.stage() == b.stage() && a.copy_to.is_none() && !b.clears).collect();
         let count = 2 * runs.len() as u32;
         let timed = self.device.features().contains(wgpu::Features::TIMESTAMP_QUERY);
         if !timed || count > wgpu::QUERY_SET_MAX_QUERIES {
-            return Ok((self.compute_all(left, right)?, Vec::new()));
+            return Ok((self.compute_blocking(left, right)?, Vec::new()));
         }
         let bytes = 8 * u64::from(count);
         let make = || Timer {

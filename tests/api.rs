@@ -8,7 +8,8 @@ use std::collections::BTreeSet;
 
 use gpu_stereo::reference::{self, Direction, Volume};
 use gpu_stereo::{
-    Cost, DisparityMap, Error, Image, Method, Params, Paths, PixelFormat, Pixels, StereoMatcher, Wls, wgpu,
+    Cost, DisparityMap, Error, Image, Inputs, Method, Outputs, Params, Paths, PixelFormat, Pixels, StereoMatcher, Wls,
+    wgpu,
 };
 
 type Change = fn(&mut Params);
@@ -107,7 +108,7 @@ fn the_ends_of_the_ranges_are_allowed() {
             }
             let Some((_, device, queue)) = &setup else { continue };
             let matcher = StereoMatcher::new(device, queue, 21, 5, left.format(), &params).unwrap();
-            assert!(matcher.compute(&left, &right).unwrap() == expected, "{params:?}, seed 4");
+            assert!(matcher.compute_blocking(&left, &right).unwrap().map == expected, "{params:?}, seed 4");
         }
     }
 }
@@ -158,15 +159,15 @@ fn images_of_the_wrong_size_or_format_are_refused() {
     ] {
         for error in [
             matcher.upload(left, right).unwrap_err(),
-            matcher.compute(left, right).unwrap_err(),
-            matcher.compute_timed(left, right).unwrap_err(),
-            matcher.check(left, right).unwrap_err(),
+            matcher.compute_blocking(left, right).unwrap_err(),
+            matcher.compute_timed_blocking(left, right).unwrap_err(),
+            matcher.check_blocking(left, right).unwrap_err(),
         ] {
             let text = message(error);
             assert!(expected.iter().all(|part| text.contains(part)), "{text:?} does not say {expected:?}");
         }
     }
-    assert!(matcher.compute(&left, &right).is_ok(), "a refused pair spoilt the matcher");
+    assert!(matcher.compute_blocking(&left, &right).is_ok(), "a refused pair spoilt the matcher");
 }
 
 #[test]
@@ -210,8 +211,10 @@ fn webgpu_default_limits_suffice() {
     for mut params in [Params::sgm(130), Params::bm(130)] {
         params.paths = Paths::Eight;
         let matcher = StereoMatcher::new(&device, &queue, 70, 50, left.format(), &params).unwrap();
-        support::assert_equal(&matcher.check(&left, &right).unwrap(), &adapter, &(&params, 11));
-        assert!(matcher.compute(&left, &right).unwrap() == reference::compute(&left, &right, &params).unwrap());
+        support::assert_equal(&matcher.check_blocking(&left, &right).unwrap(), &adapter, &(&params, 11));
+        assert!(
+            matcher.compute_blocking(&left, &right).unwrap().map == reference::compute(&left, &right, &params).unwrap()
+        );
     }
 }
 
@@ -252,12 +255,12 @@ fn record_leaves_the_submission_to_the_caller() {
 
             let mut encoder = device.create_command_encoder(&wgpu::CommandEncoderDescriptor::default());
             matcher.upload(&left, &right).unwrap();
-            matcher.record(&mut encoder);
+            matcher.record(&mut encoder, &Inputs::Uploaded, &Outputs::default()).unwrap();
             assert!(download(&device, &queue, matcher.output()) == sentinel, "something was submitted, {params:?}");
             queue.submit([encoder.finish()]);
             let bytes = download(&device, &queue, matcher.output());
 
-            let expected = matcher.compute(&left, &right).unwrap();
+            let expected = matcher.compute_blocking(&left, &right).unwrap().map;
             let stride = (2 * width as usize).next_multiple_of(16);
             assert!(bytes.len() >= 21 * stride, "each row is padded to a multiple of 16 bytes");
             for (row, expected) in bytes.chunks_exact(stride).zip(expected.data.chunks_exact(width as usize)) {
@@ -279,7 +282,7 @@ fn several_matchers_share_an_encoder() {
     let mut encoder = device.create_command_encoder(&wgpu::CommandEncoderDescriptor::default());
     for matcher in &matchers {
         matcher.upload(&left, &right).unwrap();
-        matcher.record(&mut encoder);
+        matcher.record(&mut encoder, &Inputs::Uploaded, &Outputs::default()).unwrap();
     }
     queue.submit([encoder.finish()]);
     for (matcher, params) in matchers.iter().zip(&chains) {
@@ -296,10 +299,10 @@ fn timings_name_the_stages_and_change_nothing() {
     let (left, right) = support::pair(50, 30, 8);
     for params in [Params::sgm(16), Params::bm(16)] {
         let matcher = StereoMatcher::new(&device, &queue, 50, 30, left.format(), &params).unwrap();
-        let stages: Vec<String> = matcher.check(&left, &right).unwrap().into_iter().map(|s| s.stage).collect();
+        let stages: Vec<String> = matcher.check_blocking(&left, &right).unwrap().into_iter().map(|s| s.stage).collect();
         for _ in 0..2 {
-            let (map, times) = matcher.compute_timed(&left, &right).unwrap();
-            assert!(map == matcher.compute(&left, &right).unwrap(), "{params:?}, seed 8");
+            let (matched, times) = matcher.compute_timed_blocking(&left, &right).unwrap();
+            assert!(matched.map == matcher.compute_blocking(&left, &right).unwrap().map, "{params:?}, seed 8");
             if adapter.features().contains(wgpu::Features::TIMESTAMP_QUERY) {
                 let names: Vec<&String> = times.iter().map(|time| &time.name).collect();
                 assert_eq!(names, stages.iter().collect::<Vec<_>>());
@@ -320,9 +323,9 @@ fn a_destroyed_device_is_an_error() {
     let matcher = StereoMatcher::new(&device, &queue, 20, 10, left.format(), &params).unwrap();
     device.destroy();
     for result in [
-        matcher.compute(&left, &right).map(|_| ()),
-        matcher.compute_timed(&left, &right).map(|_| ()),
-        matcher.check(&left, &right).map(|_| ()),
+        matcher.compute_blocking(&left, &right).map(|_| ()),
+        matcher.compute_timed_blocking(&left, &right).map(|_| ()),
+        matcher.check_blocking(&left, &right).map(|_| ()),
         StereoMatcher::new(&device, &queue, 20, 10, left.format(), &params).map(|_| ()),
     ] {
         let error = result.unwrap_err();
@@ -447,11 +450,11 @@ fn the_confidence_comes_with_the_map() {
 
         let Some((_, device, queue)) = support::device() else { continue };
         let matcher = StereoMatcher::new(&device, &queue, 61, 23, left.format(), &params).unwrap();
-        assert_eq!(matcher.compute_all(&left, &right).unwrap(), expected, "{params:?}, seed 6");
+        assert_eq!(matcher.compute_blocking(&left, &right).unwrap(), expected, "{params:?}, seed 6");
         assert!(matcher.confidence().is_some_and(|buffer| buffer.size() >= 64 * 23));
         params.confidence = false;
         let matcher = StereoMatcher::new(&device, &queue, 61, 23, left.format(), &params).unwrap();
         assert!(matcher.confidence().is_none());
-        assert_eq!(matcher.compute_all(&left, &right).unwrap().confidence, None);
+        assert_eq!(matcher.compute_blocking(&left, &right).unwrap().confidence, None);
     }
 }

@@ -242,8 +242,8 @@ impl Bench<'_> {
         let case = format!("number {nth}, {}x{}, {}", size.0, size.1, command(self.factors, row));
         let matcher = StereoMatcher::new(device, queue, size.0, size.1, left.format(), params)
             .unwrap_or_else(|error| panic!("{error}, case {case}"));
-        support::assert_equal(&matcher.check(&left, &right).unwrap(), adapter, &case);
-        let map = matcher.compute(&left, &right).unwrap();
+        support::assert_equal(&matcher.check_blocking(&left, &right).unwrap(), adapter, &case);
+        let map = matcher.compute_blocking(&left, &right).unwrap().map;
         let expected = reference::compute(&left, &right, params).unwrap();
         assert!(map == expected, "the whole chain differs from the reference, case {case}");
     }

@@ -12,8 +12,8 @@ fn check(setup: &(wgpu::Adapter, wgpu::Device, wgpu::Queue), left: &Image, right
     let (width, height) = (left.width(), left.height());
     let matcher = StereoMatcher::new(device, queue, width, height, left.format(), params).unwrap();
     let case = (width, height, params, seed);
-    support::assert_equal(&matcher.check(left, right).unwrap(), adapter, &case);
-    let map = matcher.compute(left, right).unwrap();
+    support::assert_equal(&matcher.check_blocking(left, right).unwrap(), adapter, &case);
+    let map = matcher.compute_blocking(left, right).unwrap().map;
     let expected = gpu_stereo::reference::compute(left, right, params).unwrap();
     assert!(map == expected, "the whole chain differs from the reference, case {case:?}");
 }
@@ -209,7 +209,7 @@ fn longest_rows() {
         for (mut params, min_disparity) in cases {
             params.min_disparity = min_disparity;
             let matcher = StereoMatcher::new(&device, &queue, width, height, left.format(), &params).unwrap();
-            support::assert_equal(&matcher.check(&left, &right).unwrap(), &adapter, &(width, height, &params));
+            support::assert_equal(&matcher.check_blocking(&left, &right).unwrap(), &adapter, &(width, height, &params));
         }
     }
     let (params, format) = (Params::sgm(5), gpu_stereo::PixelFormat::Gray8);
@@ -231,7 +231,7 @@ fn longest_rows() {
         let matcher = StereoMatcher::new(&device, &queue, width, 2, left.format(), &params);
         match matcher {
             Ok(matcher) if taken => {
-                support::assert_equal(&matcher.check(&left, &right).unwrap(), &adapter, &(width, 2, &params));
+                support::assert_equal(&matcher.check_blocking(&left, &right).unwrap(), &adapter, &(width, 2, &params));
             }
             Err(error) if !taken => assert!(error.to_string().contains("shader checks"), "{error}"),
             other => panic!("{params:?}: {:?}", other.err()),

@@ -74,14 +74,14 @@ impl Case {
             disparities: f64::from(params.disparities),
             least: BTreeMap::new(),
         };
-        case.matcher.compute(&case.pair.0, &case.pair.1).unwrap(); // the first frame compiles
+        case.matcher.compute_blocking(&case.pair.0, &case.pair.1).unwrap(); // the first frame compiles
         case
     }
 
     /// One more frame. Without timestamps the whole frame is the only stage.
     fn run(&mut self) {
         let start = std::time::Instant::now();
-        let (_, times) = self.matcher.compute_timed(&self.pair.0, &self.pair.1).unwrap();
+        let (_, times) = self.matcher.compute_timed_blocking(&self.pair.0, &self.pair.1).unwrap();
         let frame = ("frame".to_string(), start.elapsed().as_secs_f64() * 1e3);
         let times = times.into_iter().map(|time| (time.name, time.ms));
         for (stage, ms) in times.chain([frame]) {

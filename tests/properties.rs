@@ -23,7 +23,7 @@ fn compute(
     let expected = reference::compute(left, right, params).unwrap();
     if let Some((adapter, device, queue)) = setup {
         let matcher = StereoMatcher::new(device, queue, left.width(), left.height(), left.format(), params).unwrap();
-        let map = matcher.compute(left, right).unwrap();
+        let map = matcher.compute_blocking(left, right).unwrap().map;
         assert!(map == expected, "{} differs from the reference, {params:?}", adapter.get_info().name);
     }
     expected
@@ -183,7 +183,7 @@ fn mirrored_and_swapped_the_left_view_is_the_right_view() {
             // The device's right view is compared with the reference's by the check.
             if let Some((adapter, device, queue)) = &setup {
                 let matcher = StereoMatcher::new(device, queue, width, height, left.format(), &params).unwrap();
-                support::assert_equal(&matcher.check(&left, &right).unwrap(), adapter, &(&params, seed));
+                support::assert_equal(&matcher.check_blocking(&left, &right).unwrap(), adapter, &(&params, seed));
             }
         }
     }
@@ -358,7 +358,7 @@ fn the_same_pair_has_the_same_map() {
         let matcher = StereoMatcher::new(&device, &queue, width, height, pairs[0].0.format(), &params).unwrap();
         for round in 0..12 {
             let i = [0, 0, 1][round % 3];
-            let map = matcher.compute(&pairs[i].0, &pairs[i].1).unwrap();
+            let map = matcher.compute_blocking(&pairs[i].0, &pairs[i].1).unwrap().map;
             let on = &adapter.get_info().name;
             assert!(map == expected[i], "round {round} differs on {on}, {width}x{height}, {params:?}, seed {seed}");
         }

@@ -178,14 +178,14 @@ impl Engine {
             Self::Adapter(on) => {
                 let OnAdapter { opened, matcher } = on.as_ref();
                 let frame = if timed {
-                    matcher.compute_all_timed(left, right)
+                    matcher.compute_timed_blocking(left, right)
                 } else {
-                    matcher.compute_all(left, right).map(|matched| (matched, Vec::new()))
+                    matcher.compute_blocking(left, right).map(|matched| (matched, Vec::new()))
                 };
                 opened.fault()?;
                 frame
             }
-            Self::Reference if timed => reference::compute_all_timed(left, right, params),
+            Self::Reference if timed => reference::compute_timed(left, right, params),
             Self::Reference => reference::compute_all(left, right, params).map(|matched| (matched, Vec::new())),
         }
     }
@@ -194,7 +194,7 @@ impl Engine {
         match self {
             Self::Adapter(on) => {
                 let OnAdapter { opened, matcher } = on.as_ref();
-                let stages = matcher.check(left, right);
+                let stages = matcher.check_blocking(left, right);
                 opened.fault()?;
                 stages
             }

@@ -822,7 +822,7 @@ fn a_mutated_shader_is_caught() {
         EDIT.set(Some([kernel, from, to]));
         let matcher = StereoMatcher::new(device, queue, width, height, left.format(), &params);
         EDIT.set(None);
-        let stages = matcher.unwrap().check(&left, &right).unwrap();
+        let stages = matcher.unwrap().check_blocking(&left, &right).unwrap();
         let at = stages.iter().position(|stage| stage.stage == row.stage);
         let Some(at) = at else {
             wrong.push(format!("{case}: not run"));

@@ -124,23 +124,14 @@ pub fn compute(left: &Image, right: &Image, params: &Params) -> Result<Disparity
 /// # Errors
 /// As [`compute`].
 pub fn compute_all(left: &Image, right: &Image, params: &Params) -> Result<Matched, Error> {
-    Ok(compute_all_timed(left, right, params)?.0)
-}
-
-/// As [`compute`], with the time of each stage.
-///
-/// # Errors
-/// As [`compute`].
-pub fn compute_timed(left: &Image, right: &Image, params: &Params) -> Result<(DisparityMap, Vec<StageTime>), Error> {
-    let (matched, times) = compute_all_timed(left, right, params)?;
-    Ok((matched.map, times))
+    Ok(compute_timed(left, right, params)?.0)
 }
 
 /// As [`compute_all`], with the time of each stage.
 ///
 /// # Errors
 /// As [`compute`].
-pub fn compute_all_timed(left: &Image, right: &Image, params: &Params) -> Result<(Matched, Vec<StageTime>), Error> {
+pub fn compute_timed(left: &Image, right: &Image, params: &Params) -> Result<(Matched, Vec<StageTime>), Error> {
     params.validate()?;
     crate::matcher::check_pair(left, right)?;
     let mut clock = Clock::new();
