@@ -407,6 +407,7 @@ pub(crate) fn check_limits(limits: &wgpu::Limits) -> Result<(), Error> {
     let needs = [
         ("max_storage_buffers_per_shader_stage", limits.max_storage_buffers_per_shader_stage, most),
         ("max_storage_textures_per_shader_stage", limits.max_storage_textures_per_shader_stage, 3),
+        ("max_sampled_textures_per_shader_stage", limits.max_sampled_textures_per_shader_stage, 1),
         ("max_compute_invocations_per_workgroup", limits.max_compute_invocations_per_workgroup, lanes),
         ("max_compute_workgroup_size_x", limits.max_compute_workgroup_size_x, lanes),
         ("max_dynamic_uniform_buffers_per_pipeline_layout", limits.max_dynamic_uniform_buffers_per_pipeline_layout, 1),

@@ -66,6 +66,7 @@ extern crate self as gpu_stereo; // for tests/support, which the unit tests shar
 mod buffers;
 mod chain;
 mod check;
+mod color;
 mod error;
 mod image;
 mod kernels;
@@ -80,6 +81,7 @@ mod stream;
 mod surfaces;
 
 pub use check::{Mismatch, StageCheck};
+pub use color::turbo;
 pub use error::Error;
 pub use image::{ConfidenceMap, DisparityMap, Image, Matched, PixelFormat, Pixels};
 pub use matcher::{StageTime, StereoMatcher};
@@ -87,5 +89,5 @@ pub use options::ParamOption;
 pub use params::{Census, Cost, Fill, Median, Method, Params, Paths, Prefilter, Preset, RightView, Subpixel, Wls};
 pub use schedule::Schedule;
 pub use stream::{StereoStream, StreamFrame};
-pub use surfaces::{Inputs, Outputs};
+pub use surfaces::{Inputs, Outputs, PixelBuffer, TypedView};
 pub use wgpu;

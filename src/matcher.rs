@@ -7,6 +7,7 @@ use crate::chain::{Made, chain};
 use crate::reference::{self, Round};
 use crate::schedule::Plan;
 use crate::steps::{Builder, Level, Step, row_bytes};
+use crate::surfaces::{Middle, Surfaces};
 use crate::{
     ConfidenceMap, DisparityMap, Error, Image, Inputs, Matched, Outputs, Params, PixelFormat, kernels, readback,
 };
@@ -42,6 +43,7 @@ pub struct StereoMatcher {
     readback: wgpu::Buffer,
     device_bytes: u64,
     timer: OnceLock<Timer>,
+    surfaces: Surfaces,
 }
 
 #[derive(Debug)]
@@ -143,6 +145,7 @@ impl StereoMatcher {
             device_bytes: device_bytes + read_bytes,
             sizes,
             timer: OnceLock::new(),
+            surfaces: Surfaces::default(),
         }
     }
 
@@ -250,9 +253,29 @@ impl StereoMatcher {
         inputs: &Inputs<'_>,
         outputs: &Outputs<'_>,
     ) -> Result<(), Error> {
-        let _ = (inputs, outputs.disparity);
+        let middle = Middle {
+            device: &self.device,
+            queue: &self.queue,
+            frame: &self.sizes.frame,
+            format: self.format,
+            params: &self.params,
+            sources: &self.sources,
+            output: &self.output,
+            right: None,
+            confidence: self.confidence.as_ref(),
+        };
+        let before = middle.before(&self.surfaces, inputs)?;
+        let after = middle.after(&self.surfaces, outputs)?;
+        before.iter().for_each(|work| work.record(encoder));
         self.record_chain(encoder);
+        after.iter().for_each(|work| work.record(encoder));
         Ok(())
+    }
+
+    /// Lets go of the textures and buffers of [`Inputs`] and [`Outputs`]. What binds the last of them (those of about eight
+    /// pairs) is kept for the next frames, and keeps them alive.
+    pub fn forget_surfaces(&self) {
+        self.surfaces.forget();
     }
 
     /// Records the work of one frame, from the uploaded pair to [`StereoMatcher::output`].

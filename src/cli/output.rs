@@ -119,9 +119,8 @@ fn default_map(params: &Params) -> (PathBuf, Format) {
 }
 
 /// The smallest and the largest disparity searched.
-pub fn searched(params: &Params) -> (i64, i64) {
-    let first = i64::from(params.min_disparity);
-    (first, first + i64::from(params.disparities) - 1)
+pub fn searched(params: &Params) -> (i32, i32) {
+    params.searched().into_inner()
 }
 
 fn ending(path: &Path) -> String {
@@ -308,19 +307,10 @@ fn kitti(map: &DisparityMap) -> Result<Vec<u16>> {
 }
 
 /// A map in turbo colours over the disparities `first` to `last`, invalid black.
-pub fn picture(map: &DisparityMap, (first, last): (i64, i64)) -> RgbImage {
-    let color = |value| match pixels(value) {
-        None => [0; 3],
-        Some(disparity) => turbo((f64::from(disparity) - first as f64) / (last - first).max(1) as f64),
-    };
-    let mut values = map.data.iter();
-    RgbImage::from_fn(map.width, map.height, |_, _| Rgb(values.next().map_or([0; 3], |&value| color(value))))
-}
-
-/// The colour of a share of the range, 0 to 1.
-pub fn turbo(share: f64) -> [u8; 3] {
-    let color = colorous::TURBO.eval_continuous(share.clamp(0.0, 1.0));
-    [color.r, color.g, color.b]
+pub fn picture(map: &DisparityMap, (first, last): (i32, i32)) -> RgbImage {
+    let colors = map.color(&(first..=last));
+    let mut pixels = colors.chunks_exact(4);
+    RgbImage::from_fn(map.width, map.height, |_, _| Rgb(pixels.next().map_or([0; 3], |c| [c[0], c[1], c[2]])))
 }
 
 #[cfg(test)]
