@@ -2,13 +2,11 @@
 //!
 //! Files are read and kernels compiled on a thread; the frame itself is recorded, submitted and read back here.
 
-use std::pin::Pin;
 use std::sync::Arc;
 use std::sync::mpsc::{self, Receiver, TryRecvError};
-use std::task::{Context, Poll, Waker};
 use std::time::Instant;
 
-use gpu_stereo::{Error, Inputs, Matched, Outputs, Params, StereoMatcher, wgpu};
+use gpu_stereo::{Error, Inputs, Matched, Outputs, Params, Reading, StereoMatcher, wgpu};
 
 use crate::files::{self, Pair, Paths};
 
@@ -48,12 +46,21 @@ struct Prepared {
     ms: f64,
 }
 
-type Frame = Pin<Box<dyn Future<Output = (StereoMatcher, Result<Matched, Error>)>>>;
+/// A frame that the device has been given.
+struct Frame {
+    matcher: StereoMatcher,
+    reading: Reading,
+    pair: Arc<Pair>,
+    /// Where the frame goes, if not into those textures that are shown.
+    textures: Option<Textures>,
+    since: Instant,
+    prepare_ms: f64,
+}
 
 enum State {
     Idle(Option<StereoMatcher>),
     Preparing(Receiver<Prepared>),
-    Computing { frame: Frame, pair: Arc<Pair>, since: Instant, prepare_ms: f64, textures: Option<Textures> },
+    Computing(Box<Frame>),
 }
 
 pub struct Live {
@@ -88,7 +95,7 @@ impl Live {
         match self.state {
             State::Idle(_) => None,
             State::Preparing(_) => Some("preparing"),
-            State::Computing { .. } => Some("computing"),
+            State::Computing(_) => Some("computing"),
         }
     }
 
@@ -107,23 +114,19 @@ impl Live {
                 Err(TryRecvError::Empty) => State::Preparing(prepared),
                 Err(TryRecvError::Disconnected) => self.failed(None, "the thread that reads files ended".into()),
             },
-            State::Computing { mut frame, pair, since, prepare_ms, textures } => {
-                // Lets the device call back; an error of it is that of the frame.
-                let _ = self.device.poll(wgpu::PollType::Poll);
-                match frame.as_mut().poll(&mut Context::from_waker(Waker::noop())) {
-                    Poll::Pending => State::Computing { frame, pair, since, prepare_ms, textures },
-                    Poll::Ready((matcher, Err(error))) => self.failed(Some(matcher), error.to_string()),
-                    Poll::Ready((matcher, Ok(matched))) => {
-                        let frame_ms = since.elapsed().as_secs_f64() * 1e3;
-                        self.shown =
-                            self.asked.clone().map(|wanted| Shown { wanted, pair, matched, frame_ms, prepare_ms });
-                        self.textures = textures.or(self.textures.take());
-                        self.error = None;
-                        self.changes += 1;
-                        State::Idle(Some(matcher))
-                    }
+            State::Computing(mut frame) => match frame.reading.try_take() {
+                None => State::Computing(frame),
+                Some(Err(error)) => self.failed(Some(frame.matcher), error.to_string()),
+                Some(Ok(matched)) => {
+                    let Frame { matcher, pair, textures, since, prepare_ms, .. } = *frame;
+                    let frame_ms = since.elapsed().as_secs_f64() * 1e3;
+                    self.shown = self.asked.clone().map(|wanted| Shown { wanted, pair, matched, frame_ms, prepare_ms });
+                    self.textures = textures.or(self.textures.take());
+                    self.error = None;
+                    self.changes += 1;
+                    State::Idle(Some(matcher))
                 }
-            }
+            },
         };
         self.changes != changes
     }
@@ -162,12 +165,8 @@ impl Live {
         match self.record(&matcher, &pair) {
             Err(error) => self.failed(Some(matcher), error.to_string()),
             Ok(textures) => {
-                let read = pair.clone();
-                let frame = Box::pin(async move {
-                    let matched = matcher.compute_blocking(&read.left, &read.right);
-                    (matcher, matched)
-                });
-                State::Computing { frame, pair, since, prepare_ms, textures }
+                let reading = matcher.read();
+                State::Computing(Box::new(Frame { matcher, reading, pair, textures, since, prepare_ms }))
             }
         }
     }

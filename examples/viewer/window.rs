@@ -103,7 +103,9 @@ impl Open {
         let window = events.create_window(attributes).map_err(|error| format!("no window can be opened: {error}"))?;
         let window = Arc::new(window);
         let instance = wgpu::Instance::new(wgpu::InstanceDescriptor::new_without_display_handle_from_env());
-        let surface = instance.create_surface(window.clone()).map_err(|error| format!("no surface: {error}"))?;
+        let surface = instance.create_surface(window.clone()).map_err(|error| {
+            format!("no driver can draw to this window: {error}; install one (Debian: mesa-vulkan-drivers)")
+        })?;
 
         let adapter = pollster::block_on(instance.request_adapter(&wgpu::RequestAdapterOptions {
             power_preference: wgpu::PowerPreference::HighPerformance,
