@@ -2,6 +2,8 @@
 //! the bit, and what does not fit is refused before anything is recorded.
 #![allow(clippy::unwrap_used)]
 
+#[path = "../examples/embed.rs"]
+mod embed;
 mod support;
 
 use gpu_stereo::{
@@ -502,7 +504,7 @@ fn what_does_not_fit_is_refused_and_nothing_is_recorded() {
         Mistake { inputs: pixels(&storage, 0, 76), outputs: to, says: &["76 bytes a row", "at least 80"] },
         Mistake { inputs: pixels(&storage, 512, 80), outputs: to, says: &["1056 bytes", "800 are needed", "byte 512"] },
         Mistake { inputs: pixels(&storage, 256, 84), outputs: to, says: &["1056 bytes", "836 are needed", "byte 256"] },
-        Mistake { inputs: pixels(&storage, 0, u32::MAX & !3), outputs: to, says: &["needed from byte 0"] },
+        Mistake { inputs: pixels(&storage, 0, !3), outputs: to, says: &["needed from byte 0"] },
         Mistake { inputs: from, outputs: to.disparity(&wide), says: &["the output disparity", "21x10", "20x10"] },
         Mistake { inputs: from, outputs: to.disparity(&good), says: &["Rgba8Unorm", "R32Float or R16Sint"] },
         Mistake {
@@ -585,4 +587,29 @@ fn layers_of_one_texture_are_a_pair() {
     gpu.queue.submit([encoder.finish()]);
     let bytes = gpu.read(matcher.output());
     assert!(laid_out(&expected, &bytes) == bytes, "seed 5");
+}
+
+/// The README's program is the one of the crate's documentation, which is compiled as its test.
+#[test]
+fn the_readme_shows_what_is_compiled() {
+    let readme = include_str!("../README.md");
+    let documentation = include_str!("../src/lib.rs");
+    let block = |text: &str, from: &str, to: &str| -> String {
+        let (_, rest) = text.split_once(from).unwrap_or_else(|| panic!("no {from:?}"));
+        rest.split_once(to).unwrap_or_else(|| panic!("no {to:?}")).0.into()
+    };
+    let compiled = block(documentation, "//! ```no_run\n", "//! ```\n");
+    let compiled: String = compiled
+        .lines()
+        .map(|line| format!("{}\n", line.strip_prefix("//! ").or(line.strip_prefix("//!")).unwrap()))
+        .collect();
+    assert_eq!(block(readme, "## In another program", "\n## ").matches("```rust\n").count(), 1);
+    assert_eq!(block(readme, "```rust\n", "```\n"), compiled, "README.md (left) and src/lib.rs (right)");
+}
+
+#[test]
+fn the_example_gets_what_it_drew() {
+    if support::device().is_some() {
+        embed::main().unwrap();
+    }
 }
