@@ -90,6 +90,10 @@ fn draw(
     pass.draw(0..3, 0..1);
 }
 
+/// A frame of the program.
+///
+/// # Errors
+/// If there is no device, or the fog is not what the scene gives.
 pub fn main() -> Result<(), Box<dyn std::error::Error>> {
     // The program's device: what the matcher would like is asked for; it also works without.
     let instance = wgpu::Instance::new(wgpu::InstanceDescriptor::new_without_display_handle_from_env());

@@ -87,7 +87,7 @@ pub use check::{Mismatch, StageCheck};
 pub use color::turbo;
 pub use error::Error;
 pub use image::{ConfidenceMap, DisparityMap, Image, Matched, PixelFormat, Pixels};
-pub use matcher::{StageTime, StereoMatcher};
+pub use matcher::{Reading, StageTime, StereoMatcher};
 pub use options::ParamOption;
 pub use params::{Census, Cost, Fill, Median, Method, Params, Paths, Prefilter, Preset, RightView, Subpixel, Wls};
 pub use schedule::Schedule;
