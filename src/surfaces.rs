@@ -7,7 +7,7 @@ use crate::{Error, PixelFormat};
 #[cfg(test)]
 pub(crate) use passes::SHADERS;
 pub(crate) use passes::Surfaces;
-use passes::{Ours, Prepared, Theirs, Work};
+use passes::{Ours, Prepared, Theirs, Way, Work};
 use wgpu::{BufferUsages, TextureFormat, TextureUsages};
 
 /// A texture view, and the format in which it shows its texture, which wgpu does not tell: made from a view alone, that
@@ -153,7 +153,8 @@ impl<'a> Outputs<'a> {
         self
     }
 
-    /// As [`Outputs::disparity`], of the right view's map. The matcher needs `Params::right_map`.
+    /// As [`Outputs::disparity`], of the right view's map. The matcher needs
+    /// [`crate::Params::right_map`].
     #[must_use]
     pub fn right_disparity(mut self, target: impl Into<TypedView<'a>>) -> Self {
         self.right.disparity = Some(target.into());
@@ -261,73 +262,69 @@ impl Middle<'_> {
 
     /// The work behind the chain.
     pub(crate) fn after(&self, surfaces: &Surfaces, outputs: &Outputs<'_>) -> Result<Vec<Prepared>, Error> {
-        let pitch = u64::from(self.frame.map_stride);
-        let height = u64::from(self.frame.height);
-        let mut prepared = Vec::new();
-        let sides = [
-            (&outputs.left, ["the output disparity", "the output color", "the output buffer"], Some(self.output)),
-            (
-                &outputs.right,
-                ["the output right_disparity", "the output right_color", "the output right_buffer"],
-                self.right,
-            ),
+        let map_bytes = 4 * u64::from(self.frame.map_stride) * u64::from(self.frame.height);
+        let names = [
+            ["the output disparity", "the output color", "the output buffer"],
+            ["the output right_disparity", "the output right_color", "the output right_buffer"],
         ];
-        for (maps, [disparity, color, copy], map) in sides {
+        let mut prepared = Vec::new();
+        let maps = [(&outputs.left, Some(self.output)), (&outputs.right, self.right)];
+        for ((maps, map), [disparity, color, copy]) in maps.into_iter().zip(names) {
+            let there = |name| there(name, map, map_bytes, "right_map");
             if let Some(target) = maps.disparity {
-                let map = there(disparity, map, "right_map")?;
-                let (work, storable): (fn(_) -> _, _) = match target.format {
-                    TextureFormat::R16Sint => (Work::Sixteenths, false),
-                    _ => (Work::Pixels, true),
-                };
+                let map = there(disparity)?;
                 let formats = [TextureFormat::R32Float, TextureFormat::R16Sint];
-                prepared.push(self.shown(surfaces, disparity, target, &formats, storable, work, map)?);
+                let way = self.way(disparity, target, &formats)?;
+                let work = if target.format == formats[1] { Work::Sixteenths(way) } else { Work::Pixels(way) };
+                prepared.push(self.shown(surfaces, disparity, target, work, map)?);
             }
             if let Some(target) = maps.color {
-                let map = there(color, map, "right_map")?;
-                let formats = [TextureFormat::Rgba8Unorm, TextureFormat::Bgra8Unorm];
-                let storable = target.format == TextureFormat::Rgba8Unorm;
-                prepared.push(self.shown(surfaces, color, target, &formats, storable, Work::Color, map)?);
+                let map = there(color)?;
+                let way = self.way(color, target, &[TextureFormat::Rgba8Unorm, TextureFormat::Bgra8Unorm])?;
+                prepared.push(self.shown(surfaces, color, target, Work::Color(way), map)?);
             }
             if let Some(place) = maps.buffer {
-                let map = there(copy, map, "right_map")?;
-                prepared.push(copied(copy, map, place, 4 * pitch * height)?);
+                prepared.push(copied(copy, there(copy)?, place)?);
             }
         }
-        let name = "the output confidence";
+        let there = |name| there(name, self.confidence, map_bytes / 2, "confidence");
         if let Some(target) = outputs.confidence {
-            let map = there(name, self.confidence, "confidence")?;
-            let formats = [TextureFormat::R8Unorm];
-            prepared.push(self.shown(surfaces, name, target, &formats, false, Work::Confidence, map)?);
+            let name = "the output confidence";
+            let map = there(name)?;
+            let way = self.way(name, target, &[TextureFormat::R8Unorm])?;
+            prepared.push(self.shown(surfaces, name, target, Work::Confidence(way), map)?);
         }
         if let Some(place) = outputs.confidence_buffer {
             let name = "the output confidence_buffer";
-            prepared.push(copied(name, there(name, self.confidence, "confidence")?, place, 2 * pitch * height)?);
+            prepared.push(copied(name, there(name)?, place)?);
         }
         Ok(prepared)
     }
 
-    #[allow(clippy::too_many_arguments)] // what is shown where, and how it may be
     fn shown(
         &self,
         surfaces: &Surfaces,
         name: &str,
         target: TypedView<'_>,
-        formats: &[TextureFormat],
-        storable: bool,
-        work: impl Fn(passes::Way) -> Work,
-        map: &wgpu::Buffer,
+        work: Work,
+        (map, bytes): (&wgpu::Buffer, u64),
     ) -> Result<Prepared, Error> {
+        surfaces.prepare(self, name, work, Theirs::View(target.view, target.format), Ours::Buffer(map, bytes))
+    }
+
+    /// How a target is filled.
+    fn way(&self, name: &str, target: TypedView<'_>, formats: &[TextureFormat]) -> Result<Way, Error> {
         self.check_texture(name, &target, formats, "use such a texture, or a view of that format")?;
         let usage = target.view.texture().usage();
-        let way = if usage.contains(TextureUsages::RENDER_ATTACHMENT) {
-            passes::Way::Draw(target.format)
-        } else if storable && usage.contains(TextureUsages::STORAGE_BINDING) {
-            passes::Way::Store(target.format)
-        } else {
-            let also = if storable { " or STORAGE_BINDING" } else { "" };
-            return Err(lacks(name, &usage, &format!("RENDER_ATTACHMENT{also}")));
-        };
-        surfaces.prepare(self, name, work(way), Theirs::View(target.view, target.format), Ours::Buffer(map))
+        let storable = matches!(target.format, TextureFormat::R32Float | TextureFormat::Rgba8Unorm);
+        if usage.contains(TextureUsages::RENDER_ATTACHMENT) {
+            return Ok(Way::Draw(target.format));
+        }
+        if storable && usage.contains(TextureUsages::STORAGE_BINDING) {
+            return Ok(Way::Store(target.format));
+        }
+        let needed = if storable { "RENDER_ATTACHMENT or STORAGE_BINDING" } else { "RENDER_ATTACHMENT" };
+        Err(lacks(name, &usage, needed))
     }
 
     fn check_input(&self, name: &str, view: &TypedView<'_>) -> Result<(), Error> {
@@ -401,11 +398,16 @@ fn lacks(name: &str, usage: &dyn std::fmt::Debug, needed: &str) -> Error {
     refused(name, &format!("has the usages {usage:?}"), &format!("needs {needed}"), "create it with that usage")
 }
 
-/// What an output shows, which only some settings compute.
-fn there<'a>(name: &str, buffer: Option<&'a wgpu::Buffer>, setting: &str) -> Result<&'a wgpu::Buffer, Error> {
+/// What an output shows, which only some settings compute: the first bytes of a buffer.
+fn there<'a>(
+    name: &str,
+    buffer: Option<&'a wgpu::Buffer>,
+    bytes: u64,
+    setting: &str,
+) -> Result<(&'a wgpu::Buffer, u64), Error> {
     let absent =
         || refused(name, &"is asked for", &"the matcher does not compute it", &format!("set Params::{setting}"));
-    buffer.ok_or_else(absent)
+    buffer.map(|buffer| (buffer, bytes)).ok_or_else(absent)
 }
 
 fn long_enough(name: &str, buffer: &wgpu::Buffer, offset: u64, bytes: u64) -> Result<(), Error> {
@@ -418,7 +420,7 @@ fn long_enough(name: &str, buffer: &wgpu::Buffer, offset: u64, bytes: u64) -> Re
 }
 
 /// A copy of the first bytes of one of the matcher's buffers.
-fn copied(name: &str, from: &wgpu::Buffer, place: Place<'_>, bytes: u64) -> Result<Prepared, Error> {
+fn copied(name: &str, (from, bytes): (&wgpu::Buffer, u64), place: Place<'_>) -> Result<Prepared, Error> {
     let Place { buffer, offset } = place;
     if !buffer.usage().contains(BufferUsages::COPY_DST) {
         return Err(lacks(name, &buffer.usage(), "COPY_DST"));

@@ -2,6 +2,8 @@
 //! the bit, and what does not fit is refused before anything is recorded.
 #![allow(clippy::unwrap_used)]
 
+#[path = "../examples/embed.rs"]
+mod embed;
 mod support;
 
 use gpu_stereo::{
@@ -229,12 +231,12 @@ fn every_output_is_the_map() {
     for gpu in devices() {
         for (seed, size) in (20..).zip(SIZES) {
             let mut params = Params::sgm(19);
-            params.confidence = true;
+            (params.confidence, params.right_map) = (true, true);
             params.min_disparity = -3;
             let (left, right) = pair(size, seed, PixelFormat::Gray8);
             let matcher =
                 StereoMatcher::new(&gpu.device, &gpu.queue, size.0, size.1, PixelFormat::Gray8, &params).unwrap();
-            let Matched { map, confidence, .. } = matcher.compute_blocking(&left, &right).unwrap();
+            let Matched { map, right: right_map, confidence, .. } = matcher.compute_blocking(&left, &right).unwrap();
             let case = format!("{size:?}, seed {seed}, on {}", gpu.name);
             if size.0 > 60 {
                 let valid = map.valid_fraction();
@@ -265,6 +267,9 @@ fn every_output_is_the_map() {
             let pitch = u64::from((2 * size.0).next_multiple_of(16));
             let usage = BufferUsages::COPY_DST | BufferUsages::COPY_SRC;
             let copy = gpu.buffer(12 + pitch * u64::from(size.1), usage);
+            let [right_pixels, right_color] =
+                [TextureFormat::R32Float, TextureFormat::Rgba8Unorm].map(|format| gpu.target(size, format));
+            let right_copy = gpu.buffer(pitch * u64::from(size.1), usage);
             let sure_copy = gpu.buffer(4 + pitch / 2 * u64::from(size.1), usage);
 
             matcher.upload(&left, &right).unwrap();
@@ -278,13 +283,30 @@ fn every_output_is_the_map() {
                     .confidence_buffer(&sure_copy, 4),
                 Outputs::default().disparity(&sixteenths).color(&bgra),
                 Outputs::default().disparity(&stored).color(&stored_color),
+                Outputs::default()
+                    .right_disparity(&right_pixels)
+                    .right_color(&right_color)
+                    .right_buffer(&right_copy, 0),
                 Outputs::default().color(TypedView::new(&plain, TextureFormat::Rgba8Unorm)),
             ] {
                 matcher.record(&mut encoder, &Inputs::Uploaded, &outputs).unwrap();
             }
             gpu.queue.submit([encoder.finish()]);
 
-            let expected: Vec<u8> = map.data.iter().flat_map(|&v| (f32::from(v) / 16.0).to_le_bytes()).collect();
+            let floats = |map: &DisparityMap| -> Vec<u8> {
+                map.data.iter().flat_map(|&v| (f32::from(v) / 16.0).to_le_bytes()).collect()
+            };
+            let right_map = right_map.unwrap();
+            assert!(gpu.read_texture(right_pixels.texture()) == floats(&right_map), "right R32Float, {case}");
+            let expected = right_map.color(&params.searched());
+            assert!(gpu.read_texture(right_color.texture()) == expected, "right Rgba8Unorm, {case}");
+            let bytes = gpu.read(&right_copy);
+            assert!(laid_out(&right_map, &bytes) == bytes, "right buffer, {case}");
+            if size.0 > 60 {
+                assert!(right_map != map, "both views have one map, {case}");
+            }
+
+            let expected = floats(&map);
             assert!(gpu.read_texture(pixels.texture()) == expected, "R32Float, {case}");
             assert!(gpu.read_texture(stored.texture()) == expected, "R32Float as storage, {case}");
             let expected: Vec<u8> = map.data.iter().flat_map(|v| v.to_le_bytes()).collect();
@@ -330,6 +352,36 @@ fn colors_follow_the_parameters() {
         seen.push(bytes);
     }
     assert!(seen[0] == seen[4] && seen[0] != seen[1] && seen[0] != seen[2], "all ranges have the same colours");
+}
+
+/// After a change of size the inputs and outputs are those of the new one, and a texture of the old one is refused.
+#[test]
+fn a_resized_matcher_takes_textures_of_its_size() {
+    let Some(gpu) = devices().into_iter().next() else { return };
+    let mut matcher =
+        StereoMatcher::new(&gpu.device, &gpu.queue, 70, 40, PixelFormat::Gray8, &Params::sgm(16)).unwrap();
+    let mut others = Vec::new();
+    for (seed, size) in (0..).zip([(70, 40), (33, 21), (90, 11), (70, 40)]) {
+        matcher.resize(size.0, size.1).unwrap();
+        let (left, right) = pair(size, seed, PixelFormat::Gray8);
+        let expected = matcher.compute_blocking(&left, &right).unwrap().map;
+        matcher.upload(&right, &right).unwrap();
+        let views = [&left, &right].map(|image| gpu.filled(image, TextureFormat::R8Unorm));
+        let target = gpu.target(size, TextureFormat::R16Sint);
+        let mut encoder = gpu.encoder();
+        let outputs = Outputs::default().disparity(&target);
+        for other in
+            others.iter().filter(|other: &&wgpu::TextureView| other.texture().size() != target.texture().size())
+        {
+            let error = matcher.record(&mut encoder, &Inputs::textures(other, other), &outputs).unwrap_err();
+            assert!(error.to_string().contains(&format!("{}x{}", size.0, size.1)), "{error}");
+        }
+        matcher.record(&mut encoder, &Inputs::textures(&views[0], &views[1]), &outputs).unwrap();
+        gpu.queue.submit([encoder.finish()]);
+        let expected: Vec<u8> = expected.data.iter().flat_map(|v| v.to_le_bytes()).collect();
+        assert!(gpu.read_texture(target.texture()) == expected, "{size:?}, seed {seed}");
+        others.extend(views);
+    }
 }
 
 /// The caller's shader, which reads the disparity: the near half of a range is painted by depth.
@@ -502,7 +554,7 @@ fn what_does_not_fit_is_refused_and_nothing_is_recorded() {
         Mistake { inputs: pixels(&storage, 0, 76), outputs: to, says: &["76 bytes a row", "at least 80"] },
         Mistake { inputs: pixels(&storage, 512, 80), outputs: to, says: &["1056 bytes", "800 are needed", "byte 512"] },
         Mistake { inputs: pixels(&storage, 256, 84), outputs: to, says: &["1056 bytes", "836 are needed", "byte 256"] },
-        Mistake { inputs: pixels(&storage, 0, u32::MAX & !3), outputs: to, says: &["needed from byte 0"] },
+        Mistake { inputs: pixels(&storage, 0, !3), outputs: to, says: &["needed from byte 0"] },
         Mistake { inputs: from, outputs: to.disparity(&wide), says: &["the output disparity", "21x10", "20x10"] },
         Mistake { inputs: from, outputs: to.disparity(&good), says: &["Rgba8Unorm", "R32Float or R16Sint"] },
         Mistake {
@@ -585,4 +637,29 @@ fn layers_of_one_texture_are_a_pair() {
     gpu.queue.submit([encoder.finish()]);
     let bytes = gpu.read(matcher.output());
     assert!(laid_out(&expected, &bytes) == bytes, "seed 5");
+}
+
+/// The README's program is the one of the crate's documentation, which is compiled as its test.
+#[test]
+fn the_readme_shows_what_is_compiled() {
+    let readme = include_str!("../README.md");
+    let documentation = include_str!("../src/lib.rs");
+    let block = |text: &str, from: &str, to: &str| -> String {
+        let (_, rest) = text.split_once(from).unwrap_or_else(|| panic!("no {from:?}"));
+        rest.split_once(to).unwrap_or_else(|| panic!("no {to:?}")).0.into()
+    };
+    let compiled = block(documentation, "//! ```no_run\n", "//! ```\n");
+    let compiled: String = compiled
+        .lines()
+        .map(|line| format!("{}\n", line.strip_prefix("//! ").or(line.strip_prefix("//!")).unwrap()))
+        .collect();
+    assert_eq!(block(readme, "## In another program", "\n## ").matches("```rust\n").count(), 1);
+    assert_eq!(block(readme, "```rust\n", "```\n"), compiled, "README.md (left) and src/lib.rs (right)");
+}
+
+#[test]
+fn the_example_gets_what_it_drew() {
+    if support::device().is_some() {
+        embed::main().unwrap();
+    }
 }

@@ -316,6 +316,7 @@ pub fn picture(map: &DisparityMap, (first, last): (i32, i32)) -> RgbImage {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use gpu_stereo::turbo;
 
     fn map(data: &[i16]) -> DisparityMap {
         DisparityMap { width: data.len() as u32, height: 1, data: data.into() }

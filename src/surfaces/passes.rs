@@ -159,7 +159,8 @@ pub(super) enum Theirs<'a> {
 #[derive(Clone, Copy)]
 pub(super) enum Ours<'a> {
     Texture(&'a wgpu::Texture),
-    Buffer(&'a wgpu::Buffer),
+    /// The first bytes of a buffer.
+    Buffer(&'a wgpu::Buffer, u64),
 }
 
 /// All that a bind group follows from.
@@ -341,7 +342,7 @@ impl Key {
     fn new(middle: &Middle<'_>, work: Work, theirs: Theirs<'_>, ours: Ours<'_>) -> Self {
         let (source, map) = match ours {
             Ours::Texture(source) => (Some(source.clone()), None),
-            Ours::Buffer(map) => (None, Some(map.clone())),
+            Ours::Buffer(map, _) => (None, Some(map.clone())),
         };
         // A target that is drawn to is in no bind group.
         let (view, buffer) = match theirs {
@@ -391,7 +392,10 @@ fn bind(
             entries.push((1, block.as_entire_binding()));
             entries.push((2, wgpu::BindingResource::TextureView(&source)));
         }
-        Ours::Buffer(map) => entries.push((2, map.as_entire_binding())),
+        Ours::Buffer(buffer, bytes) => {
+            let size = wgpu::BufferSize::new(bytes);
+            entries.push((2, wgpu::BindingResource::Buffer(wgpu::BufferBinding { buffer, offset: 0, size })));
+        }
     }
     if matches!(work, Work::Color(_)) {
         let table = color::table(&middle.params.searched());
