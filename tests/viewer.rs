@@ -380,8 +380,8 @@ fn the_screen_shows_what_the_library_computes() {
     screen.point(middle[0], middle[1]);
     screen.button(true);
     (1..=5).for_each(|i| screen.point(middle[0] + 20 * i, middle[1] + 4 * i));
+    viewer.wait("the turned cloud", |line| line.starts_with("points at ") && line.contains("yaw -0.600, pitch 0.120"));
     screen.button(false);
-    viewer.wait("the turned cloud", |line| line.starts_with("points at ") && line.contains("yaw -0.6"));
     let until = Instant::now() + PATIENCE;
     loop {
         let turned = screen.pixels(place);

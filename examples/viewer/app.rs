@@ -59,6 +59,8 @@ pub struct App {
     points: Points,
     points_id: Option<egui::TextureId>,
     orbit: Orbit,
+    /// As it was when the pointer took hold of the cloud.
+    grabbed: Orbit,
     middle: f32,
     seen: u64,
     trace: Option<Trace>,
@@ -92,6 +94,7 @@ impl App {
             points: Points::new(device),
             points_id: None,
             orbit: Orbit::REST,
+            grabbed: Orbit::REST,
             middle: 0.0,
             seen: 0,
             trace: options.trace.then(Trace::default),
@@ -444,7 +447,16 @@ impl App {
         let rect = Rect::from_min_size(min, vec2(picture[0] as f32, picture[1] as f32)) / per_point;
         let response = ui.interact(rect, ui.scope_id().with("cloud"), Sense::drag());
         let wheel = if response.hovered() { ui.input(|input| input.smooth_scroll_delta().y) } else { 0.0 };
-        self.orbit = self.orbit.moved(response.drag_delta().into(), wheel);
+        self.orbit = self.orbit.nearer(wheel);
+        if response.drag_started() {
+            self.grabbed = self.orbit;
+        }
+        let from = ui.input(|input| input.pointer.press_origin());
+        if response.dragged()
+            && let (Some(from), Some(to)) = (from, response.interact_pointer_pos())
+        {
+            self.orbit = Orbit { distance: self.orbit.distance, ..self.grabbed.turned((to - from).into()) };
+        }
         let map = [shown.matched.map.width, shown.matched.map.height];
         let scene = Scene {
             orbit: self.orbit,

@@ -57,10 +57,11 @@ struct Frame {
     prepare_ms: f64,
 }
 
+#[allow(clippy::large_enum_variant)] // there is one of it
 enum State {
     Idle(Option<StereoMatcher>),
     Preparing(Receiver<Prepared>),
-    Computing(Box<Frame>),
+    Computing(Frame),
 }
 
 pub struct Live {
@@ -118,7 +119,7 @@ impl Live {
                 None => State::Computing(frame),
                 Some(Err(error)) => self.failed(Some(frame.matcher), error.to_string()),
                 Some(Ok(matched)) => {
-                    let Frame { matcher, pair, textures, since, prepare_ms, .. } = *frame;
+                    let Frame { matcher, pair, textures, since, prepare_ms, .. } = frame;
                     let frame_ms = since.elapsed().as_secs_f64() * 1e3;
                     self.shown = self.asked.clone().map(|wanted| Shown { wanted, pair, matched, frame_ms, prepare_ms });
                     self.textures = textures.or(self.textures.take());
@@ -166,7 +167,7 @@ impl Live {
             Err(error) => self.failed(Some(matcher), error.to_string()),
             Ok(textures) => {
                 let reading = matcher.read();
-                State::Computing(Box::new(Frame { matcher, reading, pair, textures, since, prepare_ms }))
+                State::Computing(Frame { matcher, reading, pair, textures, since, prepare_ms })
             }
         }
     }

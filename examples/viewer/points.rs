@@ -25,11 +25,14 @@ pub struct Orbit {
 impl Orbit {
     pub const REST: Self = Self { yaw: 0.0, pitch: 0.0, distance: 1.0 };
 
-    /// Turns by a drag over so many points of the screen, and goes nearer or farther by the wheel.
-    pub fn moved(self, drag: [f32; 2], wheel: f32) -> Self {
-        let pitch = (self.pitch + 0.006 * drag[1]).clamp(-1.5, 1.5);
-        let distance = (self.distance * (-0.002 * wheel).exp()).clamp(0.02, 20.0);
-        Self { yaw: self.yaw - 0.006 * drag[0], pitch, distance }
+    /// Turned by a drag over so many points of the screen.
+    pub fn turned(self, [x, y]: [f32; 2]) -> Self {
+        Self { yaw: self.yaw - 0.006 * x, pitch: (self.pitch + 0.006 * y).clamp(-1.5, 1.5), ..self }
+    }
+
+    /// Nearer or farther by the wheel.
+    pub fn nearer(self, wheel: f32) -> Self {
+        Self { distance: (self.distance * (-0.002 * wheel).exp()).clamp(0.02, 20.0), ..self }
     }
 }
 
