@@ -352,6 +352,18 @@ fn the_screen_shows_what_the_library_computes() {
     screen.point(1000, 700); // no note of the pointer over the map
     screen.shows(place, &colours(&without, &params), "the map without adaptive P2");
 
+    // Settings that do not go together: the library's words, and the last map stays.
+    let [x, y] = viewer.control("cost");
+    screen.click([x + 8, y]);
+    viewer.wait_for("control cost=ncc at ");
+    let [x, y] = viewer.control("cost=ncc");
+    screen.click([x + 8, y]);
+    let told = viewer.wait_for("refused ");
+    let refused = Params::from_options(48, [("cost", "ncc")]).unwrap_err().to_string();
+    assert_eq!(told, format!("refused {refused}"));
+    screen.point(1000, 700);
+    screen.shows(place, &colours(&without, &params), "the map before");
+
     // The cloud of points at rest: the left image where there is a disparity, the background where there is none.
     let [x, y] = viewer.control("points");
     screen.click([x + 8, y]);
@@ -473,6 +485,7 @@ fn without_a_screen_or_an_adapter_it_ends_with_one_line() {
     let help = command("", &["--help"]).output().unwrap();
     assert!(ExitStatus::success(&help.status) && String::from_utf8_lossy(&help.stdout).contains("--one-to-one"));
     let Some(screen) = Screen::new() else { return };
+    refused(&mut command(&screen.name, &["--disp", "9999"]), "from 1 to 2048");
     let mut none = command(&screen.name, &[]);
     refused(
         none.env("VK_ICD_FILENAMES", "none").env("VK_DRIVER_FILES", "none").env("WGPU_BACKEND", "vulkan"),

@@ -1,10 +1,11 @@
 //! What the window shows, and what it does with the pointer and with dropped files.
 
+use std::ops::RangeInclusive;
 use std::path::PathBuf;
 
 use egui::{Align2, Color32, FontId, Pos2, Rect, Response, RichText, Sense, Stroke, Ui, Vec2, pos2, vec2};
 use egui_wgpu::Renderer;
-use gpu_stereo::wgpu;
+use gpu_stereo::{turbo, wgpu};
 
 use crate::Options;
 use crate::files::{self, Camera, Paths};
@@ -74,13 +75,13 @@ struct Trace {
 }
 
 impl App {
-    pub fn new(options: Options, device: &wgpu::Device, queue: &wgpu::Queue, adapter: String) -> Self {
+    pub fn new(options: Options, device: &wgpu::Device, queue: &wgpu::Queue, adapter: String) -> Result<Self, String> {
         let mut app = Self {
             device: device.clone(),
             queue: queue.clone(),
             adapter,
             live: Live::new(device, queue),
-            settings: Settings::new(&options.disparities),
+            settings: Settings::new(&options.disparities)?,
             pairs: Vec::new(),
             at: 0,
             playing: false,
@@ -102,7 +103,7 @@ impl App {
         if let Some([left, right]) = options.pair {
             app.open(left, right);
         }
-        app
+        Ok(app)
     }
 
     fn open(&mut self, first: PathBuf, second: PathBuf) {
@@ -207,7 +208,7 @@ impl App {
             });
         });
         for (name, rect) in std::mem::take(&mut self.settings.places) {
-            self.place(ui, name, rect);
+            self.place(ui, &name, rect);
         }
         egui::CentralPanel::default().show(ui, |ui| match self.tab {
             _ if self.live.shown.is_none() => self.hint(ui),
@@ -297,6 +298,9 @@ impl App {
             ui.colored_label(red, &error);
             self.trace(|| format!("error {error}"));
         }
+        if let Some(error) = self.settings.error.clone() {
+            self.trace(|| format!("refused {error}"));
+        }
         if let Some(first) = &self.first {
             ui.label(format!("{} is one image: drop the other one, too", first.display()));
         }
@@ -348,6 +352,7 @@ impl App {
     fn images(&mut self, ui: &mut Ui) {
         let (Some(shown), Some(ids)) = (&self.live.shown, &self.ids) else { return };
         let (left, right, colours) = (ids.left, ids.right, ids.colours);
+        let searched = shown.wanted.params.searched();
         let size = vec2(shown.matched.map.width as f32, shown.matched.map.height as f32);
         let per_point = ui.ctx().pixels_per_point();
         let (gap, caption) = (6.0, 18.0);
@@ -381,6 +386,7 @@ impl App {
                 ui.painter().image(id, rect, Rect::from_min_max(Pos2::ZERO, pos2(1.0, 1.0)), Color32::WHITE);
                 responses.push(ui.interact(rect, ui.scope_id().with(name), Sense::hover()));
             }
+            legend(ui, map, searched);
             let changes = self.live.changes;
             let seen = ui.clip_rect().expand(0.5).contains_rect(map);
             self.trace(|| {
@@ -482,4 +488,19 @@ impl App {
             )
         });
     }
+}
+
+/// What the colours mean, above the right end of the map.
+fn legend(ui: &Ui, map: Rect, searched: RangeInclusive<i32>) {
+    const BAR: u8 = 96;
+    let (font, ink) = (FontId::proportional(13.0), ui.visuals().text_color());
+    let most = map.right_top() - vec2(0.0, 2.0);
+    let most = ui.painter().text(most, Align2::RIGHT_BOTTOM, format!("{} px", searched.end()), font.clone(), ink);
+    let bar = Rect::from_min_size(most.left_top() - vec2(f32::from(BAR) + 6.0, -4.0), vec2(f32::from(BAR), 9.0));
+    for i in 0..BAR {
+        let [r, g, b] = turbo(f64::from(i) / f64::from(BAR - 1));
+        let line = Rect::from_min_size(bar.min + vec2(i.into(), 0.0), vec2(1.0, bar.height()));
+        ui.painter().rect_filled(line, 0.0, Color32::from_rgb(r, g, b));
+    }
+    ui.painter().text(pos2(bar.left() - 6.0, most.top()), Align2::RIGHT_TOP, searched.start(), font, ink);
 }

@@ -15,7 +15,7 @@ pub struct Settings {
     pub error: Option<String>,
     ranges: BTreeMap<&'static str, Range>,
     /// Where the controls were drawn.
-    pub places: Vec<(&'static str, egui::Rect)>,
+    pub places: Places,
 }
 
 /// The numbers that a setting takes beside the others as they are.
@@ -27,10 +27,14 @@ pub struct Range {
     pub step: f64,
 }
 
+/// Controls and their choices by name, and where they are.
+type Places = Vec<(String, egui::Rect)>;
+
 const PRESET: &str = "balanced";
 
 impl Settings {
-    pub fn new(disparities: &str) -> Self {
+    /// The default preset over so many disparities.
+    pub fn new(disparities: &str) -> Result<Self, String> {
         let mut settings = Self {
             preset: PRESET.into(),
             changed: BTreeMap::from([("disp", disparities.into())]),
@@ -40,7 +44,7 @@ impl Settings {
             places: Vec::new(),
         };
         settings.take();
-        settings
+        settings.error.take().map_or(Ok(settings), Err)
     }
 
     /// Judges what is chosen.
@@ -70,7 +74,7 @@ impl Settings {
         self.places.clear();
         ui.horizontal(|ui| {
             ui.label("preset");
-            words(ui, "preset", Preset::NAMES, &mut self.preset);
+            words(ui, "preset", Preset::NAMES, &mut self.preset, &mut self.places);
             if ui.button("reset").on_hover_text("the preset as it is, over the same disparities").clicked() {
                 self.preset = before.0.clone();
                 self.changed.retain(|name, _| matches!(*name, "disp" | "min-disp"));
@@ -121,8 +125,8 @@ impl Settings {
             .map(|other| format!("changes nothing beside {} {}", other.name, other.get(&self.params)));
         let mut chosen = value.clone();
         let range = self.ranges.get(option.name).copied();
-        let shown = ui.add_enabled_ui(idle.is_none(), |ui| control(ui, option, range, &mut chosen));
-        self.places.push((option.name, shown.response.rect));
+        let shown = ui.add_enabled_ui(idle.is_none(), |ui| control(ui, option, range, &mut chosen, &mut self.places));
+        self.places.push((option.name.into(), shown.response.rect));
         if let Some(idle) = idle {
             shown.response.on_disabled_hover_text(idle);
         }
@@ -133,7 +137,7 @@ impl Settings {
 }
 
 /// A check box, a list or a slider, by what the option takes.
-fn control(ui: &mut Ui, option: &ParamOption, range: Option<Range>, value: &mut String) {
+fn control(ui: &mut Ui, option: &ParamOption, range: Option<Range>, value: &mut String, places: &mut Places) {
     if let [("on", _), ("off", _)] = option.values {
         let mut on = value == "on";
         ui.add(Checkbox::without_text(&mut on));
@@ -141,7 +145,7 @@ fn control(ui: &mut Ui, option: &ParamOption, range: Option<Range>, value: &mut 
         return;
     }
     if !option.values.is_empty() {
-        return words(ui, option.name, option.values, value);
+        return words(ui, option.name, option.values, value, places);
     }
     let Some(range) = range else {
         ui.text_edit_singleline(value);
@@ -169,11 +173,12 @@ fn control(ui: &mut Ui, option: &ParamOption, range: Option<Range>, value: &mut 
     });
 }
 
-fn words(ui: &mut Ui, name: &str, words: &[(&str, &str)], value: &mut String) {
-    ComboBox::from_id_salt(name).selected_text(value.as_str()).width(110.0).show_ui(ui, |ui| {
+fn words(ui: &mut Ui, name: &str, words: &[(&str, &str)], value: &mut String, places: &mut Places) {
+    ComboBox::from_id_salt(name).selected_text(value.as_str()).width(110.0).height(400.0).show_ui(ui, |ui| {
         for (word, help) in words {
             let choice = ui.selectable_label(value == word, *word);
             let choice = if help.is_empty() { choice } else { choice.on_hover_text(*help) };
+            places.push((format!("{name}={word}"), choice.rect));
             if choice.clicked() {
                 *value = (*word).into();
             }

@@ -147,7 +147,7 @@ impl Open {
         let egui = egui_winit::State::new(context, egui::ViewportId::ROOT, &window, scale, None, Some(most));
         let renderer =
             Renderer::new(&device, config.format, RendererOptions { dithering: false, ..Default::default() });
-        let app = App::new(options, &device, &queue, adapter.get_info().name);
+        let app = App::new(options, &device, &queue, adapter.get_info().name)?;
         Ok(Self { app, egui, renderer, surface, config, device, queue, failure, redraw_at: None, window })
     }
 
