@@ -54,7 +54,8 @@ pub enum Inputs<'a> {
     /// The pair that [`crate::StereoMatcher::upload`] wrote last.
     #[default]
     Uploaded,
-    /// Two textures with the usage `TEXTURE_BINDING`. [`PixelFormat::of`] tells which formats a matcher takes.
+    /// Two textures with the usage `TEXTURE_BINDING`. [`PixelFormat::of`] tells which formats a matcher takes. Those of 16
+    /// bits exist where the caller asked for the feature `TEXTURE_FORMAT_16BIT_NORM`.
     ///
     /// What counts is the bytes that a texture stores, so the maps are those of an [`crate::Image`] of these bytes: the
     /// kinds with sRGB are not made linear, and luma is the weighted sum of the stored red, green and blue (`gray` in
