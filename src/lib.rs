@@ -57,7 +57,14 @@
 //!
 //! # Features
 //!
-//! `cli` (default): the command `gpu-stereo` and its file formats. The library alone: `default-features = false`.
+//! - `cli` (default): the command `gpu-stereo` and its file formats. The library alone: `default-features = false`.
+//! - `backends` (default): wgpu's own default features, all its backends among them. Without it the program's own
+//!   dependency on wgpu chooses; with none at all, wgpu panics where an instance is made.
+//!
+//! # Browsers
+//!
+//! The library builds for `wasm32-unknown-unknown`, with wgpu's backend WebGPU. Nothing can block there: what has
+//! `blocking` in its name is for everywhere else. [`mod@reference`] works, on one thread.
 #![cfg_attr(test, allow(clippy::unwrap_used))]
 
 #[cfg(test)]

@@ -13,6 +13,7 @@ use crate::{
 
 /// The time of one stage in one frame.
 #[derive(Clone, Debug, PartialEq)]
+#[non_exhaustive]
 pub struct StageTime {
     /// The stage's name, as in docs/ALGORITHMS.md.
     pub name: String,
