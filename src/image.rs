@@ -181,6 +181,9 @@ pub struct ConfidenceMap {
 pub struct Matched {
     /// The disparities of the left image.
     pub map: DisparityMap,
-    /// Their confidence, if [`crate::Params::confidence`] asks for it.
+    /// The disparities of the right image, if [`crate::Params::right_map`] asks for them: `right(x, y)` shows what
+    /// `left(x + disparity, y)` shows.
+    pub right: Option<DisparityMap>,
+    /// The confidence of `map`, if [`crate::Params::confidence`] asks for it.
     pub confidence: Option<ConfidenceMap>,
 }

@@ -64,8 +64,9 @@
 //! # Browsers
 //!
 //! The library builds for `wasm32-unknown-unknown`, with wgpu's backend WebGPU. Nothing can block there: what has
-//! `blocking` in its name is for everywhere else. [`mod@reference`] works, on one thread.
+//! `blocking` in its name does not exist. [`mod@reference`] works, on one thread.
 #![cfg_attr(test, allow(clippy::unwrap_used))]
+#![cfg_attr(target_arch = "wasm32", allow(dead_code, unused_imports))] // what only blocking functions use
 
 #[cfg(test)]
 extern crate self as gpu_stereo; // for tests/support, which the unit tests share
@@ -89,7 +90,7 @@ mod surfaces;
 pub use check::{Mismatch, StageCheck};
 pub use error::Error;
 pub use image::{ConfidenceMap, DisparityMap, Image, Matched, PixelFormat, Pixels};
-pub use matcher::{StageTime, StereoMatcher};
+pub use matcher::{Reading, StageTime, StereoMatcher};
 pub use options::ParamOption;
 pub use params::{Census, Cost, Fill, Median, Method, Params, Paths, Prefilter, Preset, RightView, Subpixel, Wls};
 pub use schedule::Schedule;

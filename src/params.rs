@@ -272,6 +272,8 @@ pub struct Params {
     pub wls: Option<Wls>,
     /// Compute a confidence for each pixel, too.
     pub confidence: bool,
+    /// Give the right view's map, too: as [`Params::right_view`] makes it, in whole pixels, before any check or filter.
+    pub right_map: bool,
     /// Compile the kernels with checks of every index and loop: slower, the same result. For a device that misbehaves.
     pub shader_checks: bool,
     /// How the kernels are laid out on the device; the same result.
@@ -328,6 +330,7 @@ impl Params {
             weighted_median_sigma: 20,
             wls: None,
             confidence: false,
+            right_map: false,
             shader_checks: false,
             schedule: Schedule::Auto,
         }
@@ -588,6 +591,7 @@ impl Params {
             weighted_median: None,
             wls: None,
             confidence: false,
+            right_map: false,
             ..self.clone()
         }
     }
@@ -595,7 +599,7 @@ impl Params {
     /// The settings of a second match of the mirrored pair for the right view, if that is wanted and something reads it:
     /// whole pixels, and all of them.
     pub(crate) fn second_match(&self) -> Option<Self> {
-        let read = self.lr_check.is_some() || matches!(self.fill, Fill::Rays | Fill::Hirschmuller);
+        let read = self.right_map || self.lr_check.is_some() || matches!(self.fill, Fill::Rays | Fill::Hirschmuller);
         (self.right_view == RightView::Match && read).then(|| self.second())
     }
 
@@ -606,6 +610,7 @@ impl Params {
             uniqueness: 0,
             texture: 0,
             confidence: false,
+            right_map: false,
             right_view: RightView::Diagonal,
             ..self.clone()
         }

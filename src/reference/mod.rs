@@ -51,6 +51,7 @@ pub use cost_columns::{cost_columns, pixel_cost};
 pub use features::{Features, features};
 pub use fill::fill;
 pub use gray::{Channel, deep_gray, depth_unit, gray};
+pub(crate) use halve::largest_with_fewer_rounds;
 pub use halve::{Round, halve, rounds};
 pub use lr_check::lr_check;
 pub use matching_cost::{matching_cost, matching_cost_scale};
@@ -186,7 +187,7 @@ pub fn compute_timed(left: &Image, right: &Image, params: &Params) -> Result<(Ma
         map = clock.stage("wls", wls(&map, &luma, settings, params));
     }
     let confidence = params.confidence.then(|| clock.stage("confidence", confidence(&map, &margins)));
-    Ok((Matched { map, confidence }, clock.times))
+    Ok((Matched { map, right: params.right_map.then_some(right), confidence }, clock.times))
 }
 
 /// From the images to the winner of both views.

@@ -171,5 +171,6 @@ pub fn random_params(random: &mut ChaCha8Rng) -> Params {
         (params.cost, params.color_cost) = (Cost::Ncc, false);
         params.block = 2 * random.random_range(1..10) + 1;
     }
+    params.right_map = random.random_bool(0.2);
     params
 }
