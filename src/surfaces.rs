@@ -4,10 +4,10 @@ mod passes;
 
 use crate::buffers::Frame;
 use crate::{Error, PixelFormat};
-#[cfg(test)]
-pub(crate) use passes::SHADERS;
 pub(crate) use passes::Surfaces;
 use passes::{Ours, Prepared, Theirs, Way, Work};
+#[cfg(test)]
+pub(crate) use passes::{SHADERS, tests::are_made};
 use wgpu::{BufferUsages, TextureFormat, TextureUsages};
 
 /// A texture view, and the format in which it shows its texture, which wgpu does not tell: made from a view alone, that

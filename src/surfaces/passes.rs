@@ -472,4 +472,4 @@ fn compile(device: &wgpu::Device, work: Work) -> (wgpu::BindGroupLayout, Pipelin
 }
 
 #[cfg(test)]
-mod tests;
+pub(crate) mod tests;
