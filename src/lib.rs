@@ -60,9 +60,7 @@
 //!
 //! # Features
 //!
-//! - `cli` (default): the command `gpu-stereo` and its file formats. The library alone: `default-features = false`.
-//! - `backends` (default): wgpu's own default features, all its backends among them. Without it the program's own
-//!   dependency on wgpu chooses; with none at all, wgpu panics where an instance is made.
+//! `cli` (default): the command `gpu-stereo` and its file formats. The library alone: `default-features = false`.
 //!
 //! # Browsers
 //!
