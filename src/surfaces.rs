@@ -4,10 +4,10 @@ mod passes;
 
 use crate::buffers::Frame;
 use crate::{Error, PixelFormat};
-#[cfg(test)]
-pub(crate) use passes::SHADERS;
 pub(crate) use passes::Surfaces;
 use passes::{Ours, Prepared, Theirs, Way, Work};
+#[cfg(test)]
+pub(crate) use passes::{SHADERS, tests::are_made};
 use wgpu::{BufferUsages, TextureFormat, TextureUsages};
 
 /// A texture view, and the format in which it shows its texture, which wgpu does not tell: made from a view alone, that
@@ -54,7 +54,8 @@ pub enum Inputs<'a> {
     /// The pair that [`crate::StereoMatcher::upload`] wrote last.
     #[default]
     Uploaded,
-    /// Two textures with the usage `TEXTURE_BINDING`. [`PixelFormat::of`] tells which formats a matcher takes.
+    /// Two textures with the usage `TEXTURE_BINDING`. [`PixelFormat::of`] tells which formats a matcher takes. Those of 16
+    /// bits exist where the caller asked for the feature `TEXTURE_FORMAT_16BIT_NORM`.
     ///
     /// What counts is the bytes that a texture stores, so the maps are those of an [`crate::Image`] of these bytes: the
     /// kinds with sRGB are not made linear, and luma is the weighted sum of the stored red, green and blue (`gray` in

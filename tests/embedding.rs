@@ -604,6 +604,25 @@ fn what_does_not_fit_is_refused_and_nothing_is_recorded() {
     gpu.queue.submit([encoder.finish()]);
 }
 
+/// A lost device is no mistake of the texture's.
+#[test]
+fn a_lost_device_is_told_as_such() {
+    let Some(gpu) = devices().into_iter().next() else { return };
+    let (left, _) = pair((20, 10), 1, PixelFormat::Gray8);
+    let matcher = StereoMatcher::new(&gpu.device, &gpu.queue, 20, 10, PixelFormat::Gray8, &Params::sgm(8)).unwrap();
+    let views = [gpu.filled(&left, TextureFormat::R8Unorm), gpu.filled(&left, TextureFormat::R8Unorm)];
+    let target = gpu.target((20, 10), TextureFormat::R32Float);
+    let mut encoder = gpu.encoder();
+    let (inputs, outputs) = (Inputs::textures(&views[0], &views[1]), Outputs::default().disparity(&target));
+    matcher.record(&mut encoder, &inputs, &outputs).unwrap();
+    matcher.forget_surfaces(); // all pipelines are there, and only bind groups are to be made
+    drop(encoder);
+    gpu.device.destroy();
+    let mut encoder = gpu.encoder();
+    let error = matcher.record(&mut encoder, &inputs, &outputs).unwrap_err();
+    assert!(matches!(error, Error::Lost(_)), "{error:?}");
+}
+
 /// A layer of a texture with two is an image like any other; a pair from a headset comes so.
 #[test]
 fn layers_of_one_texture_are_a_pair() {

@@ -26,6 +26,11 @@ fn works() -> Vec<Work> {
     works
 }
 
+/// Whether wgpu accepts all pipelines on a device.
+pub(crate) fn are_made(device: &wgpu::Device) -> bool {
+    works().into_iter().all(|work| readback::guarded(device, || compile(device, work)).is_ok())
+}
+
 /// With the layouts that they are bound by, and with all files of the list.
 #[test]
 fn pipelines_are_made_without_a_driver() {
