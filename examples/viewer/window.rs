@@ -133,7 +133,7 @@ impl Open {
         let side = window.inner_size();
         let mut config = surface
             .get_default_config(&adapter, side.width.max(1), side.height.max(1))
-            .ok_or("the adapter cannot draw to this window; take another one by WGPU_ADAPTER_NAME")?;
+            .ok_or("the adapter cannot draw to this window; take another driver by WGPU_BACKEND")?;
         // Bytes as they are: neither egui nor the colour map want a conversion.
         let formats = surface.get_capabilities(&adapter).formats;
         let plain = [wgpu::TextureFormat::Rgba8Unorm, wgpu::TextureFormat::Bgra8Unorm];
