@@ -62,6 +62,7 @@ pub struct App {
     orbit: Orbit,
     /// As it was when the pointer took hold of the cloud.
     grabbed: Orbit,
+    point_size: f32,
     middle: f32,
     seen: u64,
     trace: Option<Trace>,
@@ -96,6 +97,7 @@ impl App {
             points_id: None,
             orbit: Orbit::REST,
             grabbed: Orbit::REST,
+            point_size: 1.0,
             middle: 0.0,
             seen: 0,
             trace: options.trace.then(Trace::default),
@@ -262,6 +264,7 @@ impl App {
                     if ui.button("at rest").on_hover_text("as the left camera saw it").clicked() {
                         self.orbit = Orbit::REST;
                     }
+                    ui.add(egui::Slider::new(&mut self.point_size, 1.0..=6.0).text("point size"));
                     ui.weak("drag to turn, wheel to go nearer");
                 }
             }
@@ -424,7 +427,8 @@ impl App {
             (None, _) => String::new(),
         };
         let index = y as usize * map.width as usize + x as usize;
-        if let Some(confidence) = shown.matched.confidence.as_ref().and_then(|map| map.data.get(index)) {
+        let confidence = shown.matched.confidence.as_ref().and_then(|map| map.data.get(index));
+        if let Some(confidence) = confidence.filter(|_| disparity.is_some()) {
             text += &format!("\nconfidence {confidence} of 255");
         }
         self.trace(|| format!("hover {}", text.replace('\n', ", ")));
@@ -467,6 +471,7 @@ impl App {
         let scene = Scene {
             orbit: self.orbit,
             camera: self.camera,
+            size: self.point_size,
             middle: self.middle,
             map,
             picture,

@@ -41,6 +41,8 @@ impl Orbit {
 pub struct Scene {
     pub orbit: Orbit,
     pub camera: Camera,
+    /// Side of a point; at 1 the points close up at rest.
+    pub size: f32,
     /// The disparity of the cloud's middle.
     pub middle: f32,
     /// Pixels of the map, and of the picture.
@@ -224,7 +226,7 @@ fn uniform(scene: &Scene) -> Vec<u8> {
     ];
     let mut numbers: Vec<f32> = (0..16).map(|i| rows[i % 4][i / 4]).collect();
     numbers.extend([x[0], x[1], x[2], 0.0, y[0], y[1], y[2], 0.0]);
-    numbers.extend([focal, baseline, camera.doffs, 1.0]);
+    numbers.extend([focal, baseline, camera.doffs, scene.size]);
     numbers.extend([centre[0], centre[1], 0.0, 0.0]);
     numbers.iter().flat_map(|number| number.to_ne_bytes()).collect()
 }
