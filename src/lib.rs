@@ -58,7 +58,13 @@
 //! # Features
 //!
 //! `cli` (default): the command `gpu-stereo` and its file formats. The library alone: `default-features = false`.
+//!
+//! # Browsers
+//!
+//! The library builds for `wasm32-unknown-unknown`, with wgpu's backend WebGPU. Nothing can block there: what has
+//! `blocking` in its name does not exist. [`mod@reference`] works, on one thread.
 #![cfg_attr(test, allow(clippy::unwrap_used))]
+#![cfg_attr(target_arch = "wasm32", allow(dead_code, unused_imports))] // what only blocking functions use
 
 #[cfg(test)]
 extern crate self as gpu_stereo; // for tests/support, which the unit tests share

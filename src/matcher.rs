@@ -16,6 +16,7 @@ use crate::{
 
 /// The time of one stage in one frame.
 #[derive(Clone, Debug, PartialEq)]
+#[non_exhaustive]
 pub struct StageTime {
     /// The stage's name, as in docs/ALGORITHMS.md.
     pub name: String,
@@ -614,6 +615,7 @@ impl StereoMatcher {
     ///
     /// # Errors
     /// As [`StereoMatcher::compute_blocking`].
+    #[cfg(not(target_arch = "wasm32"))]
     pub fn compute_timed_blocking(&self, left: &Image, right: &Image) -> Result<(Matched, Vec<StageTime>), Error> {
         // Neighbouring steps of a stage are timed together.
         let runs: Vec<&[Step]> =
