@@ -73,11 +73,9 @@ impl Record {
     ///
     /// Other processes may do so at once: the first one locks out the rest.
     pub fn begin<'a>(&self, mut outputs: impl Iterator<Item = &'a Output>) -> Result<()> {
-        let mut file = OpenOptions::new().read(true).write(true).create(true).truncate(false).open(&self.path)?;
-        match file.lock() {
-            Err(error) if error.kind() != ErrorKind::Unsupported => return Err(error.into()),
-            _ => {}
-        }
+        let file = OpenOptions::new().read(true).write(true).create(true).truncate(false).open(&self.path)?;
+        let mut lock = fd_lock::RwLock::new(file);
+        let mut file = lock.write().context("it cannot be locked")?;
         if self.is_in(&mut file)? {
             return Ok(());
         }
