@@ -16,7 +16,7 @@ pub struct Film {
     place: PathBuf,
     fps: String,
     /// The disparities of the first and of the last colour, the same for all frames.
-    range: (i64, i64),
+    range: (i32, i32),
     encoder: Mutex<Option<Encoder>>,
 }
 
@@ -35,7 +35,7 @@ pub fn is_film(path: &Path) -> bool {
 
 impl Film {
     /// A video of `fps` frames a second, once it is sure that it can be written.
-    pub fn new(path: &Path, fps: &str, range: (i64, i64)) -> Result<Self> {
+    pub fn new(path: &Path, fps: &str, range: (i32, i32)) -> Result<Self> {
         let place = output::writable_place(path)?;
         let asked = ffmpeg().arg("-version").stdout(Stdio::null()).stderr(Stdio::null()).status();
         ensure!(

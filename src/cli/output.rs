@@ -151,9 +151,8 @@ pub fn default_format(params: &Params, name: &str) -> Format {
 }
 
 /// The smallest and the largest disparity searched.
-pub fn searched(params: &Params) -> (i64, i64) {
-    let first = i64::from(params.min_disparity);
-    (first, first + i64::from(params.disparities) - 1)
+pub fn searched(params: &Params) -> (i32, i32) {
+    params.searched().into_inner()
 }
 
 /// What follows the last dot of a name, in small letters.
@@ -342,13 +341,10 @@ fn kitti(map: &DisparityMap) -> Result<Vec<u16>> {
 }
 
 /// A map in turbo colours over the disparities `first` to `last`, invalid black.
-pub fn picture(map: &DisparityMap, (first, last): (i64, i64)) -> RgbImage {
-    let color = |value| match pixels(value) {
-        None => [0; 3],
-        Some(disparity) => turbo((f64::from(disparity) - first as f64) / (last - first).max(1) as f64),
-    };
-    let mut values = map.data.iter();
-    RgbImage::from_fn(map.width, map.height, |_, _| Rgb(values.next().map_or([0; 3], |&value| color(value))))
+pub fn picture(map: &DisparityMap, (first, last): (i32, i32)) -> RgbImage {
+    let colors = map.color(&(first..=last));
+    let mut pixels = colors.chunks_exact(4);
+    RgbImage::from_fn(map.width, map.height, |_, _| Rgb(pixels.next().map_or([0; 3], |c| [c[0], c[1], c[2]])))
 }
 
 /// An image in 8 bits a channel.
@@ -359,15 +355,10 @@ pub fn drawn(image: &Image) -> RgbImage {
     RgbImage::from_fn(image.width(), image.height(), |_, _| Rgb(pixels.next().map_or([0; 3], color)))
 }
 
-/// The colour of a share of the range, 0 to 1.
-pub fn turbo(share: f64) -> [u8; 3] {
-    let color = colorous::TURBO.eval_continuous(share.clamp(0.0, 1.0));
-    [color.r, color.g, color.b]
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
+    use gpu_stereo::turbo;
 
     fn map(data: &[i16]) -> DisparityMap {
         DisparityMap { width: data.len() as u32, height: 1, data: data.into() }
