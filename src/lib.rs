@@ -53,6 +53,8 @@
 //!
 //! [`StereoMatcher::check_blocking`] compares after every stage instead and names the first value that differs.
 //!
+//! [`evaluation`] scores a map against a truth.
+//!
 //! `wgpu` is exported again, so that the caller's device and the matcher's are of one version.
 //!
 //! # Features
@@ -67,6 +69,7 @@ mod buffers;
 mod chain;
 mod check;
 mod error;
+pub mod evaluation;
 mod image;
 mod kernels;
 mod matcher;

@@ -5,7 +5,9 @@
 
 mod adapter;
 mod args;
+mod evaluate;
 mod input;
+mod maps;
 mod output;
 mod report;
 mod resolve;
@@ -42,6 +44,7 @@ fn main() -> ExitCode {
     let backend = match &args.study {
         None => args.backend,
         Some(StudyCommand::Sweep(args) | StudyCommand::Compare(args::Compare { study: args, .. })) => args.backend,
+        Some(StudyCommand::Eval(_)) => args::Backend::Cpu, // computes nothing
     };
     if args.list_adapters || backend != args::Backend::Cpu {
         adapter::quiet_drivers();
@@ -61,6 +64,7 @@ fn execute(args: args::Args) -> anyhow::Result<Outcome> {
         let study = match command {
             StudyCommand::Sweep(args) => study::resolve_sweep(args)?,
             StudyCommand::Compare(args) => study::resolve_compare(args)?,
+            StudyCommand::Eval(args) => return evaluate::resolve(args)?.run().map(|()| Outcome::Done),
         };
         return study.print(&study.run()?).map(|()| Outcome::Done);
     }

@@ -28,6 +28,8 @@ pub enum Format {
     Mask,
     /// An 8-bit gray PNG: the confidence.
     Confidence,
+    /// A picture: the errors.
+    ErrorMap,
 }
 
 /// What a file with a sheet holds.
@@ -55,7 +57,7 @@ pub struct Output<F = Format> {
 pub fn resolve(
     maps: &[PathBuf],
     pictures: &[(&str, &Option<PathBuf>, Format)],
-    inputs: [&PathBuf; 2],
+    inputs: &[&Path],
     params: &Params,
 ) -> Result<Vec<Output>> {
     let mut wanted = Vec::new();
@@ -64,10 +66,7 @@ pub fn resolve(
     }
     for (option, path, format) in pictures {
         let Some(path) = path else { continue };
-        ensure!(
-            ending(path) == "png",
-            "--{option} is {path:?}, but a picture is written as .png; give a name that ends in .png"
-        );
+        ensure_png(option, path)?;
         wanted.push((path.clone(), *format));
     }
     if wanted.is_empty() {
@@ -78,8 +77,23 @@ pub fn resolve(
     places(wanted, inputs)
 }
 
+fn ensure_png(option: &str, path: &Path) -> Result<()> {
+    ensure!(
+        ending(path) == "png",
+        "--{option} is {path:?}, but a picture is written as .png; give a name that ends in .png"
+    );
+    Ok(())
+}
+
+/// The picture of errors to write, checked as [`resolve`] does.
+pub fn resolve_error_map(path: &Path, inputs: &[&Path]) -> Result<Output<SheetFormat>> {
+    ensure_png("error-map", path)?;
+    let mut places = places(vec![(path.into(), SheetFormat::Png)], inputs)?;
+    places.pop().context("there is no output")
+}
+
 /// The sheet to write, checked as [`resolve`] does.
-pub fn resolve_sheet(path: &Path, inputs: [&PathBuf; 2]) -> Result<Vec<Output<SheetFormat>>> {
+pub fn resolve_sheet(path: &Path, inputs: &[&Path]) -> Result<Vec<Output<SheetFormat>>> {
     let format = match ending(path).as_str() {
         "png" => SheetFormat::Png,
         "jpg" | "jpeg" => SheetFormat::Jpeg,
@@ -89,15 +103,12 @@ pub fn resolve_sheet(path: &Path, inputs: [&PathBuf; 2]) -> Result<Vec<Output<Sh
 }
 
 /// Where to write, each place checked.
-fn places<F>(wanted: Vec<(PathBuf, F)>, inputs: [&PathBuf; 2]) -> Result<Vec<Output<F>>> {
-    let inputs = inputs.map(|path| fs::canonicalize(path).ok());
+fn places<F>(wanted: Vec<(PathBuf, F)>, inputs: &[&Path]) -> Result<Vec<Output<F>>> {
+    let inputs: Vec<_> = inputs.iter().filter_map(|path| fs::canonicalize(path).ok()).collect();
     let mut outputs: Vec<Output<F>> = Vec::new();
     for (path, format) in wanted {
         let place = writable_place(&path)?;
-        ensure!(
-            !inputs.iter().flatten().any(|input| *input == place),
-            "output {path:?} is an input image, too; give another name"
-        );
+        ensure!(!inputs.contains(&place), "output {path:?} is an input, too; give another name");
         ensure!(
             outputs.iter().all(|other| other.place != place),
             "output {path:?} is given twice; give each output its own name"
@@ -192,14 +203,15 @@ fn temporary(folder: &Path) -> std::io::Result<NamedTempFile> {
     builder.tempfile_in(folder)
 }
 
-/// Writes a map and its confidence to every file, or, if one cannot be written, to none.
+/// Writes a map, its confidence and its errors to every file, or, if one cannot be written, to none.
 pub fn write(
     outputs: &[Output],
     map: &DisparityMap,
     confidence: Option<&ConfidenceMap>,
+    errors: Option<&RgbImage>,
     params: &Params,
 ) -> Result<()> {
-    put(outputs, |format| encode(format, map, confidence, params))
+    put(outputs, |format| encode(format, map, confidence, errors, params))
 }
 
 /// Writes a sheet, or nothing.
@@ -238,7 +250,13 @@ fn cannot_write<F>(output: &Output<F>) -> String {
 }
 
 /// The contents of a file.
-fn encode(format: Format, map: &DisparityMap, confidence: Option<&ConfidenceMap>, params: &Params) -> Result<Vec<u8>> {
+fn encode(
+    format: Format,
+    map: &DisparityMap,
+    confidence: Option<&ConfidenceMap>,
+    errors: Option<&RgbImage>,
+    params: &Params,
+) -> Result<Vec<u8>> {
     let (width, height) = (map.width, map.height);
     let floats = |invalid: f32| map.data.iter().map(move |&value| pixels(value).unwrap_or(invalid));
     let mut bytes = Cursor::new(Vec::new());
@@ -279,6 +297,9 @@ fn encode(format: Format, map: &DisparityMap, confidence: Option<&ConfidenceMap>
         Format::Confidence => {
             let confidence = confidence.context("no confidence was computed")?;
             PngEncoder::new(&mut bytes).write_image(&confidence.data, width, height, ExtendedColorType::L8)?;
+        }
+        Format::ErrorMap => {
+            errors.context("no truth was read")?.write_with_encoder(PngEncoder::new(&mut bytes))?;
         }
     }
     Ok(bytes.into_inner())
@@ -355,9 +376,8 @@ mod tests {
     fn a_disparity_that_does_not_fit_leaves_no_file() {
         let folder = tempfile::tempdir().unwrap();
         let paths = [folder.path().join("a.npy"), folder.path().join("b.png")];
-        let none = PathBuf::new();
-        let outputs = resolve(&paths, &[], [&none, &none], &Params::sgm(8)).unwrap();
-        assert!(write(&outputs, &map(&[-16]), None, &Params::sgm(8)).is_err());
+        let outputs = resolve(&paths, &[], &[], &Params::sgm(8)).unwrap();
+        assert!(write(&outputs, &map(&[-16]), None, None, &Params::sgm(8)).is_err());
         assert_eq!(fs::read_dir(folder.path()).unwrap().count(), 0);
     }
 }

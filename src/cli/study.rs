@@ -147,7 +147,7 @@ fn resolve(args: &StudyArgs, variants: Vec<Variant>, common: String, order: Orde
         })
     });
     let tile_width = tile_width.transpose()?;
-    let outputs = output::resolve_sheet(args.output.as_deref().unwrap_or(name.as_ref()), [&args.left, &args.right])?;
+    let outputs = output::resolve_sheet(args.output.as_deref().unwrap_or(name.as_ref()), &[&args.left, &args.right])?;
     resolve::tell_unused(&given);
     Ok(Study {
         left: args.left.clone(),
