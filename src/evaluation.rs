@@ -170,6 +170,20 @@ impl Scores {
         self.d1_all as f64 / self.pixels as f64
     }
 
+    /// Adds the pixels of another map; the quantiles of both together are not known.
+    pub fn add(&mut self, other: &Scores) {
+        self.pixels += other.pixels;
+        self.valid += other.valid;
+        for (sum, count) in self.bad.iter_mut().zip(other.bad) {
+            *sum += count;
+        }
+        self.d1_est += other.d1_est;
+        self.d1_all += other.d1_all;
+        self.error_sum += other.error_sum;
+        self.squared_sum += other.squared_sum;
+        self.quantiles = None;
+    }
+
     fn of_valid(&self, sum: f64) -> Option<f64> {
         (self.valid > 0).then(|| sum / self.valid as f64)
     }

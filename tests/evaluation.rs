@@ -482,3 +482,292 @@ fn a_run_scores_its_map() {
     let help = stdout(&run(folder.path(), &["eval", "--help"]));
     assert!(help.contains("--gt-mask") && help.contains("Examples:"), "{help}");
 }
+
+// Whole data sets, made small in their official layouts.
+
+/// A pair of `width` x 30 that is 5 px apart.
+fn images(width: u32, seed: u64) -> [GrayImage; 2] {
+    let mut random = ChaCha8Rng::seed_from_u64(seed);
+    let stride = width + 8;
+    let texture: Vec<u8> = (0..stride * 30).map(|_| random.random()).collect();
+    [0, 5].map(|shift| GrayImage::from_fn(width, 30, |x, y| Luma([texture[(y * stride + x + shift) as usize]])))
+}
+
+/// Puts files below a folder; what `contents` writes is at the path that it is given.
+fn put(folder: &Path, name: &str, contents: impl FnOnce(&Path)) {
+    let path = folder.join(name);
+    fs::create_dir_all(path.parent().unwrap()).unwrap();
+    contents(&path);
+}
+
+fn put_pair(folder: &Path, [left, right]: [&str; 2], width: u32, seed: u64) {
+    for (image, name) in images(width, seed).iter().zip([left, right]) {
+        put(folder, name, |path| image.save(path).unwrap());
+    }
+}
+
+/// 5 px, unknown in the first rows; the occluded part is off by 10.
+fn put_kitti_truth(folder: &Path, all: &str, noc: &str, width: usize) {
+    let truth = |occluded: f32| {
+        let value = |i: usize| match (i / width, i % width) {
+            (0..4, _) => NAN,
+            (_, 0..8) => occluded,
+            _ => 5.0,
+        };
+        (0..width * 30).map(value).collect::<Vec<_>>()
+    };
+    put(folder, all, |path| png16(path, width, &truth(15.0), 256.0));
+    put(folder, noc, |path| png16(path, width, &truth(NAN), 256.0));
+}
+
+fn bench(folder: &Path, layout: &str, more: &[&str]) -> Value {
+    let args = ["bench", "set", "--layout", layout, "--backend", "cpu", "--json", "-q"];
+    serde_json::from_str(&stdout(&succeeds(folder, &[&args[..], more].concat()))).unwrap()
+}
+
+fn files_below(folder: &Path) -> Vec<String> {
+    let name = |path: &PathBuf| path.strip_prefix(folder).unwrap().to_str().unwrap().replace('\\', "/");
+    contents(folder).keys().map(name).collect()
+}
+
+#[test]
+fn kitti_in_its_layout() {
+    let folder = tempfile::tempdir().unwrap();
+    let set = folder.path().join("set");
+    for (number, width) in [(0, 48), (1, 45)] {
+        let file = |kind: &str| format!("training/{kind}/{number:06}_10.png");
+        put_pair(&set, [&file("image_2"), &file("image_3")], width, number);
+        put_kitti_truth(&set, &file("disp_occ_0"), &file("disp_noc_0"), width as usize);
+        // The second frame of a scene has no truth and is no scene.
+        put_pair(&set, ["training/image_2/000000_11.png", "training/image_3/000000_11.png"], width, 9);
+    }
+    put_pair(&set, ["testing/image_2/000000_10.png", "testing/image_3/000000_10.png"], 48, 7);
+    let found = bench(folder.path(), "kitti2015", &["--disp", "16", "--report", "report", "--submission", "submit"]);
+    let scenes = found["scenes"].as_array().unwrap();
+    let names: Vec<_> = scenes.iter().map(|s| format!("{}/{}", s["set"], s["scene"]).replace('"', "")).collect();
+    assert_eq!(names, ["training/000000_10", "training/000001_10", "testing/000000_10"]);
+    assert!(found["failures"].as_array().unwrap().is_empty());
+    assert!(scenes[2]["evaluation"].is_null() && scenes[2]["valid"].as_f64().unwrap() > 0.5);
+
+    // The scene's figures are those of eval; the set's are means, and all pixels together.
+    succeeds(
+        folder.path(),
+        &["set/training/image_2/000000_10.png", "set/training/image_3/000000_10.png", "--disp", "16"]
+            .into_iter()
+            .chain(["--backend", "cpu", "-o", "map.png"])
+            .collect::<Vec<_>>(),
+    );
+    let of = |truth: &str| eval(folder.path(), &["map.png".into(), format!("set/training/{truth}/000000_10.png")]);
+    let (all, noc) = (of("disp_occ_0"), of("disp_noc_0"));
+    assert_eq!((&scenes[0]["evaluation"], &scenes[0]["evaluation_noc"]), (&all, &noc));
+    assert!(all["pixels"] != noc["pixels"] && all["d1_all"] != noc["d1_all"]);
+    let sets = found["sets"].as_array().unwrap();
+    assert_eq!(sets.len(), 2, "testing has no truth: {sets:?}");
+    assert_eq!((&sets[0]["region"], &sets[1]["region"], &sets[0]["scenes"]), (&"all".into(), &"noc".into(), &2.into()));
+    let figure = |scene: usize, name: &str| scenes[scene]["evaluation"][name].as_f64().unwrap();
+    let mean = (figure(0, "d1_all") + figure(1, "d1_all")) / 2.0;
+    let (n0, n1) = (figure(0, "pixels"), figure(1, "pixels"));
+    let pooled = (figure(0, "d1_all") * n0 + figure(1, "d1_all") * n1) / (n0 + n1);
+    assert!(mean != pooled);
+    assert!((sets[0]["mean"]["d1_all"].as_f64().unwrap() - mean).abs() < 1e-12);
+    assert!((sets[0]["pooled"]["d1_all"].as_f64().unwrap() - pooled).abs() < 1e-12);
+    assert!(sets[0]["pooled"]["a50"].is_null() && sets[0]["mean"]["a50"].is_number());
+
+    // What the command writes alone is what is submitted.
+    let expected = ["testing", "training", "training"].into_iter().zip([0, 0, 1]);
+    let expected: Vec<_> = expected.map(|(set, n)| format!("{set}/disp_0/{n:06}_10.png")).collect();
+    assert_eq!(files_below(&folder.path().join("submit")), expected);
+    let submitted = fs::read(folder.path().join("submit/training/disp_0/000000_10.png")).unwrap();
+    assert!(submitted == fs::read(folder.path().join("map.png")).unwrap());
+
+    // Every picture of the report is there, and no other.
+    let report = fs::read_to_string(folder.path().join("report/report.md")).unwrap();
+    let shown: Vec<_> = report.split("](").skip(1).map(|rest| rest.split(')').next().unwrap()).collect();
+    assert_eq!(shown.len(), 2 * 4 + 2);
+    for picture in &shown {
+        let picture = image::open(folder.path().join("report").join(picture)).unwrap();
+        assert!(picture.height() == 30, "{shown:?}");
+    }
+    assert_eq!(files_below(&folder.path().join("report")).len(), shown.len() + 2);
+    let json: Value = serde_json::from_slice(&fs::read(folder.path().join("report/results.json")).unwrap()).unwrap();
+    assert_eq!(json["scenes"][0]["evaluation"], all);
+
+    // The training folder alone; one scene of it; several variants.
+    let args =
+        ["bench", "set/training", "--layout", "kitti2015", "--backend", "cpu", "--disp", "16", "--only", "000001"];
+    let variants = ["--variants", "bm,sad+paths=8", "--submission", "two"];
+    let told = stdout(&succeeds(folder.path(), &[&args[..], &variants].concat()));
+    for word in ["training/000001_10", "method bm", "cost sad, paths 8", "D1-all pooled", "noc"] {
+        assert!(told.contains(word), "{told}");
+    }
+    let expected = ["cost_sad__paths_8", "method_bm"].map(|v| format!("{v}/training/disp_0/000001_10.png"));
+    assert_eq!(files_below(&folder.path().join("two")), expected);
+    // Without --disp KITTI is searched to 192.
+    let found = bench(folder.path(), "kitti2015", &["--method", "bm", "--only", "testing"]);
+    assert_eq!(found["scenes"][0]["disparities"], 192);
+}
+
+#[test]
+fn kitti_2012_in_its_layout() {
+    let folder = tempfile::tempdir().unwrap();
+    let set = folder.path().join("set/training");
+    for kind in ["image", "colored"] {
+        put_pair(&set, [&format!("{kind}_0/000000_10.png"), &format!("{kind}_1/000000_10.png")], 48, 3);
+    }
+    put_kitti_truth(&set, "disp_occ/000000_10.png", "disp_noc/000000_10.png", 48);
+    let options = ["--disp", "16", "--submission", "submit"];
+    let found = bench(folder.path(), "kitti2012", &options);
+    assert!(found["scenes"][0]["evaluation_noc"]["bad_1_of_valid"].as_f64().unwrap() < 0.05, "{found}");
+    assert_eq!(files_below(&folder.path().join("submit")), ["training/000000_10.png"]);
+    // Gray images where there are no others, and the truth of what is not occluded.
+    fs::remove_dir_all(set.join("colored_0")).unwrap();
+    fs::remove_dir_all(set.join("disp_occ")).unwrap();
+    let gray = bench(folder.path(), "kitti2012", &options);
+    assert_eq!(gray["scenes"][0]["evaluation"], found["scenes"][0]["evaluation_noc"]);
+}
+
+/// A scene of Middlebury or ETH3D.
+fn put_middlebury(scene: &Path, width: u32, seed: u64, calib: Option<&str>) {
+    put_pair(scene, ["im0.png", "im1.png"], width, seed);
+    let truth = vec![5.0; width as usize * 30];
+    put(scene, "disp0GT.pfm", |path| fs::write(path, pfm(width as usize, &truth, false, "\n")).unwrap());
+    let mask = (0..width as usize * 30).map(|i| if i % width as usize > 7 { 255 } else { 128 }).collect();
+    put(scene, "mask0nocc.png", |path| png8(path, width as usize, mask));
+    if let Some(calib) = calib {
+        put(scene, "calib.txt", |path| fs::write(path, calib).unwrap());
+    }
+}
+
+#[test]
+fn middlebury_and_eth3d_in_their_layout() {
+    let folder = tempfile::tempdir().unwrap();
+    let set = folder.path().join("set");
+    let calib = "cam0=[994.978 0 311.193; 0 994.978 254.877; 0 0 1]\nbaseline=193.001\nndisp=20\r\nisint=0\n";
+    put_middlebury(&set.join("trainingQ/Adirondack"), 48, 1, Some(calib));
+    put_middlebury(&set.join("trainingQ/Motorcycle"), 40, 2, Some("ndisp=24"));
+    put_middlebury(&set.join("testQ/Plants"), 44, 3, Some("ndisp=16\n"));
+    fs::remove_file(set.join("testQ/Plants/disp0GT.pfm")).unwrap();
+    let options = ["--method", "bm", "--block", "7", "--submission", "submit", "--method-name", "Ours"];
+    let found = bench(folder.path(), "middlebury", &options);
+    let scenes = found["scenes"].as_array().unwrap();
+    let disparities: Vec<_> = scenes.iter().map(|scene| scene["disparities"].as_u64().unwrap()).collect();
+    assert_eq!(disparities, [16, 20, 24]);
+    assert_eq!(scenes[1]["evaluation_noc"]["pixels"], 40 * 30);
+    let expected = ["testQ/Plants", "trainingQ/Adirondack", "trainingQ/Motorcycle"];
+    let expected = expected.map(|scene| [format!("{scene}/disp0Ours_s.pfm"), format!("{scene}/timeOurs.txt")]);
+    assert_eq!(files_below(&folder.path().join("submit")), expected.concat());
+    let time = fs::read_to_string(folder.path().join("submit/testQ/Plants/timeOurs.txt")).unwrap();
+    let ms = scenes[0]["frame_ms"]["median"].as_f64().unwrap();
+    assert!((time.trim().parse::<f64>().unwrap() * 1e3 - ms).abs() < 0.002, "{time}, {ms}");
+    // The submitted map scores as the scene did.
+    let (map, truth) = ("submit/trainingQ/Motorcycle/disp0Ours_s.pfm", "set/trainingQ/Motorcycle/disp0GT.pfm");
+    assert_eq!(eval(folder.path(), &[map.into(), truth.into()]), scenes[2]["evaluation"]);
+    // A map without holes has the other name.
+    let dense = ["--method", "bm", "--preset", "dense", "--submission", "dense", "--only", "Plants"];
+    bench(folder.path(), "middlebury", &dense);
+    let expected = ["disp0gpu-stereo.pfm", "timegpu-stereo.txt"].map(|name| format!("testQ/Plants/{name}"));
+    assert_eq!(files_below(&folder.path().join("dense")), expected);
+
+    let eth = tempfile::tempdir().unwrap();
+    put_middlebury(&eth.path().join("set/two_view_training/delivery_area_1l"), 48, 1, None);
+    let found = bench(eth.path(), "eth3d", &["--method", "bm", "--submission", "submit"]);
+    assert_eq!(
+        (&found["scenes"][0]["set"], &found["scenes"][0]["disparities"]),
+        (&"two_view_training".into(), &128.into())
+    );
+    let expected = ["delivery_area_1l.pfm", "delivery_area_1l.txt"].map(|name| format!("low_res_two_view/{name}"));
+    assert_eq!(files_below(&eth.path().join("submit")), expected);
+    let text = fs::read_to_string(eth.path().join("submit").join(&expected[1])).unwrap();
+    assert!(text.strip_prefix("runtime ").unwrap().trim().parse::<f64>().unwrap() > 0.0);
+}
+
+#[test]
+fn virtual_kitti_in_its_layout() {
+    let folder = tempfile::tempdir().unwrap();
+    let frames = folder.path().join("set/Scene01/15-deg-left/frames");
+    for (image, camera) in images(48, 1).iter().zip([0, 1]) {
+        let file = frames.join(format!("rgb/Camera_{camera}/rgb_00003.png"));
+        put(&frames, file.to_str().unwrap(), |path| image.save(path).unwrap());
+    }
+    // 5 px, in whole centimetres; the sky above.
+    let depth = (725.0087_f64 * 0.532725 * 100.0 / 5.0).round() as u16;
+    let samples: Vec<u16> = (0..48 * 30).map(|i| if i < 480 { 65535 } else { depth }).collect();
+    let image = ImageBuffer::<Luma<u16>, Vec<u16>>::from_raw(48, 30, samples).unwrap();
+    put(&frames, "depth/Camera_0/depth_00003.png", |path| image.save(path).unwrap());
+    let found = bench(folder.path(), "vkitti2", &["--disp", "16"]);
+    let scene = &found["scenes"][0];
+    assert_eq!((&scene["set"], &scene["scene"]), (&"Scene01/15-deg-left".into(), &"00003".into()));
+    assert_eq!(scene["evaluation"]["pixels"], 48 * 20);
+    assert!(scene["evaluation"]["a50"].as_f64().unwrap() < 0.2, "{scene}");
+    let args = ["bench", "set", "--layout", "vkitti2", "--submission", "out"];
+    refuses(folder.path(), &args, &["--submission", "kitti2015"]);
+}
+
+#[test]
+fn a_manifest_and_scenes_that_fail() {
+    let folder = tempfile::tempdir().unwrap();
+    let set = folder.path().join("set");
+    put_middlebury(&set.join("good"), 48, 1, None);
+    put_middlebury(&set.join("cut"), 48, 1, None);
+    put_middlebury(&set.join("other"), 40, 1, None);
+    fs::write(set.join("cut/disp0GT.pfm"), "Pf\n48 30\n-1\n").unwrap();
+    put_pair(&set, ["seq/l/000000.png", "seq/r/000000.png"], 48, 5);
+    put_pair(&set, ["seq/l/000001.png", "seq/r/000001.png"], 48, 6);
+    let manifest = r#"[
+        {"set": "a", "scene": "good", "left": "good/im0.png", "right": "good/im1.png", "gt": "good/disp0GT.pfm",
+         "gt_scale": 1, "max_disp": 19.5, "mask": {"nonocc": "good/mask0nocc.png"}, "note": "passed over"},
+        {"set": "a", "scene": "cut", "left": "cut/im0.png", "right": "cut/im1.png", "gt": "cut/disp0GT.pfm", "max_disp": 15},
+        {"set": "a", "scene": "other", "left": "other/im0.png", "right": "other/im1.png", "gt": "good/disp0GT.pfm"},
+        {"set": "a", "scene": "gone", "left": "gone/im0.png", "right": "gone/im1.png", "gt": null, "max_disp": 15},
+        {"set": "s", "scene": "seq", "left": "seq/l/%06d.png", "right": "seq/r/%06d.png", "frames": 2, "gt": null}
+    ]"#;
+    fs::write(set.join("MANIFEST.json"), manifest).unwrap();
+    let args =
+        ["bench", "set", "--layout", "manifest", "--backend", "cpu", "--method", "bm", "--json", "--report", "report"];
+    let output = run(folder.path(), &args);
+    assert_eq!(output.status.code(), Some(1), "{}", stderr(&output));
+    let told: Vec<_> = stderr(&output).lines().filter(|line| line.starts_with("failed: ")).map(String::from).collect();
+    assert_eq!(told.len(), 3, "{told:?}");
+    for (line, words) in told.iter().zip([["a/cut", "cut short"], ["a/other", "48x30"], ["a/gone", "does not exist"]]) {
+        assert!(words.iter().all(|word| line.contains(word)), "{line}");
+    }
+    let found: Value = serde_json::from_str(&stdout(&output)).unwrap();
+    let field = |name: &str| found["scenes"].as_array().unwrap().iter().map(|s| s[name].clone()).collect::<Vec<_>>();
+    assert_eq!(field("scene"), ["good", "seq_000000", "seq_000001"]);
+    assert_eq!(field("disparities"), [32, 128, 128]);
+    assert_eq!(found["failures"].as_array().unwrap().len(), 3);
+    let report = fs::read_to_string(folder.path().join("report/report.md")).unwrap();
+    assert!(report.contains("## Failures") && report.contains("a/gone") && report.contains("seq\\_000001"), "{report}");
+
+    // The file itself; what cannot be.
+    let only = ["bench", "set/MANIFEST.json", "--layout", "manifest", "--backend", "cpu", "--method", "bm"];
+    succeeds(folder.path(), &[&only[..], &["--only", "a/good"]].concat());
+    refuses(folder.path(), &[&only[..], &["--only", "b/"]].concat(), &["--only", "b/", "6 scenes", "a/good"]);
+    refuses(folder.path(), &[&only[..], &["--variants", "nothing"]].concat(), &["--variants", "nothing"]);
+    refuses(folder.path(), &[&only[..], &["--report", "set/MANIFEST.json"]].concat(), &["MANIFEST.json", "is a file"]);
+    let as_layout = |layout: &'static str| ["bench", "set", "--layout", layout];
+    refuses(folder.path(), &as_layout("kitti2015"), &["no scene", "training/image_2/000000_10.png"]);
+    refuses(folder.path(), &as_layout("vkitti2"), &["no scene", "Scene01"]);
+    refuses(folder.path(), &as_layout("sintel"), &["sintel", "kitti2012"]);
+    refuses(folder.path(), &["bench", "gone", "--layout", "eth3d"], &["gone", "no folder"]);
+    refuses(folder.path(), &["bench", "gone", "--layout", "manifest"], &["gone", "does not exist"]);
+    let submit = ["bench", "set", "--layout", "middlebury", "--submission", "out", "--method-name", "a/b"];
+    refuses(folder.path(), &submit, &["--method-name", "a/b"]);
+    for (text, words) in [
+        ("[]", "no scene"),
+        ("{", "no list of scenes"),
+        (r#"[{"set": "a"}]"#, "missing field"),
+        (r#"[{"set": "a", "scene": "b", "left": "l", "right": "r", "max_disp": -4}]"#, "max_disp -4"),
+        (r#"[{"set": "a", "scene": "b", "left": "l", "right": "r", "max_disp": 1e30}]"#, "max_disp"),
+        (r#"[{"set": "a", "scene": "b", "left": "l", "right": "r", "gt_scale": 0}]"#, "gt_scale 0"),
+        (r#"[{"set": "a", "scene": "b", "left": "l", "right": "r", "frames": 4000000000}]"#, "4000000000 frames"),
+    ] {
+        fs::write(set.join("bad.json"), text).unwrap();
+        refuses(folder.path(), &["bench", "set/bad.json", "--layout", "manifest"], &["bad.json", words]);
+    }
+    // A calibration that is wrong is the scene's failure.
+    put_middlebury(&set.join("trainingQ/Bad"), 48, 1, Some("ndisp=-3\n"));
+    let output = run(folder.path(), &["bench", "set/trainingQ", "--layout", "middlebury", "--backend", "cpu"]);
+    assert_eq!(output.status.code(), Some(1));
+    assert!(stderr(&output).contains("ndisp=-3"), "{}", stderr(&output));
+}

@@ -1,5 +1,6 @@
 //! Parse: the command line as it was typed, with no meaning given to it yet.
 
+use crate::layout::Layout;
 use clap::builder::{PossibleValue, StringValueParser, TypedValueParser};
 use clap::error::{ContextKind, ErrorKind};
 use clap::{Arg, ArgMatches, Command, FromArgMatches, Parser, Subcommand, ValueEnum};
@@ -13,6 +14,7 @@ const USAGE: &str = "\
 gpu-stereo <LEFT> <RIGHT> --disp <N> [OPTIONS]
        gpu-stereo sweep|compare <LEFT> <RIGHT> --disp <N> [OPTIONS]
        gpu-stereo eval <ESTIMATE> <TRUTH> [OPTIONS]
+       gpu-stereo bench <DATASET> --layout <LAYOUT> [OPTIONS]
        gpu-stereo --list-adapters";
 
 const PRESET: &str = "preset";
@@ -134,6 +136,9 @@ pub enum StudyCommand {
     /// Score a map against a truth
     #[command(after_help = EVAL, max_term_width = 100)]
     Eval(EvalArgs),
+    /// Score every scene of a data set, with a report and files to submit
+    #[command(after_help = BENCH, max_term_width = 100)]
+    Bench(BenchArgs),
 }
 
 const SWEEP: &str = "\
@@ -149,6 +154,73 @@ Several are joined by +, and override what all have in common.
 Examples:
   gpu-stereo compare left.png right.png --disp 64 --variants sad,ssd,census
   gpu-stereo compare left.png right.png --disp 64 --variants bm+block=21 census+paths=8 dense";
+
+const BENCH: &str = "\
+The disparities of a scene are the data set's own: ndisp of calib.txt, 192 for KITTI and Virtual KITTI, the largest of a
+manifest's scene, 128 where nothing tells; --disp N is for all. A variant is as in compare. A scene that fails is told, and the others go on.
+
+Examples:
+  gpu-stereo bench kitti_2015 --layout kitti2015 --report report
+  gpu-stereo bench MiddEval3 --layout middlebury --only trainingQ --variants balanced,dense --submission upload
+  gpu-stereo bench data --layout manifest --variants classic balanced \"census+paths=8\" --json
+
+Exit codes: 0 done, 1 a scene failed, 2 could not run.";
+
+/// The command line of `bench`.
+#[derive(Debug, clap::Args)]
+pub struct BenchArgs {
+    /// The data set's folder, or a manifest
+    pub dataset: PathBuf,
+
+    /// How its files lie
+    #[arg(long, value_enum)]
+    pub layout: Layout,
+
+    /// What to compute for each scene, with commas or spaces between them [default: the settings given]
+    #[arg(long, num_args = 1.., value_delimiter = ',', value_name = "VARIANT")]
+    pub variants: Vec<String>,
+
+    /// Only scenes that have this in SET/NAME; may be given several times
+    #[arg(long, value_name = "TEXT")]
+    pub only: Vec<String>,
+
+    /// What all variants have in common
+    #[command(flatten)]
+    pub settings: Settings,
+
+    /// auto: the best GPU, else a CPU adapter, else the CPU reference; gpu: any adapter; cpu: the reference
+    #[arg(long, value_enum, default_value_t = Backend::Auto, help_heading = DEVICE)]
+    pub backend: Backend,
+
+    /// The adapter to use: its index or a part of its name, as --list-adapters tells them
+    #[arg(long, value_name = "NAME-OR-INDEX", help_heading = DEVICE)]
+    pub adapter: Option<String>,
+
+    /// Run N frames for each map after one warm-up [default: 1 on an adapter; on the reference one, without warm-up]
+    #[arg(long, value_name = "N", allow_negative_numbers = true, help_heading = OUTPUT)]
+    pub repeat: Option<Whole>,
+
+    /// Write report.md, its pictures and results.json into this folder
+    #[arg(long, value_name = "FOLDER", help_heading = OUTPUT)]
+    pub report: Option<PathBuf>,
+
+    /// Write the files that the benchmark takes into this folder: kitti SET/disp_0/*.png (2012: SET/*.png), middlebury
+    /// SET/NAME/disp0METHOD.pfm (with holes disp0METHOD_s.pfm) and timeMETHOD.txt, eth3d low_res_two_view/NAME.pfm, .txt
+    #[arg(long, value_name = "FOLDER", help_heading = OUTPUT)]
+    pub submission: Option<PathBuf>,
+
+    /// The method's name in the files to submit
+    #[arg(long, value_name = "METHOD", default_value = "gpu-stereo", help_heading = OUTPUT)]
+    pub method_name: String,
+
+    /// Print one JSON object instead of the tables
+    #[arg(long, help_heading = OUTPUT)]
+    pub json: bool,
+
+    /// Print no table and no progress
+    #[arg(short, long, help_heading = OUTPUT)]
+    pub quiet: bool,
+}
 
 const EVAL: &str = "\
 Maps are 16-bit PNG of KITTI (256 a pixel, 0 none), PFM, NumPy or TIFF (what is not finite is none), or other gray PNG or

@@ -103,23 +103,23 @@ impl Truth {
 #[derive(Clone, Debug, Serialize)]
 pub struct Evaluation {
     pixels: u64,
-    density: f64,
+    pub density: f64,
     bad_0_5: f64,
-    bad_1: f64,
-    bad_2: f64,
+    pub bad_1: f64,
+    pub bad_2: f64,
     bad_4: f64,
     bad_0_5_of_valid: Option<f64>,
     bad_1_of_valid: Option<f64>,
-    bad_2_of_valid: Option<f64>,
+    pub bad_2_of_valid: Option<f64>,
     bad_4_of_valid: Option<f64>,
-    average_error: Option<f64>,
+    pub average_error: Option<f64>,
     rms_error: Option<f64>,
     a50: Option<f64>,
     a90: Option<f64>,
-    a95: Option<f64>,
+    pub a95: Option<f64>,
     a99: Option<f64>,
-    d1_est: Option<f64>,
-    d1_all: f64,
+    pub d1_est: Option<f64>,
+    pub d1_all: f64,
 }
 
 impl From<&Scores> for Evaluation {
@@ -162,6 +162,35 @@ pub fn pixels(error: Option<f64>) -> String {
 }
 
 impl Evaluation {
+    /// The mean of each figure over several maps, of those where it is known, and the sum of their pixels.
+    pub fn mean(of: &[Self]) -> Self {
+        let mean = |figure: fn(&Self) -> Option<f64>| {
+            let known: Vec<_> = of.iter().filter_map(figure).collect();
+            (!known.is_empty()).then(|| known.iter().sum::<f64>() / known.len() as f64)
+        };
+        let share = |figure: fn(&Self) -> f64| of.iter().map(figure).sum::<f64>() / of.len() as f64;
+        Self {
+            pixels: of.iter().map(|e| e.pixels).sum(),
+            density: share(|e| e.density),
+            bad_0_5: share(|e| e.bad_0_5),
+            bad_1: share(|e| e.bad_1),
+            bad_2: share(|e| e.bad_2),
+            bad_4: share(|e| e.bad_4),
+            bad_0_5_of_valid: mean(|e| e.bad_0_5_of_valid),
+            bad_1_of_valid: mean(|e| e.bad_1_of_valid),
+            bad_2_of_valid: mean(|e| e.bad_2_of_valid),
+            bad_4_of_valid: mean(|e| e.bad_4_of_valid),
+            average_error: mean(|e| e.average_error),
+            rms_error: mean(|e| e.rms_error),
+            a50: mean(|e| e.a50),
+            a90: mean(|e| e.a90),
+            a95: mean(|e| e.a95),
+            a99: mean(|e| e.a99),
+            d1_est: mean(|e| e.d1_est),
+            d1_all: share(|e| e.d1_all),
+        }
+    }
+
     /// The table on stdout.
     pub fn table(&self) -> String {
         let both = |name: &str, all: f64, valid: Option<f64>| [name.to_owned(), percent(all), percent(valid)];

@@ -1,14 +1,17 @@
 //! The command `gpu-stereo`: parse -> resolve -> run -> report. A study does so for several settings.
 //!
-//! Exit codes: 0 done, 1 a check said no, 2 could not run. Data goes to stdout, messages to stderr.
+//! Exit codes: 0 done, 1 a check said no or a scene of several failed, 2 could not run. Data goes to stdout, messages to stderr.
 #![cfg_attr(test, allow(clippy::unwrap_used))]
 
 mod adapter;
 mod args;
+mod bench;
 mod evaluate;
 mod input;
+mod layout;
 mod maps;
 mod output;
+mod progress;
 mod report;
 mod resolve;
 mod run;
@@ -25,6 +28,7 @@ use std::process::ExitCode;
 enum Outcome {
     Done,
     CheckFailed,
+    SceneFailed,
 }
 
 fn main() -> ExitCode {
@@ -44,6 +48,7 @@ fn main() -> ExitCode {
     let backend = match &args.study {
         None => args.backend,
         Some(StudyCommand::Sweep(args) | StudyCommand::Compare(args::Compare { study: args, .. })) => args.backend,
+        Some(StudyCommand::Bench(args)) => args.backend,
         Some(StudyCommand::Eval(_)) => args::Backend::Cpu, // computes nothing
     };
     if args.list_adapters || backend != args::Backend::Cpu {
@@ -64,6 +69,10 @@ fn execute(args: args::Args) -> anyhow::Result<Outcome> {
         let study = match command {
             StudyCommand::Sweep(args) => study::resolve_sweep(args)?,
             StudyCommand::Compare(args) => study::resolve_compare(args)?,
+            StudyCommand::Bench(args) => {
+                let passed = bench::resolve(args)?.run()?;
+                return Ok(if passed { Outcome::Done } else { Outcome::SceneFailed });
+            }
             StudyCommand::Eval(args) => return evaluate::resolve(args)?.run().map(|()| Outcome::Done),
         };
         return study.print(&study.run()?).map(|()| Outcome::Done);
@@ -78,7 +87,7 @@ fn execute(args: args::Args) -> anyhow::Result<Outcome> {
 fn exit_code(result: &anyhow::Result<Outcome>) -> u8 {
     match result {
         Ok(Outcome::Done) => 0,
-        Ok(Outcome::CheckFailed) => 1,
+        Ok(Outcome::CheckFailed | Outcome::SceneFailed) => 1,
         Err(error) => {
             tell(&error_line(error));
             2

@@ -1,6 +1,7 @@
 //! Disparity maps become files, whole or not at all.
 
 use anyhow::{Context as _, Result, bail, ensure};
+use gpu_stereo::evaluation::FloatMap;
 use gpu_stereo::{ConfidenceMap, DisparityMap, Params};
 use image::codecs::jpeg::JpegEncoder;
 use image::codecs::png::PngEncoder;
@@ -245,12 +246,45 @@ fn put<F: Copy>(outputs: &[Output<F>], contents: impl Fn(F) -> Result<Vec<u8>>) 
     Ok(())
 }
 
+/// A folder to write many files into is made where it is missing, and can be written.
+pub fn ensure_folder(folder: &Path) -> Result<()> {
+    let kind = fs::metadata(folder);
+    ensure!(!kind.is_ok_and(|kind| !kind.is_dir()), "output folder {folder:?} is a file; give another name");
+    let made = fs::create_dir_all(folder).and_then(|()| temporary(folder).map(drop));
+    made.with_context(|| {
+        format!("output folder {folder:?} cannot be written; check its permissions or give another name")
+    })
+}
+
+/// Writes a file of many, whole or not at all; its folder is made where it is missing.
+pub fn write_in_folder(path: &Path, bytes: &[u8]) -> Result<()> {
+    let folder = path.parent().unwrap_or(Path::new("."));
+    let write = || -> std::io::Result<()> {
+        fs::create_dir_all(folder)?;
+        let mut file = temporary(folder)?;
+        file.write_all(bytes)?;
+        file.flush()?;
+        file.persist(path).map_err(|error| error.error)?;
+        Ok(())
+    };
+    write().with_context(|| {
+        format!("output {path:?} cannot be written; check the space and the permissions of its folder")
+    })
+}
+
 fn cannot_write<F>(output: &Output<F>) -> String {
     format!("output {:?} cannot be written; check the space and the permissions of its folder", output.path)
 }
 
+/// A picture as PNG.
+pub fn png(picture: &RgbImage) -> Result<Vec<u8>> {
+    let mut bytes = Cursor::new(Vec::new());
+    picture.write_with_encoder(PngEncoder::new(&mut bytes))?;
+    Ok(bytes.into_inner())
+}
+
 /// The contents of a file.
-fn encode(
+pub fn encode(
     format: Format,
     map: &DisparityMap,
     confidence: Option<&ConfidenceMap>,
@@ -287,7 +321,7 @@ fn encode(
             tiff.write_image::<tiff::encoder::colortype::Gray32Float>(width, height, &samples)?;
         }
         Format::Color => {
-            picture(map, searched(params)).write_with_encoder(PngEncoder::new(&mut bytes))?;
+            picture(&map.into(), searched(params)).write_with_encoder(PngEncoder::new(&mut bytes))?;
         }
         Format::Mask => {
             let samples: Vec<u8> =
@@ -329,13 +363,13 @@ fn kitti(map: &DisparityMap) -> Result<Vec<u16>> {
 }
 
 /// A map in turbo colours over the disparities `first` to `last`, invalid black.
-pub fn picture(map: &DisparityMap, (first, last): (i64, i64)) -> RgbImage {
-    let color = |value| match pixels(value) {
-        None => [0; 3],
-        Some(disparity) => turbo((f64::from(disparity) - first as f64) / (last - first).max(1) as f64),
+pub fn picture(map: &FloatMap, (first, last): (i64, i64)) -> RgbImage {
+    let color = |&disparity: &f32| match disparity.is_finite() {
+        false => [0; 3],
+        true => turbo((f64::from(disparity) - first as f64) / (last - first).max(1) as f64),
     };
-    let mut values = map.data.iter();
-    RgbImage::from_fn(map.width, map.height, |_, _| Rgb(values.next().map_or([0; 3], |&value| color(value))))
+    let mut values = map.data().iter();
+    RgbImage::from_fn(map.width(), map.height(), |_, _| Rgb(values.next().map_or([0; 3], color)))
 }
 
 /// The colour of a share of the range, 0 to 1.
@@ -366,10 +400,10 @@ mod tests {
     fn colors_span_the_searched_range() {
         let mut params = Params::sgm(17);
         params.min_disparity = -8;
-        let colors = picture(&map(&[-8 * 16, 0, 8 * 16, DisparityMap::INVALID]), searched(&params));
+        let colors = picture(&(&map(&[-8 * 16, 0, 8 * 16, DisparityMap::INVALID])).into(), searched(&params));
         let expected = [turbo(0.0), turbo(0.5), turbo(1.0), [0; 3]];
         assert!(colors.pixels().map(|color| color.0).eq(expected));
-        picture(&map(&[0]), searched(&Params::sgm(1))); // a range of one disparity has no width
+        picture(&(&map(&[0])).into(), searched(&Params::sgm(1))); // a range of one disparity has no width
     }
 
     #[test]
