@@ -3,6 +3,7 @@
 use crate::adapter::{self, Opened};
 use crate::args::Backend;
 use crate::evaluate::Evaluation;
+use crate::output::Format;
 use crate::report::{FrameMs, Report};
 use crate::resolve::Job;
 use crate::{input, output};
@@ -52,7 +53,9 @@ pub fn run(job: &Job) -> Result<Report> {
         if let Some(truth) = &truth {
             let estimate = FloatMap::from(&matched.map);
             evaluation = Some(Evaluation::from(&truth.score(&estimate)?));
-            errors = Some(truth.error_picture(&estimate)?);
+            if job.outputs.iter().any(|output| output.format == Format::ErrorMap) {
+                errors = Some(truth.error_picture(&estimate)?);
+            }
         }
         output::write(&job.outputs, &matched.map, matched.confidence.as_ref(), errors.as_ref(), &job.params)?;
     }
