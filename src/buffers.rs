@@ -107,7 +107,7 @@ const MOST_SLICED: u32 = 256;
 #[derive(Clone, Debug)]
 pub(crate) struct Sizes {
     pub(crate) frame: Frame,
-    /// Bytes of the texture of one uploaded image: 256 more than it has may be read.
+    /// As [`source_bytes`].
     pub(crate) source: u64,
     pub(crate) gray: u64,
     /// Bytes of a 32-bit number for each pixel.
@@ -133,10 +133,18 @@ pub(crate) struct Sizes {
     /// Bytes of a row of the statistics of blocks.
     pub(crate) statistics_row: u64,
     pub(crate) bands: Vec<Rows>,
+    /// The most bytes that column sums, or the statistics of blocks, take here or in a smaller image.
+    pub(crate) columns_room: u64,
     /// Whether `matching_cost_small` or `block_match_small` is used, from planes in textures and without column sums.
     pub(crate) small_block: bool,
     /// The chunks of each band; none if `small_block`.
     pub(crate) chunks: Vec<Vec<Rows>>,
+}
+
+/// Bytes of the texture of one uploaded image: 256 more than it has may be read.
+pub(crate) fn source_bytes(width: u32, height: u32, format: PixelFormat) -> u64 {
+    let pixels = u64::from(width) * u64::from(height);
+    (pixels * u64::from(format.bytes_per_pixel()) + 256).next_multiple_of(TEXTURE_ROW)
 }
 
 /// Cuts `rows` into the fewest pieces of at most `most` rows, as even as can be.
@@ -154,6 +162,8 @@ impl Sizes {
         (u64::from(rows) * self.volume_row).next_multiple_of(TEXTURE_ROW)
     }
 
+    /// The sizes for images of `width` x `height` pixels; `largest` are those for larger ones: what was made for these does for
+    /// the smaller ones.
     pub(crate) fn new(
         width: u32,
         height: u32,
@@ -161,6 +171,7 @@ impl Sizes {
         params: &Params,
         limits: &wgpu::Limits,
         plan: &Plan,
+        largest: Option<&Self>,
     ) -> Result<Self, Error> {
         let allowed = limits.max_storage_buffer_binding_size.min(limits.max_buffer_size);
         let fits = |what: &str, needed: u64, remedy| {
@@ -215,7 +226,7 @@ impl Sizes {
         // What is copied into a texture is made of whole rows of it.
         let texture_rows = (allowed / TEXTURE_ROW).min(limits.max_texture_dimension_2d.into());
         let volume_allowed = texture_rows * TEXTURE_ROW;
-        let source = (pixels * u64::from(format.bytes_per_pixel()) + 256).next_multiple_of(TEXTURE_ROW);
+        let source = source_bytes(width, height, format);
         let source_allowed = TEXTURE_ROW * u64::from(limits.max_texture_dimension_2d); // a texture alone
         for (what, needed, allowed) in [
             ("an image", source, source_allowed),
@@ -275,7 +286,14 @@ impl Sizes {
         let bands = match params.method {
             // `matching_cost_small` has an invocation for two rows and 16 disparities, 32 a workgroup.
             Method::Sgm => {
-                cut(whole, most(volume_allowed, slots * volume_row).min(side.saturating_mul(64) / (words / 4)))
+                let room = largest.map_or(volume_allowed, |largest| {
+                    let rows = largest.bands.first().map_or(1, |band| band.count);
+                    slots * u64::from(rows) * largest.volume_row
+                });
+                cut(
+                    whole,
+                    most(room.min(volume_allowed), slots * volume_row).min(side.saturating_mul(64) / (words / 4)),
+                )
             }
             Method::Bm => vec![whole],
         };
@@ -295,6 +313,7 @@ impl Sizes {
             }
         };
         let small_block = small_method
+            && largest.is_none_or(|largest| largest.small_block)
             && params.sums_small_blocks()
             && width <= MOST_SIDE_IN_FOURS
             && (!params.shader_checks || width * (params.block + 5) <= ROUNDS)
@@ -341,6 +360,7 @@ impl Sizes {
             columns_row,
             statistics_row,
             bands,
+            columns_room: chunk_bytes.min(u64::from(height) * chunk_row),
             small_block,
             chunks,
         })
@@ -376,7 +396,7 @@ mod tests {
         let sizes = |width, height, disparities| {
             let params = params(disparities);
             let plan = Plan::of(params.quads(), false, 1, false);
-            Sizes::new(width, height, PixelFormat::Gray8, &params, &limits, &plan)
+            Sizes::new(width, height, PixelFormat::Gray8, &params, &limits, &plan, None)
         };
         assert!(sizes(1000, 10, 2048).is_ok());
         assert!(matches!(sizes(1000, 10, 4095), Err(Error::TooLarge { .. })));

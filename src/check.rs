@@ -1,13 +1,14 @@
 //! The comparison of every stage's buffer with the reference.
 
 use crate::buffers::{Frame, Rows};
-use crate::matcher::map_of;
+use crate::matcher::{confidence_of, map_of};
 use crate::reference::{self, BlockStatistics, Channel, Direction, Features, Images, Plane, Round, Views, Volume};
 use crate::steps::{Level, Output, Step};
 use crate::{Cost, DisparityMap, Error, Image, Method, Params, StereoMatcher, readback};
 
 /// The first element of a stage that differs from the reference.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[non_exhaustive]
 pub struct Mismatch {
     /// Column; of a gray or a prefiltered image the byte of its row, of column sums the column plus the block's radius,
     /// of statistics of blocks their place in a row.
@@ -24,6 +25,7 @@ pub struct Mismatch {
 
 /// What became of one stage.
 #[derive(Clone, Debug, PartialEq, Eq)]
+#[non_exhaustive]
 pub struct StageCheck {
     /// The stage's name, as in docs/ALGORITHMS.md.
     pub stage: String,
@@ -193,6 +195,7 @@ fn each_row(rows: Rows, bytes: &[u8], stride: u64) -> impl Iterator<Item = (usiz
     (rows.first as usize..).zip(bytes.chunks_exact(stride as usize)).take(rows.count as usize)
 }
 
+#[cfg(not(target_arch = "wasm32"))]
 impl StereoMatcher {
     /// Computes a pair step by step and compares what each step left with the reference, element by element.
     ///
@@ -244,9 +247,9 @@ impl StereoMatcher {
             };
             readback::guarded(&self.device, || {
                 if fresh {
-                    self.fill(&step.buffer);
+                    self.fill(&step.buffer, step.bytes);
                     if let Output::Views { right, .. } = &step.output {
-                        self.fill(right);
+                        self.fill(right, self.levels[step.level].sizes.right_map);
                     }
                 }
                 let mut encoder = self.device.create_command_encoder(&wgpu::CommandEncoderDescriptor::default());
@@ -263,8 +266,8 @@ impl StereoMatcher {
         Ok(stages)
     }
 
-    fn fill(&self, buffer: &wgpu::Buffer) {
-        let pattern = vec![SENTINEL; buffer.size() as usize];
+    fn fill(&self, buffer: &wgpu::Buffer, bytes: u64) {
+        let pattern = vec![SENTINEL; bytes as usize];
         self.queue.write_buffer(buffer, 0, &pattern);
     }
 
@@ -272,9 +275,10 @@ impl StereoMatcher {
         &self,
         step: &Step,
         buffer: &wgpu::Buffer,
+        bytes: u64,
         spoil: &mut impl FnMut(&str, &mut [u8]),
     ) -> Result<Vec<u8>, Error> {
-        let mut bytes = readback::copy(&self.device, &self.queue, buffer, buffer.size())?;
+        let mut bytes = readback::copy(&self.device, &self.queue, buffer, bytes)?;
         spoil(step.stage(), &mut bytes);
         Ok(bytes)
     }
@@ -306,7 +310,7 @@ impl StereoMatcher {
         ) {
             expected.enter(step.level);
         }
-        let bytes = self.fetch(step, &step.buffer, spoil)?;
+        let bytes = self.fetch(step, &step.buffer, step.bytes, spoil)?;
         match &step.output {
             Output::Gray { side, channel: 0, deep: false } => {
                 let plane = &expected.luma[*side];
@@ -452,15 +456,15 @@ impl StereoMatcher {
                 }
             }
             Output::Views { right, .. } => {
-                let left = map_of(sizes, &bytes);
-                let behind = self.fetch(step, right, spoil)?;
-                let right = map_of(sizes, &behind);
+                let left = map_of(&sizes.frame, &bytes);
+                let behind = self.fetch(step, right, sizes.right_map, spoil)?;
+                let right = map_of(&sizes.frame, &behind);
                 let wanted = expected.params.confidence;
                 let views = expected.views();
                 compare_maps(stage, &views.left, &left);
                 compare_maps(stage, &views.right, &right);
                 if wanted {
-                    let margins = map_of(sizes, &behind[sizes.map as usize..]);
+                    let margins = map_of(&sizes.frame, &behind[sizes.map as usize..]);
                     for (i, (&expected, &got)) in views.margins.data.iter().zip(&margins.data).enumerate() {
                         stage.compare(i % width, i / width, None, expected.into(), got.into());
                     }
@@ -469,13 +473,13 @@ impl StereoMatcher {
             }
             Output::Mirrored => {
                 let matched = reference::mirror(&expected.views().left);
-                compare_maps(stage, &matched, &map_of(sizes, &bytes));
+                compare_maps(stage, &matched, &map_of(&sizes.frame, &bytes));
                 expected.matched = Some(matched);
             }
             Output::Confidence => {
                 if let Some(map) = expected.checked.clone() {
                     let confidence = reference::confidence(&map, &expected.views().margins);
-                    let got = self.confidence_map(&bytes);
+                    let got = confidence_of(&sizes.frame, &bytes);
                     for (i, (&expected, &got)) in confidence.data.iter().zip(&got.data).enumerate() {
                         stage.compare(i % width, i / width, None, expected.into(), got.into());
                     }
@@ -483,7 +487,7 @@ impl StereoMatcher {
             }
             filter => {
                 if let Some(filtered) = expected.filtered(filter, params) {
-                    compare_maps(stage, &filtered, &map_of(sizes, &bytes));
+                    compare_maps(stage, &filtered, &map_of(&sizes.frame, &bytes));
                     expected.checked = Some(filtered);
                 }
             }

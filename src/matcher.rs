@@ -1,18 +1,23 @@
 //! The matcher: images in, maps out, on the caller's device.
 
-use std::sync::OnceLock;
+use std::pin::Pin;
+use std::sync::{Arc, Mutex, OnceLock, PoisonError};
+use std::task::{Context, Poll};
 
-use crate::buffers::{Frame, Sizes, TEXELS, TEXTURE_ROW};
+use crate::buffers::{Frame, Sizes, TEXELS, TEXTURE_ROW, source_bytes};
 use crate::chain::{Made, chain};
+use crate::readback::{Mapping, Waiter};
 use crate::reference::{self, Round};
 use crate::schedule::Plan;
-use crate::steps::{Builder, Level, Step, row_bytes};
+use crate::steps::{Builder, Level, Pool, Step, row_bytes};
+use crate::surfaces::{Middle, Surfaces};
 use crate::{
     ConfidenceMap, DisparityMap, Error, Image, Inputs, Matched, Outputs, Params, PixelFormat, kernels, readback,
 };
 
 /// The time of one stage in one frame.
 #[derive(Clone, Debug, PartialEq)]
+#[non_exhaustive]
 pub struct StageTime {
     /// The stage's name, as in docs/ALGORITHMS.md.
     pub name: String,
@@ -20,10 +25,11 @@ pub struct StageTime {
     pub ms: f64,
 }
 
-/// Matches pairs of one size with one set of parameters on the caller's device.
+/// Matches pairs on the caller's device.
 ///
-/// All buffers and pipelines are made in [`StereoMatcher::new`]. [`StereoMatcher::record`] records the work of a frame
-/// into the caller's encoder: it neither submits nor waits. [`StereoMatcher::compute_blocking`] is the blocking convenience.
+/// All buffers and kernels are made in [`StereoMatcher::new`]. [`StereoMatcher::record`] records the work of a frame into
+/// the caller's encoder: it neither submits nor waits. [`StereoMatcher::read`] brings what was computed to the host, and
+/// [`StereoMatcher::compute`] does all of it. What blocks says so in its name.
 ///
 /// A matcher holds one frame at a time: two threads that use it at once overwrite each other's images. Make one each.
 #[derive(Debug)]
@@ -32,16 +38,21 @@ pub struct StereoMatcher {
     pub(crate) queue: wgpu::Queue,
     pub(crate) params: Params,
     pub(crate) format: PixelFormat,
+    /// Columns and rows of the largest pair that all is made for.
+    largest: [u32; 2],
+    /// Bytes that are read back of such a pair.
+    room: u64,
     pub(crate) sizes: Sizes,
     /// The passes through the chain; the last one has these settings and sizes.
     pub(crate) levels: Vec<Level>,
     pub(crate) steps: Vec<Step>,
-    sources: [wgpu::Texture; 2],
-    output: wgpu::Buffer,
-    confidence: Option<wgpu::Buffer>,
-    readback: wgpu::Buffer,
-    device_bytes: u64,
+    made: Made,
+    pool: Pool,
+    /// Readback buffers that are not in use.
+    spare: Arc<Mutex<Vec<wgpu::Buffer>>>,
+    pub(crate) waiter: Arc<Waiter>,
     timer: OnceLock<Timer>,
+    surfaces: Surfaces,
 }
 
 #[derive(Debug)]
@@ -63,14 +74,178 @@ pub(crate) fn check_pair(left: &Image, right: &Image) -> Result<(), Error> {
     )))
 }
 
+/// What is read back, in this order, and how it is laid out.
+#[derive(Clone, Debug)]
+struct Layout {
+    frame: Frame,
+    /// Bytes of a map.
+    map: u64,
+    /// Whether there is a right view.
+    right: bool,
+    /// Bytes of the confidence, if there is one.
+    confidence: Option<u64>,
+}
+
+impl Layout {
+    fn new(params: &Params, sizes: &Sizes) -> Self {
+        let confidence = params.confidence.then_some(sizes.confidence);
+        Self { frame: sizes.frame, map: sizes.map, right: params.right_map, confidence }
+    }
+
+    fn bytes(&self) -> u64 {
+        self.map + if self.right { self.map } else { 0 } + self.confidence.unwrap_or(0)
+    }
+
+    fn matched(&self, bytes: &[u8]) -> Matched {
+        let map = self.map as usize;
+        let (left, rest) = bytes.split_at(map);
+        let (right, confidence) = rest.split_at(if self.right { map } else { 0 });
+        Matched {
+            map: map_of(&self.frame, left),
+            right: self.right.then(|| map_of(&self.frame, right)),
+            confidence: self.confidence.map(|_| confidence_of(&self.frame, confidence)),
+        }
+    }
+}
+
 /// A disparity map from the bytes of its buffer.
-pub(crate) fn map_of(sizes: &Sizes, bytes: &[u8]) -> DisparityMap {
-    let Frame { width, height, map_stride, .. } = sizes.frame;
+pub(crate) fn map_of(frame: &Frame, bytes: &[u8]) -> DisparityMap {
+    let Frame { width, height, map_stride, .. } = *frame;
     let mut data = Vec::with_capacity(width as usize * height as usize);
     for row in bytes.chunks_exact(4 * map_stride as usize).take(height as usize) {
         data.extend(row[..2 * width as usize].chunks_exact(2).map(|v| i16::from_le_bytes([v[0], v[1]])));
     }
     DisparityMap { width, height, data }
+}
+
+/// A confidence from the bytes of its buffer.
+pub(crate) fn confidence_of(frame: &Frame, bytes: &[u8]) -> ConfidenceMap {
+    let Frame { width, height, map_stride, .. } = *frame;
+    let rows = bytes.chunks_exact(2 * map_stride as usize).take(height as usize);
+    ConfidenceMap { width, height, data: rows.flat_map(|row| &row[..width as usize]).copied().collect() }
+}
+
+/// Maps on their way to the host. A future that any executor drives; it owns all that it needs, so that the matcher may go
+/// on meanwhile. Where nobody waits for it, [`Reading::try_take`] looks whether they are there.
+#[derive(Debug)]
+#[must_use = "the maps are lost if nobody takes them"]
+pub struct Reading {
+    state: Option<Result<Awaited, Error>>,
+}
+
+#[derive(Debug)]
+struct Awaited {
+    device: wgpu::Device,
+    waiter: Arc<Waiter>,
+    mapping: Mapping,
+    buffer: wgpu::Buffer,
+    layout: Layout,
+    spare: Arc<Mutex<Vec<wgpu::Buffer>>>,
+}
+
+impl Awaited {
+    /// The maps, and the buffer goes back to the others.
+    fn taken(self, mapped: Result<(), Error>) -> Result<Matched, Error> {
+        mapped?;
+        let matched = readback::taken(&self.device, &self.buffer, |bytes| {
+            self.layout.matched(&bytes[..self.layout.bytes() as usize])
+        })?;
+        self.spare.lock().unwrap_or_else(PoisonError::into_inner).push(self.buffer);
+        Ok(matched)
+    }
+}
+
+impl Reading {
+    pub(crate) fn failed(error: Error) -> Self {
+        Self { state: Some(Err(error)) }
+    }
+
+    /// The maps, if they are there. Does not wait. `None` ever after they were taken.
+    pub fn try_take(&mut self) -> Option<Result<Matched, Error>> {
+        let mapped = match self.state.as_ref()? {
+            Ok(awaited) => awaited.mapping.now(&awaited.device)?,
+            Err(_) => Ok(()),
+        };
+        self.finish(mapped)
+    }
+
+    /// The maps. Blocks until they are there.
+    ///
+    /// # Errors
+    /// [`Error::Lost`] if the device fails, or the maps were taken before.
+    #[cfg(not(target_arch = "wasm32"))]
+    pub fn wait_blocking(mut self) -> Result<Matched, Error> {
+        self.take_blocking()
+    }
+
+    #[cfg(not(target_arch = "wasm32"))]
+    pub(crate) fn take_blocking(&mut self) -> Result<Matched, Error> {
+        let mapped = match &self.state {
+            Some(Ok(awaited)) => awaited.mapping.wait(&awaited.device),
+            _ => Ok(()),
+        };
+        self.finish(mapped).unwrap_or_else(Self::gone)
+    }
+
+    fn finish(&mut self, mapped: Result<(), Error>) -> Option<Result<Matched, Error>> {
+        Some(self.state.take()?.and_then(|awaited| awaited.taken(mapped)))
+    }
+
+    fn gone() -> Result<Matched, Error> {
+        Err(Error::Lost("its maps were taken before".into()))
+    }
+}
+
+impl Future for Reading {
+    type Output = Result<Matched, Error>;
+
+    fn poll(mut self: Pin<&mut Self>, context: &mut Context<'_>) -> Poll<Self::Output> {
+        let mapped = match &self.state {
+            Some(Ok(awaited)) => match awaited.waiter.poll(&awaited.device, &awaited.mapping, context) {
+                Poll::Ready(mapped) => mapped,
+                Poll::Pending => return Poll::Pending,
+            },
+            _ => Ok(()),
+        };
+        Poll::Ready(self.finish(mapped).unwrap_or_else(Self::gone))
+    }
+}
+
+/// The passes through the chain for pairs of `width` x `height` pixels, in which what was made for `largest` does.
+fn levels(
+    device: &wgpu::Device,
+    [width, height]: [u32; 2],
+    format: PixelFormat,
+    params: &Params,
+    largest: &[Level],
+) -> Result<Vec<Level>, Error> {
+    params.validate()?;
+    let limits = device.limits();
+    kernels::check_limits(&limits)?;
+    if width == 0 || height == 0 {
+        return Err(Error::Image(format!("the images are {width}x{height}, but each side must be at least 1")));
+    }
+    let level = |Round { halvings, params }: Round| {
+        let plan = Plan::new(device, &params);
+        let [width, height] = [width, height].map(|side| side.div_ceil(1 << halvings));
+        let same = |level: &&Level| level.halvings == halvings && level.params == params;
+        let largest = largest.iter().find(same).map(|level| &level.sizes);
+        let sizes = Sizes::new(width, height, format, &params, &limits, &plan, largest)?;
+        Ok(Level { halvings, params, plan, sizes })
+    };
+    reference::rounds(width, height, params).into_iter().map(level).collect()
+}
+
+/// The passes of smaller pairs that need what the largest one does not.
+fn rooms(
+    device: &wgpu::Device,
+    [width, height]: [u32; 2],
+    format: PixelFormat,
+    params: &Params,
+    largest: &[Level],
+) -> Result<Vec<Vec<Level>>, Error> {
+    let sizes = reference::largest_with_fewer_rounds(width, height, params);
+    sizes.into_iter().map(|size| levels(device, size, format, params, largest)).collect()
 }
 
 impl StereoMatcher {
@@ -93,7 +268,7 @@ impl StereoMatcher {
         }
     }
 
-    /// A matcher for pairs of `width` x `height` pixels in `format`.
+    /// A matcher for pairs of `width` x `height` pixels in `format`, and of smaller ones after [`StereoMatcher::resize`].
     ///
     /// # Errors
     /// [`Error::Parameter`] as [`Params::validate`]; [`Error::Device`] if the device lacks a limit that the kernels
@@ -106,44 +281,72 @@ impl StereoMatcher {
         format: PixelFormat,
         params: &Params,
     ) -> Result<Self, Error> {
-        params.validate()?;
-        let limits = device.limits();
-        kernels::check_limits(&limits)?;
-        if width == 0 || height == 0 {
-            return Err(Error::Image(format!("the images are {width}x{height}, but each side must be at least 1")));
-        }
-        let level = |Round { halvings, params }: Round| {
-            let plan = Plan::new(device, &params);
-            let [width, height] = [width, height].map(|side| side.div_ceil(1 << halvings));
-            let sizes = Sizes::new(width, height, format, &params, &limits, &plan)?;
-            Ok(Level { halvings, params, plan, sizes })
-        };
-        let levels: Vec<Level> =
-            reference::rounds(width, height, params).into_iter().map(level).collect::<Result<_, Error>>()?;
-        readback::guarded(device, || Self::build(device, queue, format, levels))
+        let levels = levels(device, [width, height], format, params, &[])?;
+        let before = rooms(device, [width, height], format, params, &levels)?;
+        readback::guarded(device, || {
+            let pool =
+                before.iter().fold(Pool::default(), |pool, levels| Self::build(device, queue, format, levels, pool).2);
+            let (made, steps, pool) = Self::build(device, queue, format, &levels, pool);
+            let Level { params, sizes, .. } = levels[levels.len() - 1].clone();
+            let room = Layout::new(&params, &sizes).bytes();
+            let matcher = Self {
+                device: device.clone(),
+                queue: queue.clone(),
+                params,
+                format,
+                largest: [width, height],
+                room,
+                levels,
+                steps,
+                made,
+                pool,
+                spare: Arc::default(),
+                waiter: Arc::default(),
+                sizes,
+                timer: OnceLock::new(),
+                surfaces: Surfaces::default(),
+            };
+            matcher.spare_again(matcher.readback_buffer());
+            matcher
+        })
     }
 
-    fn build(device: &wgpu::Device, queue: &wgpu::Queue, format: PixelFormat, levels: Vec<Level>) -> Self {
-        let mut builder = Builder::new(device, &levels, format);
-        let Made { sources, output, confidence } = chain(&mut builder);
-        let (steps, device_bytes) = builder.finish(queue);
-        let Level { params, sizes, .. } = levels[levels.len() - 1].clone();
-        let read_bytes = sizes.map + confidence.as_ref().map_or(0, |_| sizes.confidence);
-        Self {
-            device: device.clone(),
-            queue: queue.clone(),
-            params,
-            format,
-            levels,
-            steps,
-            sources,
-            output,
-            confidence,
-            readback: readback::buffer(device, "gpu-stereo.readback", read_bytes),
-            device_bytes: device_bytes + read_bytes,
-            sizes,
-            timer: OnceLock::new(),
+    fn build(
+        device: &wgpu::Device,
+        queue: &wgpu::Queue,
+        format: PixelFormat,
+        levels: &[Level],
+        pool: Pool,
+    ) -> (Made, Vec<Step>, Pool) {
+        let mut builder = Builder::new(device, levels, format, pool);
+        let made = chain(&mut builder);
+        let (steps, pool) = builder.finish(queue);
+        (made, steps, pool)
+    }
+
+    /// Builds all anew for another size or other settings, from what there is.
+    fn rebuild(&mut self, size: [u32; 2], params: &Params) -> Result<(), Error> {
+        let (device, queue, format) = (&self.device, &self.queue, self.format);
+        let largest = [0, 1].map(|axis| self.largest[axis].max(size[axis]));
+        let largest_levels = levels(device, largest, format, params, &[])?;
+        let levels = levels(device, size, format, params, &largest_levels)?;
+        let mut before = Vec::new();
+        if largest != self.largest || *params != self.params {
+            // Room for larger pairs, so that nothing is made when they come.
+            before = rooms(device, largest, format, params, &largest_levels)?;
+            before.extend((size != largest).then(|| largest_levels.clone()));
         }
+        let (made, steps, pool) = readback::guarded(device, || {
+            let pool = self.pool.clone();
+            let pool = before.iter().fold(pool, |pool, levels| Self::build(device, queue, format, levels, pool).2);
+            Self::build(device, queue, format, &levels, pool)
+        })?;
+        let Level { params, sizes, .. } = levels[levels.len() - 1].clone();
+        let largest_sizes = &largest_levels[largest_levels.len() - 1].sizes;
+        (self.largest, self.room) = (largest, Layout::new(&params, largest_sizes).bytes());
+        (self.params, self.sizes, self.levels) = (params, sizes, levels);
+        (self.made, self.steps, self.pool, self.timer) = (made, steps, pool, OnceLock::new());
+        self.reserve_readbacks(self.spares(|spare| spare.len()).max(1))
     }
 
     /// Takes pairs of another size from now on. No buffer and no texture is made where neither side is larger than the
@@ -153,8 +356,7 @@ impl StereoMatcher {
     /// As [`StereoMatcher::new`]; the matcher is then as it was.
     pub fn resize(&mut self, width: u32, height: u32) -> Result<(), Error> {
         let params = self.params.clone();
-        *self = Self::new(&self.device, &self.queue, width, height, self.format, &params)?;
-        Ok(())
+        self.rebuild([width, height], &params)
     }
 
     /// Computes with other settings from now on. Only kernels that the matcher has not had yet are compiled, and buffers
@@ -163,9 +365,8 @@ impl StereoMatcher {
     /// # Errors
     /// As [`StereoMatcher::new`]; the matcher is then as it was.
     pub fn set_params(&mut self, params: &Params) -> Result<(), Error> {
-        let Frame { width, height, .. } = self.sizes.frame;
-        *self = Self::new(&self.device, &self.queue, width, height, self.format, params)?;
-        Ok(())
+        let (width, height) = self.size();
+        self.rebuild([width, height], params)
     }
 
     /// The settings.
@@ -183,22 +384,61 @@ impl StereoMatcher {
         self.format
     }
 
-    /// Bytes of all buffers that the matcher holds on the device.
+    /// Bytes of all buffers and textures that the matcher holds on the device.
     pub fn device_bytes(&self) -> u64 {
-        self.device_bytes
+        self.pool.bytes() + self.spares(|spare| spare.iter().map(wgpu::Buffer::size).sum::<u64>())
     }
 
     /// Where [`StereoMatcher::record`] leaves the disparity map: `i16` in 1/16 px, two pixels a word, the left one in
-    /// the low half, each row padded to a multiple of 16 bytes; [`DisparityMap::INVALID`] where there is none. The buffer may be
-    /// longer.
+    /// the low half, each row padded to a multiple of 16 bytes; [`DisparityMap::INVALID`] where there is none. The buffer
+    /// may be longer. After [`StereoMatcher::resize`] or [`StereoMatcher::set_params`] it may be another one.
     pub fn output(&self) -> &wgpu::Buffer {
-        &self.output
+        &self.made.output
+    }
+
+    /// Where [`StereoMatcher::record`] leaves the right view's map, laid out like [`StereoMatcher::output`], if
+    /// [`Params::right_map`] asks for it.
+    pub fn right(&self) -> Option<&wgpu::Buffer> {
+        self.made.right.as_ref()
     }
 
     /// Where [`StereoMatcher::record`] leaves the confidence, if [`Params::confidence`] asks for it: a byte a pixel, each
     /// row padded to a multiple of 8 bytes. The buffer may be longer.
     pub fn confidence(&self) -> Option<&wgpu::Buffer> {
-        self.confidence.as_ref()
+        self.made.confidence.as_ref()
+    }
+
+    /// Whether a pair is what the matcher was made for.
+    pub(crate) fn accepts(&self, left: &Image, right: &Image) -> Result<(), Error> {
+        check_pair(left, right)?;
+        let ((width, height), format) = (self.size(), self.format);
+        match [left, right].into_iter().find(|i| (i.width(), i.height(), i.format()) != (width, height, format)) {
+            None => Ok(()),
+            Some(image) => Err(Error::Image(format!(
+                "an image is {}x{} in {:?}, but the matcher was made for {width}x{height} in {format:?}; make another one,                  or resize this one",
+                image.width(),
+                image.height(),
+                image.format(),
+            ))),
+        }
+    }
+
+    /// The textures that hold the pair.
+    pub(crate) fn sources(&self) -> &[wgpu::Texture; 2] {
+        &self.made.sources
+    }
+
+    /// Bytes of an image of the largest pair, in whole rows of its texture.
+    pub(crate) fn largest_source(&self) -> u64 {
+        source_bytes(self.largest[0], self.largest[1], self.format)
+    }
+
+    /// Makes readback buffers for so many frames at a time.
+    pub(crate) fn reserve_readbacks(&self, frames: usize) -> Result<(), Error> {
+        readback::guarded(&self.device, || {
+            let buffers: Vec<_> = (0..frames).map(|_| self.readback_buffer()).collect();
+            buffers.into_iter().for_each(|buffer| self.spare_again(buffer));
+        })
     }
 
     /// Writes a pair into the matcher's buffers; it is there for all that is submitted afterwards.
@@ -206,18 +446,8 @@ impl StereoMatcher {
     /// # Errors
     /// [`Error::Image`] if a size or a format is not the matcher's.
     pub fn upload(&self, left: &Image, right: &Image) -> Result<(), Error> {
-        check_pair(left, right)?;
-        let Frame { width, height, .. } = self.sizes.frame;
-        for (image, source) in [(left, &self.sources[0]), (right, &self.sources[1])] {
-            if (image.width(), image.height(), image.format()) != (width, height, self.format) {
-                return Err(Error::Image(format!(
-                    "an image is {}x{} in {:?}, but the matcher was made for {width}x{height} in {:?}; make another one",
-                    image.width(),
-                    image.height(),
-                    image.format(),
-                    self.format
-                )));
-            }
+        self.accepts(left, right)?;
+        for (image, source) in [(left, &self.made.sources[0]), (right, &self.made.sources[1])] {
             let bytes = image.bytes();
             // Whole rows of the texture, then the rest of them.
             let (whole, rest) = bytes.split_at(bytes.len() / TEXTURE_ROW as usize * TEXTURE_ROW as usize);
@@ -250,13 +480,33 @@ impl StereoMatcher {
         inputs: &Inputs<'_>,
         outputs: &Outputs<'_>,
     ) -> Result<(), Error> {
-        let _ = (inputs, outputs.disparity);
+        let middle = Middle {
+            device: &self.device,
+            queue: &self.queue,
+            frame: &self.sizes.frame,
+            format: self.format,
+            params: &self.params,
+            sources: &self.made.sources,
+            output: &self.made.output,
+            right: self.made.right.as_ref(),
+            confidence: self.made.confidence.as_ref(),
+        };
+        let before = middle.before(&self.surfaces, inputs)?;
+        let after = middle.after(&self.surfaces, outputs)?;
+        before.iter().for_each(|work| work.record(encoder));
         self.record_chain(encoder);
+        after.iter().for_each(|work| work.record(encoder));
         Ok(())
     }
 
+    /// Lets go of the textures and buffers of [`Inputs`] and [`Outputs`]. What binds the last of them (those of about eight
+    /// pairs) is kept for the next frames, and keeps them alive.
+    pub fn forget_surfaces(&self) {
+        self.surfaces.forget();
+    }
+
     /// Records the work of one frame, from the uploaded pair to [`StereoMatcher::output`].
-    fn record_chain(&self, encoder: &mut wgpu::CommandEncoder) {
+    pub(crate) fn record_chain(&self, encoder: &mut wgpu::CommandEncoder) {
         // A compute pass ends where something is copied or cleared.
         for steps in self.steps.chunk_by(|a, b| a.copy_to.is_none() && !b.clears) {
             self.record_steps(encoder, "gpu-stereo", steps, None);
@@ -272,7 +522,7 @@ impl StereoMatcher {
         timestamp_writes: Option<wgpu::ComputePassTimestampWrites<'_>>,
     ) {
         if let Some(step) = steps.first().filter(|step| step.clears) {
-            encoder.clear_buffer(&step.buffer, 0, None);
+            encoder.clear_buffer(&step.buffer, 0, Some(step.bytes));
         }
         let label = Some(label);
         let mut pass = encoder.begin_compute_pass(&wgpu::ComputePassDescriptor { label, timestamp_writes });
@@ -289,57 +539,98 @@ impl StereoMatcher {
 
     /// Records the copy of what a step left, if there is one.
     pub(crate) fn copy_of(&self, encoder: &mut wgpu::CommandEncoder, step: &Step) {
-        if let Some(texture) = &step.copy_to {
-            let bytes_per_row = Some(row_bytes(texture.format(), texture.width()));
+        if let Some((texture, [width, height])) = &step.copy_to {
+            let bytes_per_row = Some(row_bytes(texture.format(), *width));
             let layout = wgpu::TexelCopyBufferLayout { offset: 0, bytes_per_row, rows_per_image: None };
             let source = wgpu::TexelCopyBufferInfo { buffer: &step.buffer, layout };
-            encoder.copy_buffer_to_texture(source, texture.as_image_copy(), texture.size());
+            let size = wgpu::Extent3d { width: *width, height: *height, depth_or_array_layers: 1 };
+            encoder.copy_buffer_to_texture(source, texture.as_image_copy(), size);
         }
     }
 
-    /// Uploads a pair, computes its maps and reads them back. Blocks until they are there.
+    /// Brings what the work submitted last leaves to the host. Submits the copy, and does not wait: the result is a future.
+    pub fn read(&self) -> Reading {
+        self.start(|_| ()).unwrap_or_else(Reading::failed)
+    }
+
+    /// As [`StereoMatcher::read`]; blocks until the maps are there.
+    ///
+    /// # Errors
+    /// [`Error::Lost`] if the device fails on the way.
+    #[cfg(not(target_arch = "wasm32"))]
+    pub fn read_blocking(&self) -> Result<Matched, Error> {
+        self.read().wait_blocking()
+    }
+
+    /// Uploads a pair, computes its maps and reads them back.
     ///
     /// # Errors
     /// As [`StereoMatcher::upload`]; [`Error::Lost`] if the device fails on the way.
-    pub fn compute_blocking(&self, left: &Image, right: &Image) -> Result<Matched, Error> {
-        self.run(left, right, |encoder| self.record_chain(encoder))
+    pub async fn compute(&self, left: &Image, right: &Image) -> Result<Matched, Error> {
+        self.submit(left, right, |encoder| self.record_chain(encoder))?.await
     }
 
-    fn run(
+    /// As [`StereoMatcher::compute`]; blocks until the maps are there.
+    ///
+    /// # Errors
+    /// As [`StereoMatcher::compute`].
+    #[cfg(not(target_arch = "wasm32"))]
+    pub fn compute_blocking(&self, left: &Image, right: &Image) -> Result<Matched, Error> {
+        self.submit(left, right, |encoder| self.record_chain(encoder))?.wait_blocking()
+    }
+
+    fn submit(
         &self,
         left: &Image,
         right: &Image,
         record: impl FnOnce(&mut wgpu::CommandEncoder),
-    ) -> Result<Matched, Error> {
-        readback::guarded(&self.device, || {
-            self.upload(left, right)?;
+    ) -> Result<Reading, Error> {
+        readback::guarded(&self.device, || self.upload(left, right))??;
+        self.start(record)
+    }
+
+    /// Submits what `record` records, and the way of the maps to the host.
+    pub(crate) fn start(&self, record: impl FnOnce(&mut wgpu::CommandEncoder)) -> Result<Reading, Error> {
+        let layout = Layout::new(&self.params, &self.sizes);
+        let buffer = readback::guarded(&self.device, || {
             let mut encoder = self.device.create_command_encoder(&wgpu::CommandEncoderDescriptor::default());
             record(&mut encoder);
-            encoder.copy_buffer_to_buffer(&self.output, 0, &self.readback, 0, self.sizes.map);
-            if let Some(confidence) = &self.confidence {
-                let (at, bytes) = (self.sizes.map, self.sizes.confidence);
-                encoder.copy_buffer_to_buffer(confidence, 0, &self.readback, at, bytes);
+            let buffer = self.readback_buffer();
+            let mut at = 0;
+            for (from, bytes) in [
+                (Some(&self.made.output), layout.map),
+                (self.made.right.as_ref(), layout.map),
+                (self.made.confidence.as_ref(), layout.confidence.unwrap_or(0)),
+            ] {
+                if let Some(from) = from {
+                    encoder.copy_buffer_to_buffer(from, 0, &buffer, at, bytes);
+                    at += bytes;
+                }
             }
             self.queue.submit([encoder.finish()]);
-            Ok(())
-        })??;
-        readback::read(&self.device, &self.readback, |bytes| {
-            let (map, confidence) = bytes.split_at(self.sizes.map as usize);
-            let confidence = self.confidence.as_ref().map(|_| self.confidence_map(confidence));
-            Matched { map: self.map(map), confidence }
-        })
+            buffer
+        })?;
+        let mapping = Mapping::new(&self.device, &buffer, wgpu::MapMode::Read)?;
+        let (device, waiter, spare) = (self.device.clone(), self.waiter.clone(), self.spare.clone());
+        Ok(Reading { state: Some(Ok(Awaited { device, waiter, mapping, buffer, layout, spare })) })
     }
 
-    /// A disparity map from the bytes of one of the matcher's map buffers.
-    pub(crate) fn map(&self, bytes: &[u8]) -> DisparityMap {
-        map_of(&self.sizes, bytes)
+    fn spares<T>(&self, work: impl FnOnce(&mut Vec<wgpu::Buffer>) -> T) -> T {
+        work(&mut self.spare.lock().unwrap_or_else(PoisonError::into_inner))
     }
 
-    /// A confidence from the bytes of its buffer.
-    pub(crate) fn confidence_map(&self, bytes: &[u8]) -> ConfidenceMap {
-        let Frame { width, height, map_stride, .. } = self.sizes.frame;
-        let rows = bytes.chunks_exact(2 * map_stride as usize).take(height as usize);
-        ConfidenceMap { width, height, data: rows.flat_map(|row| &row[..width as usize]).copied().collect() }
+    fn spare_again(&self, buffer: wgpu::Buffer) {
+        self.spares(|spare| spare.push(buffer));
+    }
+
+    /// A buffer for what is read back, with room for the largest pair if it must be made.
+    fn readback_buffer(&self) -> wgpu::Buffer {
+        let bytes = Layout::new(&self.params, &self.sizes).bytes();
+        let found = self.spares(|spare| {
+            spare.retain(|buffer| buffer.size() >= bytes); // those from before there was more to read are of no use
+            spare.pop()
+        });
+        found.unwrap_or_else(|| readback::buffer(&self.device, "gpu-stereo.readback", bytes.max(self.room)))
     }
 
     /// As [`StereoMatcher::compute_blocking`], with the time of each stage in order of first use; none where the device
@@ -347,6 +638,7 @@ impl StereoMatcher {
     ///
     /// # Errors
     /// As [`StereoMatcher::compute_blocking`].
+    #[cfg(not(target_arch = "wasm32"))]
     pub fn compute_timed_blocking(&self, left: &Image, right: &Image) -> Result<(Matched, Vec<StageTime>), Error> {
         // Neighbouring steps of a stage are timed together.
         let runs: Vec<&[Step]> =
@@ -372,18 +664,20 @@ impl StereoMatcher {
             readback: readback::buffer(&self.device, "gpu-stereo.timestamps", bytes),
         };
         let timer = readback::guarded(&self.device, || self.timer.get_or_init(make))?;
-        let matched = self.run(left, right, |encoder| {
-            for (i, run) in (0..).zip(&runs) {
-                let writes = wgpu::ComputePassTimestampWrites {
-                    query_set: &timer.queries,
-                    beginning_of_pass_write_index: Some(2 * i),
-                    end_of_pass_write_index: Some(2 * i + 1),
-                };
-                self.record_steps(encoder, run[0].stage(), run, Some(writes));
-            }
-            encoder.resolve_query_set(&timer.queries, 0..count, &timer.resolved, 0);
-            encoder.copy_buffer_to_buffer(&timer.resolved, 0, &timer.readback, 0, bytes);
-        })?;
+        let matched = self
+            .submit(left, right, |encoder| {
+                for (i, run) in (0..).zip(&runs) {
+                    let writes = wgpu::ComputePassTimestampWrites {
+                        query_set: &timer.queries,
+                        beginning_of_pass_write_index: Some(2 * i),
+                        end_of_pass_write_index: Some(2 * i + 1),
+                    };
+                    self.record_steps(encoder, run[0].stage(), run, Some(writes));
+                }
+                encoder.resolve_query_set(&timer.queries, 0..count, &timer.resolved, 0);
+                encoder.copy_buffer_to_buffer(&timer.resolved, 0, &timer.readback, 0, bytes);
+            })?
+            .wait_blocking()?;
         let period = f64::from(self.queue.get_timestamp_period());
         let stamps: Vec<u64> = readback::read(&self.device, &timer.readback, bytemuck::pod_collect_to_vec)?;
         let mut times: Vec<StageTime> = Vec::new();

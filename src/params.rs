@@ -162,11 +162,20 @@ pub enum Fill {
 /// Edge-preserving smoothing of the map, guided by the left image: Min et al., "Fast Global Image Smoothing Based on
 /// Weighted Least Squares", IEEE TIP 23(12), 2014.
 #[derive(Clone, Copy, Debug, PartialEq)]
+#[non_exhaustive]
 pub struct Wls {
     /// Strength of the smoothing; 8000 is usual.
     pub lambda: f32,
     /// Intensity step that stops it; 1 to 2 is usual.
     pub sigma: f32,
+}
+
+impl Wls {
+    /// Smoothing of this strength, that stops at this intensity step.
+    #[must_use]
+    pub fn new(lambda: f32, sigma: f32) -> Self {
+        Self { lambda, sigma }
+    }
 }
 
 impl Default for Wls {
@@ -263,6 +272,8 @@ pub struct Params {
     pub wls: Option<Wls>,
     /// Compute a confidence for each pixel, too.
     pub confidence: bool,
+    /// Give the right view's map, too: as [`Params::right_view`] makes it, in whole pixels, before any check or filter.
+    pub right_map: bool,
     /// Compile the kernels with checks of every index and loop: slower, the same result. For a device that misbehaves.
     pub shader_checks: bool,
     /// How the kernels are laid out on the device; the same result.
@@ -287,6 +298,7 @@ impl Params {
     pub const MAX_P2: u32 = 127;
 
     /// The classic chain with semi-global matching over `disparities` disparities from 0.
+    #[must_use]
     pub fn sgm(disparities: u32) -> Self {
         Self {
             min_disparity: 0,
@@ -318,17 +330,27 @@ impl Params {
             weighted_median_sigma: 20,
             wls: None,
             confidence: false,
+            right_map: false,
             shader_checks: false,
             schedule: Schedule::Auto,
         }
     }
 
     /// The classic chain with block matching over `disparities` disparities from 0.
+    #[must_use]
     pub fn bm(disparities: u32) -> Self {
         Self { method: Method::Bm, block: 15, uniqueness: 15, ..Self::sgm(disparities) }
     }
 
     /// A preset over `disparities` disparities from 0.
+    ///
+    /// ```
+    /// use gpu_stereo::{Params, Preset, Wls};
+    /// let mut params = Params::preset(Preset::Strict, 128);
+    /// params.min_disparity = -16; // -16 to 111
+    /// params.wls = Some(Wls::default());
+    /// ```
+    #[must_use]
     pub fn preset(preset: Preset, disparities: u32) -> Self {
         let classic = Self { speckle_window: 100, ..Self::sgm(disparities) };
         let balanced = Self {
@@ -379,7 +401,15 @@ impl Params {
         }
     }
 
-    /// Checks every range, and that the settings go together.
+    /// Checks every range, and that the settings go together. Whatever takes settings does so itself.
+    ///
+    /// ```
+    /// use gpu_stereo::{Error, Params};
+    /// let mut params = Params::sgm(64);
+    /// params.block = 4;
+    /// let Err(Error::Parameter { name, allowed, .. }) = params.validate() else { panic!() };
+    /// assert_eq!((name, allowed.as_str()), ("block", "odd and from 1 to 51"));
+    /// ```
     ///
     /// # Errors
     /// [`Error::Parameter`] for the first parameter outside its range.
@@ -561,6 +591,7 @@ impl Params {
             weighted_median: None,
             wls: None,
             confidence: false,
+            right_map: false,
             ..self.clone()
         }
     }
@@ -568,7 +599,7 @@ impl Params {
     /// The settings of a second match of the mirrored pair for the right view, if that is wanted and something reads it:
     /// whole pixels, and all of them.
     pub(crate) fn second_match(&self) -> Option<Self> {
-        let read = self.lr_check.is_some() || matches!(self.fill, Fill::Rays | Fill::Hirschmuller);
+        let read = self.right_map || self.lr_check.is_some() || matches!(self.fill, Fill::Rays | Fill::Hirschmuller);
         (self.right_view == RightView::Match && read).then(|| self.second())
     }
 
@@ -579,6 +610,7 @@ impl Params {
             uniqueness: 0,
             texture: 0,
             confidence: false,
+            right_map: false,
             right_view: RightView::Diagonal,
             ..self.clone()
         }

@@ -101,6 +101,13 @@ impl Plan {
         (fit / unit * unit).max(unit).max(lines.div_ceil(MOST_STRIPS)).min(lines)
     }
 
+    /// The most bytes that a strip of at most so many lines and bytes takes.
+    pub(crate) fn strip_room(&self, lines: u32, bytes: u64, most: u64) -> u64 {
+        let Some(threads) = self.threads else { return u64::from(lines) * bytes };
+        let least = (2 * STRIP_LANES * threads).max(lines.div_ceil(MOST_STRIPS));
+        most.max(u64::from(least) * bytes).min(u64::from(lines) * bytes)
+    }
+
     /// The plan for pixels of `quads` vectors, where `subgroup` neighbours can talk (at most 1: none can), with or
     /// without integers of 64 bits.
     pub(crate) fn of(quads: u32, lanes: bool, subgroup: u32, int64: bool) -> Self {

@@ -2,7 +2,7 @@
 
 use std::collections::HashMap;
 
-use crate::buffers::{Frame, Pass, Rows, Sizes, TEXELS, TEXTURE_ROW};
+use crate::buffers::{Pass, Rows, Sizes, TEXELS, TEXTURE_ROW};
 use crate::kernels::{self, Compiled, KERNELS};
 use crate::reference::Direction;
 use crate::schedule::Plan;
@@ -107,12 +107,14 @@ pub(crate) struct Step {
     pub(crate) workgroups: [u32; 2],
     pub(crate) output: Output,
     pub(crate) buffer: wgpu::Buffer,
+    /// Bytes of it that are in use.
+    pub(crate) bytes: u64,
     /// Whether `buffer` is filled with zeros before.
     pub(crate) clears: bool,
     /// Whether this is of the mirrored pair.
     pub(crate) mirrored: bool,
-    /// The texture that `buffer` is copied into when it is complete, row by row.
-    pub(crate) copy_to: Option<wgpu::Texture>,
+    /// The texture that `buffer` is copied into when it is complete, and how many texels and rows of them.
+    pub(crate) copy_to: Option<(wgpu::Texture, [u32; 2])>,
 }
 
 impl Step {
@@ -123,6 +125,9 @@ impl Step {
 
 /// Distance of the blocks in the uniform buffer of [`Pass`]es: the largest alignment that WebGPU allows a device to ask.
 const PASS_STRIDE: u32 = 256;
+
+/// Compiled kernels that are kept though no step needs them: settings that change to and fro find theirs again.
+const MOST_SPARE_KERNELS: usize = 256;
 
 /// What a kernel is bound to.
 #[derive(Clone, Copy, Debug)]
@@ -146,14 +151,52 @@ struct Planned {
     workgroups: [u32; 2],
     output: Output,
     buffer: wgpu::Buffer,
+    bytes: u64,
     clears: bool,
     mirrored: bool,
-    copy_to: Option<wgpu::Texture>,
+    copy_to: Option<(wgpu::Texture, [u32; 2])>,
 }
 
 enum Resource {
-    Buffer(wgpu::Buffer),
+    Buffer(wgpu::Buffer, u64),
     Texture(wgpu::TextureView),
+}
+
+/// What was made for one list of steps and does for the next, and the kernels compiled so far.
+#[derive(Clone, Debug, Default)]
+pub(crate) struct Pool {
+    buffers: HashMap<(String, wgpu::BufferUsages), Vec<wgpu::Buffer>>,
+    textures: HashMap<(String, wgpu::TextureFormat), Vec<wgpu::Texture>>,
+    compiled: HashMap<(usize, String), Compiled>,
+}
+
+impl Pool {
+    /// Bytes of all buffers and textures.
+    pub(crate) fn bytes(&self) -> u64 {
+        let buffers = self.buffers.values().flatten().map(wgpu::Buffer::size);
+        let textures = self
+            .textures
+            .values()
+            .flatten()
+            .map(|texture| u64::from(row_bytes(texture.format(), texture.width())) * u64::from(texture.height()));
+        buffers.chain(textures).sum()
+    }
+
+    /// Puts back what `taken`, a pool that a list of steps took from, has left.
+    fn join(&mut self, left: Self) {
+        for (key, buffers) in left.buffers {
+            self.buffers.entry(key).or_default().extend(buffers);
+        }
+        for (key, textures) in left.textures {
+            self.textures.entry(key).or_default().extend(textures);
+        }
+    }
+}
+
+/// Takes the smallest of those that are large enough.
+fn take<T>(free: &mut Vec<T>, enough: impl Fn(&T) -> bool, size: impl Fn(&T) -> u64) -> Option<T> {
+    let smallest = (0..free.len()).filter(|&i| enough(&free[i])).min_by_key(|&i| size(&free[i]))?;
+    Some(free.swap_remove(smallest))
 }
 
 /// What is made once and asked for twice.
@@ -195,16 +238,21 @@ pub(crate) struct Builder<'a> {
     /// Whether the steps that are made next are of the mirrored pair.
     pub(crate) mirrored: bool,
     shared: Option<(Shared<wgpu::Buffer>, Shared<wgpu::Texture>)>,
-    compiled: HashMap<(usize, String), Compiled>,
+    /// What is there and not in use.
+    free: Pool,
+    /// What is in use.
+    used: Pool,
+    /// Bytes that were asked for of each buffer in use.
+    bytes: HashMap<wgpu::Buffer, u64>,
     planned: Vec<Planned>,
     tables: Vec<(wgpu::Buffer, Vec<u32>)>,
-    pub(crate) device_bytes: u64,
+    /// The kernels so far, and what they were compiled for.
+    kernels: Vec<(usize, PixelFormat, Plan, Params, Compiled)>,
 }
 
 impl<'a> Builder<'a> {
-    /// A builder for the last of the levels.
-    pub(crate) fn new(device: &'a wgpu::Device, levels: &'a [Level], format: PixelFormat) -> Self {
-        let (compiled, planned, tables) = (HashMap::new(), Vec::new(), Vec::new());
+    /// A builder for the last of the levels, which takes from `free` what does.
+    pub(crate) fn new(device: &'a wgpu::Device, levels: &'a [Level], format: PixelFormat, free: Pool) -> Self {
         let level = levels.len() - 1;
         let Level { params, plan, sizes, .. } = &levels[level];
         Self {
@@ -217,10 +265,12 @@ impl<'a> Builder<'a> {
             sizes,
             mirrored: false,
             shared: None,
-            compiled,
-            planned,
-            tables,
-            device_bytes: 0,
+            free,
+            used: Pool::default(),
+            bytes: HashMap::new(),
+            planned: Vec::new(),
+            tables: Vec::new(),
+            kernels: Vec::new(),
         }
     }
 
@@ -251,20 +301,38 @@ impl<'a> Builder<'a> {
     }
 
     pub(crate) fn buffer(&mut self, name: &str, size: u64) -> wgpu::Buffer {
+        self.buffer_of(name, size, size)
+    }
+
+    /// A buffer of which `size` bytes are asked for; where it must be made, it gets `room` for more, which a smaller image
+    /// may take.
+    pub(crate) fn buffer_of(&mut self, name: &str, size: u64, room: u64) -> wgpu::Buffer {
         let key = format!("{name} {size}");
         if let Some(buffer) = self.shared.as_mut().and_then(|(buffers, _)| buffers.next(&key)) {
             return buffer;
         }
-        self.device_bytes += size;
-        let buffer = self.device.create_buffer(&wgpu::BufferDescriptor {
-            label: Some(&format!("gpu-stereo.{name}")),
-            size,
-            usage: wgpu::BufferUsages::STORAGE | wgpu::BufferUsages::COPY_SRC | wgpu::BufferUsages::COPY_DST,
-            mapped_at_creation: false,
-        });
+        let usage = wgpu::BufferUsages::STORAGE | wgpu::BufferUsages::COPY_SRC | wgpu::BufferUsages::COPY_DST;
+        let buffer = self.made(name, size, room, usage);
         if let Some((buffers, _)) = &mut self.shared {
             buffers.keep(key, &buffer);
         }
+        buffer
+    }
+
+    /// A buffer that is free, or a new one.
+    fn made(&mut self, name: &str, size: u64, room: u64, usage: wgpu::BufferUsages) -> wgpu::Buffer {
+        let key = (name.to_string(), usage);
+        let free = self.free.buffers.entry(key.clone()).or_default();
+        let buffer = take(free, |buffer| buffer.size() >= size, wgpu::Buffer::size).unwrap_or_else(|| {
+            self.device.create_buffer(&wgpu::BufferDescriptor {
+                label: Some(&format!("gpu-stereo.{name}")),
+                size: size.max(room),
+                usage,
+                mapped_at_creation: false,
+            })
+        });
+        self.bytes.insert(buffer.clone(), size);
+        self.used.buffers.entry(key).or_default().push(buffer.clone());
         buffer
     }
 
@@ -278,49 +346,57 @@ impl<'a> Builder<'a> {
     /// Volumes with a byte a disparity, a buffer a band, which holds `slots` of them one after the other.
     pub(crate) fn volumes(&mut self, name: &str, slots: u32) -> Vec<wgpu::Buffer> {
         let sizes = self.sizes;
-        sizes.bands.iter().map(|band| self.buffer(name, sizes.volume(slots * band.count))).collect()
+        let room = sizes.bands.first().map_or(0, |band| sizes.volume(slots * band.count));
+        sizes.bands.iter().map(|band| self.buffer_of(name, sizes.volume(slots * band.count), room)).collect()
     }
 
-    /// A texture of `width` texels a row, to be filled by copies.
+    /// A texture of at least `width` texels a row, to be filled by copies; where it must be made, with `room` for so many
+    /// rows.
     pub(crate) fn texture(
         &mut self,
         name: &str,
-        width: u32,
-        height: u32,
+        [width, height]: [u32; 2],
+        room: u32,
         format: wgpu::TextureFormat,
     ) -> wgpu::Texture {
-        let key = format!("{name} {width} {height} {format:?}");
-        if let Some(texture) = self.shared.as_mut().and_then(|(_, textures)| textures.next(&key)) {
+        let shared = format!("{name} {width} {height} {format:?}");
+        if let Some(texture) = self.shared.as_mut().and_then(|(_, textures)| textures.next(&shared)) {
             return texture;
         }
-        self.device_bytes += u64::from(row_bytes(format, width)) * u64::from(height);
-        let texture = self.device.create_texture(&wgpu::TextureDescriptor {
-            label: Some(&format!("gpu-stereo.{name}")),
-            size: wgpu::Extent3d { width, height, depth_or_array_layers: 1 },
-            mip_level_count: 1,
-            sample_count: 1,
-            dimension: wgpu::TextureDimension::D2,
-            format,
-            usage: wgpu::TextureUsages::STORAGE_BINDING | wgpu::TextureUsages::COPY_DST,
-            view_formats: &[],
+        let key = (name.to_string(), format);
+        let free = self.free.textures.entry(key.clone()).or_default();
+        let enough = |texture: &wgpu::Texture| texture.width() >= width && texture.height() >= height;
+        let area = |texture: &wgpu::Texture| u64::from(texture.width()) * u64::from(texture.height());
+        let texture = take(free, enough, area).unwrap_or_else(|| {
+            self.device.create_texture(&wgpu::TextureDescriptor {
+                label: Some(&format!("gpu-stereo.{name}")),
+                size: wgpu::Extent3d { width, height: height.max(room), depth_or_array_layers: 1 },
+                mip_level_count: 1,
+                sample_count: 1,
+                dimension: wgpu::TextureDimension::D2,
+                format,
+                usage: wgpu::TextureUsages::STORAGE_BINDING | wgpu::TextureUsages::COPY_DST,
+                view_formats: &[],
+            })
         });
+        self.used.textures.entry(key).or_default().push(texture.clone());
         if let Some((_, textures)) = &mut self.shared {
-            textures.keep(key, &texture);
+            textures.keep(shared, &texture);
         }
         texture
     }
 
-    /// Copies what the last step left into a texture of `width` texels a row.
+    /// Copies what the last step left into a texture of `size` texels and rows; `room` as of [`Builder::texture`].
     pub(crate) fn copy_to_texture(
         &mut self,
-        width: u32,
-        height: u32,
+        size: [u32; 2],
+        room: u32,
         format: wgpu::TextureFormat,
     ) -> wgpu::TextureView {
-        let texture = self.texture("copy", width, height, format);
+        let texture = self.texture("copy", size, room, format);
         let view = texture.create_view(&wgpu::TextureViewDescriptor::default());
         if let Some(step) = self.planned.last_mut() {
-            step.copy_to = Some(texture);
+            step.copy_to = Some((texture, size));
         }
         view
     }
@@ -328,13 +404,14 @@ impl<'a> Builder<'a> {
     /// Copies what the last step left into a texture of 16 bytes a texel, [`TEXELS`] a row: lavapipe reads 16 bytes of an
     /// image in a quarter of the time that a buffer takes, but writes buffers faster (docs/PERFORMANCE.md).
     pub(crate) fn copy_to_texels(&mut self) -> wgpu::TextureView {
-        let bytes = self.planned.last().map_or(0, |step| step.buffer.size());
-        self.copy_first_to_texels(bytes)
+        let bytes = self.planned.last().map_or(0, |step| step.bytes);
+        self.copy_first_to_texels(bytes, bytes)
     }
 
-    /// The same of the first bytes of what it left.
-    pub(crate) fn copy_first_to_texels(&mut self, bytes: u64) -> wgpu::TextureView {
-        self.copy_to_texture(TEXELS, (bytes / TEXTURE_ROW) as u32, wgpu::TextureFormat::Rgba32Uint)
+    /// The same of the first bytes of what it left; `room` for so many.
+    pub(crate) fn copy_first_to_texels(&mut self, bytes: u64, room: u64) -> wgpu::TextureView {
+        let [rows, room] = [bytes, room].map(|bytes| (bytes / TEXTURE_ROW) as u32);
+        self.copy_to_texture([TEXELS, rows], room, wgpu::TextureFormat::Rgba32Uint)
     }
 
     /// One dispatch for `lines` x `rows` lines of the kernel. The first of `storage` that the kernel writes is what it leaves.
@@ -351,47 +428,60 @@ impl<'a> Builder<'a> {
             unreachable!("{name} is not in the table of kernels");
         };
         let row = &KERNELS[kernel];
-        let text = kernels::source(row, &self.params, self.format, &self.plan);
-        let compiled = self
-            .compiled
-            .entry((kernel, text))
-            .or_insert_with_key(|(_, text)| kernels::compile(self.device, row, text, &self.params, &self.plan));
+        let compiled = self.compiled(kernel);
         let written = row.storage.iter().position(|access| *access == kernels::Access::Write);
         let Some(Bound::Buffer(buffer)) = written.map(|i| storage[i]) else {
             unreachable!("{name} writes no buffer");
         };
         let resource = |bound: &Bound<'_>| match *bound {
-            Bound::Buffer(buffer) => Resource::Buffer(buffer.clone()),
+            Bound::Buffer(buffer) => Resource::Buffer(buffer.clone(), self.bytes_of(buffer)),
             Bound::Texture(view) => Resource::Texture(view.clone()),
         };
         let invocations = lines * row.members(&self.plan);
         self.planned.push(Planned {
             kernel,
             level: self.level,
-            compiled: compiled.clone(),
+            compiled,
             storage: storage.iter().map(resource).collect(),
             pass,
             workgroups: [invocations.div_ceil(row.lanes(&self.plan)), rows],
             output,
             buffer: buffer.clone(),
+            bytes: self.bytes_of(buffer),
             clears: false,
             mirrored: self.mirrored,
             copy_to: None,
         });
     }
 
-    /// The steps, with the uniform blocks that they read, and the bytes of all that was made.
-    pub(crate) fn finish(mut self, queue: &wgpu::Queue) -> (Vec<Step>, u64) {
-        let uniform = |name: &str, contents: &[u8]| {
-            let buffer = self.device.create_buffer(&wgpu::BufferDescriptor {
-                label: Some(&format!("gpu-stereo.{name}")),
-                size: contents.len() as u64,
-                usage: wgpu::BufferUsages::UNIFORM | wgpu::BufferUsages::COPY_DST,
-                mapped_at_creation: false,
-            });
-            queue.write_buffer(&buffer, 0, contents);
-            buffer
-        };
+    /// A kernel for the present settings: one of this list of steps, one of before, or a new one.
+    fn compiled(&mut self, kernel: usize) -> Compiled {
+        let known = self.kernels.iter().find(|(other, format, plan, params, _)| {
+            (*other, *format, *plan) == (kernel, self.format, self.plan) && *params == self.params
+        });
+        if let Some((.., compiled)) = known {
+            return compiled.clone();
+        }
+        let row = &KERNELS[kernel];
+        let key = (kernel, kernels::source(row, &self.params, self.format, &self.plan));
+        let compiled = self.used.compiled.get(&key).cloned().unwrap_or_else(|| {
+            let known = self.free.compiled.remove(&key);
+            let compiled =
+                known.unwrap_or_else(|| kernels::compile(self.device, row, &key.1, &self.params, &self.plan));
+            self.used.compiled.insert(key, compiled.clone());
+            compiled
+        });
+        self.kernels.push((kernel, self.format, self.plan, self.params.clone(), compiled.clone()));
+        compiled
+    }
+
+    /// The bytes that were asked for of a buffer.
+    fn bytes_of(&self, buffer: &wgpu::Buffer) -> u64 {
+        self.bytes.get(buffer).copied().unwrap_or_else(|| buffer.size())
+    }
+
+    /// The steps, with the uniform blocks that they read, and all that was made, or was free and did not do.
+    pub(crate) fn finish(mut self, queue: &wgpu::Queue) -> (Vec<Step>, Pool) {
         for (buffer, contents) in &self.tables {
             queue.write_buffer(buffer, 0, bytemuck::cast_slice(contents));
         }
@@ -399,15 +489,22 @@ impl<'a> Builder<'a> {
         for (block, step) in blocks.chunks_exact_mut(PASS_STRIDE as usize).zip(&self.planned) {
             block[..size_of::<Pass>()].copy_from_slice(bytemuck::bytes_of(&step.pass));
         }
-        let frames = self.levels.iter().map(|level| uniform("frame", bytemuck::bytes_of(&level.sizes.frame)));
-        let (frames, passes): (Vec<_>, _) = (frames.collect(), uniform("passes", &blocks));
-        self.device_bytes += (frames.len() * size_of::<Frame>() + blocks.len()) as u64;
+        // There may be more steps for a smaller image.
+        let (levels, room) = (self.levels, 2 * blocks.len() as u64);
+        let frames: Vec<_> = levels
+            .iter()
+            .map(|level| self.uniform(queue, "frame", bytemuck::bytes_of(&level.sizes.frame), 0))
+            .collect();
+        let passes = self.uniform(queue, "passes", &blocks, room);
         let block = (size_of::<Pass>() as u64).try_into().ok();
         let finished = |(pass, step): (u32, Planned)| {
             let passes = wgpu::BufferBinding { buffer: &passes, offset: 0, size: block };
             let uniforms = [frames[step.level].as_entire_binding(), wgpu::BindingResource::Buffer(passes)];
             let storage = step.storage.iter().map(|resource| match resource {
-                Resource::Buffer(buffer) => buffer.as_entire_binding(),
+                Resource::Buffer(buffer, bytes) => {
+                    let size = std::num::NonZeroU64::new(*bytes);
+                    wgpu::BindingResource::Buffer(wgpu::BufferBinding { buffer, offset: 0, size })
+                }
                 Resource::Texture(view) => wgpu::BindingResource::TextureView(view),
             });
             let entries: Vec<_> = (0..)
@@ -428,11 +525,24 @@ impl<'a> Builder<'a> {
                 workgroups: step.workgroups,
                 output: step.output,
                 buffer: step.buffer,
+                bytes: step.bytes,
                 clears: step.clears,
                 mirrored: step.mirrored,
                 copy_to: step.copy_to,
             }
         };
-        ((0..).zip(self.planned).map(finished).collect(), self.device_bytes)
+        let steps = (0..).zip(self.planned).map(finished).collect();
+        if self.free.compiled.len() < MOST_SPARE_KERNELS {
+            self.used.compiled.extend(std::mem::take(&mut self.free.compiled));
+        }
+        self.used.join(self.free);
+        (steps, self.used)
+    }
+
+    fn uniform(&mut self, queue: &wgpu::Queue, name: &str, contents: &[u8], room: u64) -> wgpu::Buffer {
+        let usage = wgpu::BufferUsages::UNIFORM | wgpu::BufferUsages::COPY_DST;
+        let buffer = self.made(name, contents.len() as u64, room, usage);
+        queue.write_buffer(&buffer, 0, contents);
+        buffer
     }
 }

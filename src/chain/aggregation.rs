@@ -3,7 +3,7 @@
 use super::Views;
 use super::cost::{self, Cost};
 use super::planes::Planes;
-use crate::buffers::{Frame, PAIR_BUFFERS, Pass, Rows, cut};
+use crate::buffers::{Frame, PAIR_BUFFERS, Pass, Rows, TEXTURE_ROW, cut};
 use crate::reference::Direction;
 use crate::schedule::{PATHS_BYTES, ROWS_BYTES};
 use crate::steps::Bound::{self, Buffer, Texture};
@@ -174,7 +174,8 @@ fn rows(
     let frame = b.sizes.frame;
     let most_band = b.sizes.bands.iter().map(|band| band.count).max().unwrap_or(1);
     let strip_rows = b.plan.strip(most_band, b.sizes.volume_row, ROWS_BYTES);
-    let forward = b.buffer("sgm_aggregate.forward", b.sizes.volume(strip_rows));
+    let room = b.plan.strip_room(most_band, b.sizes.volume_row, ROWS_BYTES);
+    let forward = b.buffer_of("sgm_aggregate.forward", b.sizes.volume(strip_rows), room.next_multiple_of(TEXTURE_ROW));
     for (band, &rows) in b.sizes.bands.iter().enumerate() {
         for strip in cut(rows, strip_rows) {
             let volume_row = strip.first - rows.first;

@@ -2,7 +2,7 @@
 
 use super::Views;
 use super::planes::Planes;
-use crate::buffers::{Frame, Pass, Rows};
+use crate::buffers::{Frame, Pass, Rows, Sizes};
 use crate::kernels;
 use crate::steps::Bound::{self, Buffer, Texture};
 use crate::steps::{Builder, Output};
@@ -19,7 +19,8 @@ struct Columns {
 
 impl Columns {
     fn new(b: &mut Builder<'_>) -> Self {
-        Self { buffer: b.buffer("cost_columns", most_rows(b) * b.sizes.columns_row) }
+        let Sizes { columns_row, columns_room, .. } = *b.sizes;
+        Self { buffer: b.buffer_of("cost_columns", most_rows(b) * columns_row, columns_room) }
     }
 
     /// Stage `cost_columns` for the rows of `chunk`.
@@ -42,7 +43,8 @@ struct Statistics {
 
 impl Statistics {
     fn new(b: &mut Builder<'_>) -> Self {
-        Self { buffer: b.buffer("block_statistics", most_rows(b) * b.sizes.statistics_row) }
+        let Sizes { statistics_row, columns_room, .. } = *b.sizes;
+        Self { buffer: b.buffer_of("block_statistics", most_rows(b) * statistics_row, columns_room) }
     }
 
     /// Stage `block_statistics` for the rows of `chunk`.
@@ -97,7 +99,8 @@ pub(super) fn matching_cost(b: &mut Builder<'_>, planes: &Planes, computed: &[wg
         costs.push(if b.plan.lanes {
             Cost::Buffer(cost.clone())
         } else {
-            Cost::Texture(b.copy_first_to_texels(b.sizes.volume(rows.count)))
+            let [bytes, room] = [rows, b.sizes.bands[0]].map(|rows| b.sizes.volume(rows.count));
+            Cost::Texture(b.copy_first_to_texels(bytes, room))
         });
     }
     costs

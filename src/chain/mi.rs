@@ -113,7 +113,7 @@ impl Scratch {
         let table = b.buffer("mi_table", TABLE_BYTES / 4);
         let storage = [Buffer(joint), Buffer(marginals), Buffer(&self.range), Buffer(&table)];
         b.step("mi_table", &storage, Pass::default(), 256 * 64, 1, Output::Table);
-        b.copy_to_texture(64, 256, wgpu::TextureFormat::R32Uint)
+        b.copy_to_texture([64, 256], 256, wgpu::TextureFormat::R32Uint)
     }
 }
 

@@ -13,12 +13,15 @@ use crate::{Cost, Method};
 use planes::Planes;
 
 /// What the matcher needs of what the chain made.
+#[derive(Debug)]
 pub(crate) struct Made {
     /// The textures into which images are uploaded.
     pub(crate) sources: [wgpu::Texture; 2],
     /// The map that is read back.
     pub(crate) output: wgpu::Buffer,
-    /// The confidence of that map, if it is wanted.
+    /// The right view, if it is wanted.
+    pub(crate) right: Option<wgpu::Buffer>,
+    /// The confidence of the map, if it is wanted.
     pub(crate) confidence: Option<wgpu::Buffer>,
 }
 
@@ -54,7 +57,8 @@ pub(crate) fn chain(b: &mut Builder<'_>) -> Made {
     let compared = Views { left: views.left.clone(), right: right.unwrap_or_else(|| views.right.clone()) };
     let output = filters::filtered(b, &compared, &planes.grays[0]);
     let confidence = b.params.confidence.then(|| filters::confidence(b, &views, &output));
-    Made { sources, output, confidence }
+    let right = b.params.right_map.then_some(compared.right);
+    Made { sources, output, right, confidence }
 }
 
 /// From the images to the winner of both views. Returns the planes.

@@ -52,7 +52,7 @@ impl Picture {
 /// The textures into which images are uploaded.
 pub(super) fn sources(b: &mut Builder<'_>) -> [wgpu::Texture; 2] {
     let rows = (b.sizes.source / TEXTURE_ROW) as u32;
-    ["source.left", "source.right"].map(|name| b.texture(name, TEXELS, rows, wgpu::TextureFormat::Rgba32Uint))
+    ["source.left", "source.right"].map(|name| b.texture(name, [TEXELS, rows], rows, wgpu::TextureFormat::Rgba32Uint))
 }
 
 /// Stages `gray`, `prefilter` and `features` of both sides.
@@ -96,7 +96,7 @@ pub(super) fn planes(b: &mut Builder<'_>, sources: &[wgpu::Texture; 2]) -> Plane
         }
         if b.sizes.small_block && !b.plan.lanes {
             let rows = b.params.planes() * height;
-            textures.push(b.copy_to_texture(place.stride, rows, wgpu::TextureFormat::R32Uint));
+            textures.push(b.copy_to_texture([place.stride, rows], rows, wgpu::TextureFormat::R32Uint));
         }
     }
     Planes { buffers, textures, grays, table: None }
@@ -150,7 +150,8 @@ pub(super) fn planes_of(b: &mut Builder<'_>, values: &[wgpu::TextureView; 2], gr
         let (place, output) = (place_of(b, side), Output::Features { side, first: 0, count: 1 });
         prefilter(b, &picture, &scratch, &buffers[side], place, output);
         if b.sizes.small_block && !b.plan.lanes {
-            textures.push(b.copy_to_texture(place.stride, b.sizes.frame.height, wgpu::TextureFormat::R32Uint));
+            let rows = b.sizes.frame.height;
+            textures.push(b.copy_to_texture([place.stride, rows], rows, wgpu::TextureFormat::R32Uint));
         }
     }
     b.params.prefilter = wanted;

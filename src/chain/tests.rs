@@ -1,6 +1,7 @@
 //! Stages after the winner on maps that are given, such as no pair of images leaves.
 
 use crate::kernels::tests::{Setup, support};
+use crate::matcher::map_of;
 use crate::steps::Output;
 use crate::{DisparityMap, Fill, Median, Params, PixelFormat, Schedule, StereoMatcher, readback, reference};
 
@@ -37,7 +38,7 @@ fn run(setup: &Setup, params: &Params, stage: &str, left: &DisparityMap, right: 
     queue.submit([encoder.finish()]);
     let bytes =
         readback::copy(device, queue, &matcher.steps[matcher.steps.len() - 1].buffer, matcher.sizes.map).unwrap();
-    matcher.map(&bytes)
+    map_of(&matcher.sizes.frame, &bytes)
 }
 
 fn noise() -> impl FnMut() -> u32 {

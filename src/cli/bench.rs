@@ -215,12 +215,11 @@ impl Bench {
                 names = names.or_else(|| engine.as_ref().map(Engine::names));
                 let told = format!("{}, {}", scene.label(), variant.label);
                 let done = result.and_then(|(params, map, mut result)| {
-                    let estimate = FloatMap::from(&map);
-                    result.score(&loaded, &estimate)?;
+                    result.score(&loaded, &(&map).into())?;
                     if let Some(submission) = &self.submission {
                         submission.write(self, scene, variant, &map, &result, &params)?;
                     }
-                    pictures.add(number, &result, &loaded, &estimate, output::searched(&params))?;
+                    pictures.add(number, &result, &loaded, &map, output::searched(&params))?;
                     Ok(result)
                 });
                 match done {
@@ -489,8 +488,8 @@ impl Pictures {
         scene: u32,
         found: &SceneFound,
         loaded: &Loaded,
-        estimate: &FloatMap,
-        range: (i64, i64),
+        estimate: &DisparityMap,
+        range: (i32, i32),
     ) -> Result<()> {
         let Some(folder) = self.folder.clone() else { return Ok(()) };
         let put = |kind: &str, picture: &RgbImage| -> Result<String> {
@@ -502,7 +501,7 @@ impl Pictures {
             (self.scene, self.maps) = (scene, 0);
             let input = put("input", &study::drawn(&loaded.left))?;
             let truth = match &loaded.truth {
-                Some(truth) => put("truth", &output::picture(&thinned(&truth.map)?, range))?,
+                Some(truth) => put("truth", &output::truth_picture(&thinned(&truth.map)?, range))?,
                 None => "none".into(),
             };
             write!(self.text, "\n### {}/{}\n\n", escaped(&found.set), escaped(&found.scene))?;
@@ -514,7 +513,7 @@ impl Pictures {
         let map = put(&format!("estimate{}", self.maps), &output::picture(estimate, range))?;
         // Occluded pixels are half as bright.
         let errors = match loaded.noc.as_ref().or(loaded.truth.as_ref()) {
-            Some(truth) => put(&format!("errors{}", self.maps), &truth.error_picture(estimate)?)?,
+            Some(truth) => put(&format!("errors{}", self.maps), &truth.error_picture(&estimate.into())?)?,
             None => String::new(),
         };
         writeln!(self.text, "| {}: {} | {map} | {errors} |", escaped(&found.variant), found.told())?;

@@ -131,9 +131,8 @@ fn default_map(params: &Params) -> (PathBuf, Format) {
 }
 
 /// The smallest and the largest disparity searched.
-pub fn searched(params: &Params) -> (i64, i64) {
-    let first = i64::from(params.min_disparity);
-    (first, first + i64::from(params.disparities) - 1)
+pub fn searched(params: &Params) -> (i32, i32) {
+    params.searched().into_inner()
 }
 
 fn ending(path: &Path) -> String {
@@ -321,7 +320,7 @@ pub fn encode(
             tiff.write_image::<tiff::encoder::colortype::Gray32Float>(width, height, &samples)?;
         }
         Format::Color => {
-            picture(&map.into(), searched(params)).write_with_encoder(PngEncoder::new(&mut bytes))?;
+            picture(map, searched(params)).write_with_encoder(PngEncoder::new(&mut bytes))?;
         }
         Format::Mask => {
             let samples: Vec<u8> =
@@ -363,24 +362,26 @@ fn kitti(map: &DisparityMap) -> Result<Vec<u16>> {
 }
 
 /// A map in turbo colours over the disparities `first` to `last`, invalid black.
-pub fn picture(map: &FloatMap, (first, last): (i64, i64)) -> RgbImage {
+pub fn picture(map: &DisparityMap, (first, last): (i32, i32)) -> RgbImage {
+    let colors = map.color(&(first..=last));
+    let mut pixels = colors.chunks_exact(4);
+    RgbImage::from_fn(map.width, map.height, |_, _| Rgb(pixels.next().map_or([0; 3], |c| [c[0], c[1], c[2]])))
+}
+
+/// A truth in the colours that [`picture`] has.
+pub fn truth_picture(map: &FloatMap, (first, last): (i32, i32)) -> RgbImage {
     let color = |&disparity: &f32| match disparity.is_finite() {
         false => [0; 3],
-        true => turbo((f64::from(disparity) - first as f64) / (last - first).max(1) as f64),
+        true => gpu_stereo::turbo((f64::from(disparity) - f64::from(first)) / f64::from((last - first).max(1))),
     };
     let mut values = map.data().iter();
     RgbImage::from_fn(map.width(), map.height(), |_, _| Rgb(values.next().map_or([0; 3], color)))
 }
 
-/// The colour of a share of the range, 0 to 1.
-pub fn turbo(share: f64) -> [u8; 3] {
-    let color = colorous::TURBO.eval_continuous(share.clamp(0.0, 1.0));
-    [color.r, color.g, color.b]
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
+    use gpu_stereo::turbo;
 
     fn map(data: &[i16]) -> DisparityMap {
         DisparityMap { width: data.len() as u32, height: 1, data: data.into() }
@@ -400,10 +401,10 @@ mod tests {
     fn colors_span_the_searched_range() {
         let mut params = Params::sgm(17);
         params.min_disparity = -8;
-        let colors = picture(&(&map(&[-8 * 16, 0, 8 * 16, DisparityMap::INVALID])).into(), searched(&params));
+        let colors = picture(&map(&[-8 * 16, 0, 8 * 16, DisparityMap::INVALID]), searched(&params));
         let expected = [turbo(0.0), turbo(0.5), turbo(1.0), [0; 3]];
         assert!(colors.pixels().map(|color| color.0).eq(expected));
-        picture(&(&map(&[0])).into(), searched(&Params::sgm(1))); // a range of one disparity has no width
+        picture(&map(&[0]), searched(&Params::sgm(1))); // a range of one disparity has no width
     }
 
     #[test]

@@ -108,10 +108,10 @@ pub fn repeat(given: &Whole) -> Result<u32> {
 /// The settings that the options make.
 pub fn params<'a>(settings: impl Iterator<Item = (&'a str, &'a str)>) -> Result<Params> {
     Params::from_options(DISPARITIES, settings).map_err(|error| match error {
-        Error::Parameter { name: "option", given, allowed, remedy } => {
+        Error::Parameter { name: "option", given, allowed, remedy, .. } => {
             anyhow!("{given} is no option; {allowed} is; {remedy}")
         }
-        Error::Parameter { name, given, allowed, remedy } => {
+        Error::Parameter { name, given, allowed, remedy, .. } => {
             anyhow!("--{name} is {given}, but must be {allowed}; {remedy}")
         }
         other => other.into(),

@@ -272,9 +272,11 @@ fn median(mut values: Vec<f64>) -> f64 {
 
 /// The median time of each stage over the frames, in the stages' order.
 fn median_stages(frames: Vec<Vec<StageTime>>) -> Vec<StageTime> {
-    let names: Vec<_> = frames.first().into_iter().flatten().map(|stage| stage.name.clone()).collect();
-    let of_stage = |i: usize| frames.iter().filter_map(|frame| frame.get(i)).map(|stage| stage.ms).collect();
-    names.into_iter().enumerate().map(|(i, name)| StageTime { name, ms: median(of_stage(i)) }).collect()
+    let mut stages = frames.first().cloned().unwrap_or_default();
+    for (i, stage) in stages.iter_mut().enumerate() {
+        stage.ms = median(frames.iter().filter_map(|frame| frame.get(i)).map(|stage| stage.ms).collect());
+    }
+    stages
 }
 
 #[cfg(test)]

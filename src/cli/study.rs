@@ -253,7 +253,7 @@ impl Study {
                 peak_device_bytes: ready.device_bytes(),
             };
             if let Some(sheet) = &mut sheet {
-                sheet.tile(place, &output::picture(&(&map).into(), (first, last)), &found.note());
+                sheet.tile(place, &output::picture(&map, (first, last)), &found.note());
             }
             progress.done(&format!("{}: {}", found.label, found.note()));
             variants.push(found);
@@ -268,13 +268,13 @@ impl Study {
     }
 
     /// The range of colours: every disparity that any variant searches.
-    fn range(&self) -> (i64, i64) {
+    fn range(&self) -> (i32, i32) {
         let ranges = self.variants.iter().map(|variant| output::searched(&variant.params));
         ranges.reduce(|a, b| (a.0.min(b.0), a.1.max(b.1))).unwrap_or_default()
     }
 
     /// The sheet without maps.
-    fn blank(&self, engine: &Engine, left: &Image, repeat: Option<u32>, range: (i64, i64)) -> Result<Sheet> {
+    fn blank(&self, engine: &Engine, left: &Image, repeat: Option<u32>, range: (i32, i32)) -> Result<Sheet> {
         let (adapter, ..) = engine.names();
         let name = self.left.file_name().unwrap_or_default().to_string_lossy();
         let captions: Vec<_> = [name.into()].into_iter().chain(self.variants.iter().map(|v| v.label.clone())).collect();

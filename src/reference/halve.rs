@@ -31,6 +31,13 @@ pub fn rounds(width: u32, height: u32, params: &Params) -> Vec<Round> {
     first.chain((1..=most).rev().map(rough)).chain([last]).collect()
 }
 
+/// Of the pairs that are at most so large, the largest ones with fewer halvings than the largest.
+pub(crate) fn largest_with_fewer_rounds(width: u32, height: u32, params: &Params) -> Vec<[u32; 2]> {
+    let most = rounds(width, height, params)[0].halvings;
+    let side = |halvings| (SHORTEST_SIDE << (halvings + 1)) - 1;
+    (0..most).flat_map(|halvings| [[width, side(halvings)], [side(halvings), height]]).collect()
+}
+
 /// Stage `halve`: an image at half the size, rounded up: of the four pixels (2x, 2y) to (2x + 1, 2y + 1), the image
 /// continued by its border, floor((their sum + 2) / 4).
 pub fn halve(values: &Features) -> Features {

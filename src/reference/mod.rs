@@ -3,6 +3,22 @@
 //! The shaders are the schedule of this definition and equal it to the bit; docs/ALGORITHMS.md says the same in words.
 //! Work is spread over rows by rayon, which changes no result. The stages take parameters that [`Params::validate`]
 //! accepts, and each other's results: they check neither again.
+//!
+//! [`compute`], [`compute_all`] and [`compute_timed`] follow semantic versioning as the rest of the crate does. The
+//! functions of single stages and their types follow the definition: they may change in any release, and are here to be
+//! read, and to be compared with.
+//!
+//! ```
+//! use gpu_stereo::{Image, Params, Pixels, reference};
+//!
+//! let texture = |x: u32, y: u32| (x * x * 31 + x * y * 17 + y * 7) as u8;
+//! let view = |shift| (0..32 * 8).map(|i| texture(i % 32 + shift, i / 32)).collect();
+//! let left = Image::new(32, 8, Pixels::Gray8(view(0)))?;
+//! let right = Image::new(32, 8, Pixels::Gray8(view(3)))?; // shows 3 pixels to the left what the left image shows
+//! let map = reference::compute(&left, &right, &Params::sgm(16))?;
+//! assert_eq!(map.get(20, 4), Some(3.0));
+//! # Ok::<(), gpu_stereo::Error>(())
+//! ```
 
 mod block_match;
 mod block_statistics;
@@ -35,6 +51,7 @@ pub use cost_columns::{cost_columns, pixel_cost};
 pub use features::{Features, features};
 pub use fill::fill;
 pub use gray::{Channel, deep_gray, depth_unit, gray};
+pub(crate) use halve::largest_with_fewer_rounds;
 pub use halve::{Round, halve, rounds};
 pub use lr_check::lr_check;
 pub use matching_cost::{matching_cost, matching_cost_scale};
@@ -55,7 +72,10 @@ pub(crate) use wls::wls_bits;
 pub use wls::{wls, wls_couplings};
 
 use rayon::prelude::*;
+#[cfg(not(all(target_family = "wasm", target_os = "unknown")))]
 use std::time::Instant;
+#[cfg(all(target_family = "wasm", target_os = "unknown"))]
+use web_time::Instant;
 
 use crate::{Cost, DisparityMap, Error, Fill, Image, Matched, Method, Params, Prefilter, StageTime};
 
@@ -167,7 +187,7 @@ pub fn compute_timed(left: &Image, right: &Image, params: &Params) -> Result<(Ma
         map = clock.stage("wls", wls(&map, &luma, settings, params));
     }
     let confidence = params.confidence.then(|| clock.stage("confidence", confidence(&map, &margins)));
-    Ok((Matched { map, confidence }, clock.times))
+    Ok((Matched { map, right: params.right_map.then_some(right), confidence }, clock.times))
 }
 
 /// From the images to the winner of both views.
