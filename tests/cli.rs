@@ -4,6 +4,9 @@
 #![cfg(feature = "cli")]
 #![allow(clippy::unwrap_used)]
 
+#[path = "support/command.rs"]
+mod support;
+
 use gpu_stereo::{Params, Preset};
 use image::{DynamicImage, GrayImage, ImageBuffer, ImageFormat, Luma, Rgb, Rgba};
 use serde_json::Value;
@@ -11,31 +14,12 @@ use std::ffi::OsStr;
 use std::fs;
 use std::path::Path;
 use std::process::{Command, Stdio};
+use support::{SHIFT, command, contents, is_one_line_error, pair, refuses, run, stderr, stdout, succeeds, texture};
 use tempfile::TempDir;
-
-#[path = "support/command.rs"]
-mod command;
-
-use command::{command, contents, is_one_line_error, refuses, run, stderr, stdout, succeeds};
-
-/// The disparity of the pairs that [`scene`] makes.
-const SHIFT: u32 = 5;
 
 /// `LEFT RIGHT --disp 16 --backend cpu` and more.
 fn on<'a>(left: &'a str, right: &'a str, more: &[&'a str]) -> Vec<&'a str> {
     [&[left, right, "--disp", "16", "--backend", "cpu"], more].concat()
-}
-
-/// A texture without repetition.
-fn texture(x: u32, y: u32) -> u8 {
-    let mut hash = (x / 2).wrapping_mul(0x9e37_79b1) ^ (y / 2).wrapping_mul(0x85eb_ca6b);
-    hash = (hash ^ (hash >> 15)).wrapping_mul(0x2c1b_3c6d);
-    (hash >> 13) as u8
-}
-
-/// A pair that is [`SHIFT`] apart.
-fn pair(width: u32, height: u32) -> [GrayImage; 2] {
-    [0, SHIFT].map(|shift| GrayImage::from_fn(width, height, |x, y| Luma([texture(x + shift, y)])))
 }
 
 /// A folder with left.png and right.png.
@@ -1033,6 +1017,7 @@ fn help_and_version() {
         "-q",
         "sweep",
         "compare",
+        "video",
         "Examples:",
         "Exit codes:",
     ] {

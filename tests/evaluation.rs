@@ -4,9 +4,8 @@
 #![allow(clippy::unwrap_used)]
 
 #[path = "support/command.rs"]
-mod command;
+mod support;
 
-use command::{contents, refuses, run, stderr, stdout, succeeds};
 use image::{DynamicImage, GrayImage, ImageBuffer, Luma};
 use rand::{Rng, SeedableRng};
 use rand_chacha::ChaCha8Rng;
@@ -15,6 +14,7 @@ use std::fs;
 use std::io::Write as _;
 use std::path::{Path, PathBuf};
 use std::process::Command;
+use support::{contents, refuses, run, stderr, stdout, succeeds};
 
 const SCRIPT: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/tests/evaluation.py");
 const NAN: f32 = f32::NAN;
@@ -439,21 +439,16 @@ fn malformed_maps_are_one_line() {
 }
 
 /// A folder with a pair that is 5 px apart and its truth.
-fn pair() -> tempfile::TempDir {
+fn pair_with_truth() -> tempfile::TempDir {
     let folder = tempfile::tempdir().unwrap();
-    let mut random = ChaCha8Rng::seed_from_u64(1);
-    let texture: Vec<u8> = (0..60 * 30).map(|_| random.random()).collect();
-    for (name, shift) in [("left.png", 0), ("right.png", 5)] {
-        let image = GrayImage::from_fn(48, 30, |x, y| Luma([texture[(y * 60 + x + shift) as usize]]));
-        image.save(folder.path().join(name)).unwrap();
-    }
+    put_pair(folder.path(), ["left.png", "right.png"], 48);
     fs::write(folder.path().join("truth.pfm"), pfm(48, &[5.0; 48 * 30], false, "\n")).unwrap();
     folder
 }
 
 #[test]
 fn a_run_scores_its_map() {
-    let folder = pair();
+    let folder = pair_with_truth();
     let args = ["left.png", "right.png", "--disp", "16", "--backend", "cpu", "--gt", "truth.pfm"];
     let files = ["-o", "map.pfm", "--error-map", "run.png"];
     let told = stdout(&succeeds(folder.path(), &[&args[..], &files].concat()));
@@ -485,14 +480,6 @@ fn a_run_scores_its_map() {
 
 // Whole data sets, made small in their official layouts.
 
-/// A pair of `width` x 30 that is 5 px apart.
-fn images(width: u32, seed: u64) -> [GrayImage; 2] {
-    let mut random = ChaCha8Rng::seed_from_u64(seed);
-    let stride = width + 8;
-    let texture: Vec<u8> = (0..stride * 30).map(|_| random.random()).collect();
-    [0, 5].map(|shift| GrayImage::from_fn(width, 30, |x, y| Luma([texture[(y * stride + x + shift) as usize]])))
-}
-
 /// Puts files below a folder; what `contents` writes is at the path that it is given.
 fn put(folder: &Path, name: &str, contents: impl FnOnce(&Path)) {
     let path = folder.join(name);
@@ -500,8 +487,9 @@ fn put(folder: &Path, name: &str, contents: impl FnOnce(&Path)) {
     contents(&path);
 }
 
-fn put_pair(folder: &Path, [left, right]: [&str; 2], width: u32, seed: u64) {
-    for (image, name) in images(width, seed).iter().zip([left, right]) {
+/// A pair of `width` x 30 that is 5 px apart.
+fn put_pair(folder: &Path, [left, right]: [&str; 2], width: u32) {
+    for (image, name) in support::pair(width, 30).iter().zip([left, right]) {
         put(folder, name, |path| image.save(path).unwrap());
     }
 }
@@ -536,12 +524,12 @@ fn kitti_in_its_layout() {
     let set = folder.path().join("set");
     for (number, width) in [(0, 48), (1, 45)] {
         let file = |kind: &str| format!("training/{kind}/{number:06}_10.png");
-        put_pair(&set, [&file("image_2"), &file("image_3")], width, number);
+        put_pair(&set, [&file("image_2"), &file("image_3")], width);
         put_kitti_truth(&set, &file("disp_occ_0"), &file("disp_noc_0"), width as usize);
         // The second frame of a scene has no truth and is no scene.
-        put_pair(&set, ["training/image_2/000000_11.png", "training/image_3/000000_11.png"], width, 9);
+        put_pair(&set, ["training/image_2/000000_11.png", "training/image_3/000000_11.png"], width);
     }
-    put_pair(&set, ["testing/image_2/000000_10.png", "testing/image_3/000000_10.png"], 48, 7);
+    put_pair(&set, ["testing/image_2/000000_10.png", "testing/image_3/000000_10.png"], 48);
     let found = bench(folder.path(), "kitti2015", &["--disp", "16", "--report", "report", "--submission", "submit"]);
     let scenes = found["scenes"].as_array().unwrap();
     let names: Vec<_> = scenes.iter().map(|s| format!("{}/{}", s["set"], s["scene"]).replace('"', "")).collect();
@@ -612,7 +600,7 @@ fn kitti_2012_in_its_layout() {
     let folder = tempfile::tempdir().unwrap();
     let set = folder.path().join("set/training");
     for kind in ["image", "colored"] {
-        put_pair(&set, [&format!("{kind}_0/000000_10.png"), &format!("{kind}_1/000000_10.png")], 48, 3);
+        put_pair(&set, [&format!("{kind}_0/000000_10.png"), &format!("{kind}_1/000000_10.png")], 48);
     }
     put_kitti_truth(&set, "disp_occ/000000_10.png", "disp_noc/000000_10.png", 48);
     let options = ["--disp", "16", "--submission", "submit"];
@@ -627,8 +615,8 @@ fn kitti_2012_in_its_layout() {
 }
 
 /// A scene of Middlebury or ETH3D.
-fn put_middlebury(scene: &Path, width: u32, seed: u64, calib: Option<&str>) {
-    put_pair(scene, ["im0.png", "im1.png"], width, seed);
+fn put_middlebury(scene: &Path, width: u32, calib: Option<&str>) {
+    put_pair(scene, ["im0.png", "im1.png"], width);
     let truth = vec![5.0; width as usize * 30];
     put(scene, "disp0GT.pfm", |path| fs::write(path, pfm(width as usize, &truth, false, "\n")).unwrap());
     let mask = (0..width as usize * 30).map(|i| if i % width as usize > 7 { 255 } else { 128 }).collect();
@@ -643,9 +631,9 @@ fn middlebury_and_eth3d_in_their_layout() {
     let folder = tempfile::tempdir().unwrap();
     let set = folder.path().join("set");
     let calib = "cam0=[994.978 0 311.193; 0 994.978 254.877; 0 0 1]\nbaseline=193.001\nndisp=20\r\nisint=0\n";
-    put_middlebury(&set.join("trainingQ/Adirondack"), 48, 1, Some(calib));
-    put_middlebury(&set.join("trainingQ/Motorcycle"), 40, 2, Some("ndisp=24"));
-    put_middlebury(&set.join("testQ/Plants"), 44, 3, Some("ndisp=16\n"));
+    put_middlebury(&set.join("trainingQ/Adirondack"), 48, Some(calib));
+    put_middlebury(&set.join("trainingQ/Motorcycle"), 40, Some("ndisp=24"));
+    put_middlebury(&set.join("testQ/Plants"), 44, Some("ndisp=16\n"));
     fs::remove_file(set.join("testQ/Plants/disp0GT.pfm")).unwrap();
     let options = ["--method", "bm", "--block", "7", "--submission", "submit", "--method-name", "Ours"];
     let found = bench(folder.path(), "middlebury", &options);
@@ -669,7 +657,7 @@ fn middlebury_and_eth3d_in_their_layout() {
     assert_eq!(files_below(&folder.path().join("dense")), expected);
 
     let eth = tempfile::tempdir().unwrap();
-    put_middlebury(&eth.path().join("set/two_view_training/delivery_area_1l"), 48, 1, None);
+    put_middlebury(&eth.path().join("set/two_view_training/delivery_area_1l"), 48, None);
     let found = bench(eth.path(), "eth3d", &["--method", "bm", "--submission", "submit"]);
     assert_eq!(
         (&found["scenes"][0]["set"], &found["scenes"][0]["disparities"]),
@@ -685,7 +673,7 @@ fn middlebury_and_eth3d_in_their_layout() {
 fn virtual_kitti_in_its_layout() {
     let folder = tempfile::tempdir().unwrap();
     let frames = folder.path().join("set/Scene01/15-deg-left/frames");
-    for (image, camera) in images(48, 1).iter().zip([0, 1]) {
+    for (image, camera) in support::pair(48, 30).iter().zip([0, 1]) {
         let file = frames.join(format!("rgb/Camera_{camera}/rgb_00003.png"));
         put(&frames, file.to_str().unwrap(), |path| image.save(path).unwrap());
     }
@@ -707,12 +695,12 @@ fn virtual_kitti_in_its_layout() {
 fn a_manifest_and_scenes_that_fail() {
     let folder = tempfile::tempdir().unwrap();
     let set = folder.path().join("set");
-    put_middlebury(&set.join("good"), 48, 1, None);
-    put_middlebury(&set.join("cut"), 48, 1, None);
-    put_middlebury(&set.join("other"), 40, 1, None);
+    put_middlebury(&set.join("good"), 48, None);
+    put_middlebury(&set.join("cut"), 48, None);
+    put_middlebury(&set.join("other"), 40, None);
     fs::write(set.join("cut/disp0GT.pfm"), "Pf\n48 30\n-1\n").unwrap();
-    put_pair(&set, ["seq/l/000000.png", "seq/r/000000.png"], 48, 5);
-    put_pair(&set, ["seq/l/000001.png", "seq/r/000001.png"], 48, 6);
+    put_pair(&set, ["seq/l/000000.png", "seq/r/000000.png"], 48);
+    put_pair(&set, ["seq/l/000001.png", "seq/r/000001.png"], 48);
     let manifest = r#"[
         {"set": "a", "scene": "good", "left": "good/im0.png", "right": "good/im1.png", "gt": "good/disp0GT.pfm",
          "gt_scale": 1, "max_disp": 19.5, "mask": {"nonocc": "good/mask0nocc.png"}, "note": "passed over"},
@@ -766,7 +754,7 @@ fn a_manifest_and_scenes_that_fail() {
         refuses(folder.path(), &["bench", "set/bad.json", "--layout", "manifest"], &["bad.json", words]);
     }
     // A calibration that is wrong is the scene's failure.
-    put_middlebury(&set.join("trainingQ/Bad"), 48, 1, Some("ndisp=-3\n"));
+    put_middlebury(&set.join("trainingQ/Bad"), 48, Some("ndisp=-3\n"));
     let output = run(folder.path(), &["bench", "set/trainingQ", "--layout", "middlebury", "--backend", "cpu"]);
     assert_eq!(output.status.code(), Some(1));
     assert!(stderr(&output).contains("ndisp=-3"), "{}", stderr(&output));

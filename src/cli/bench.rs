@@ -1,7 +1,7 @@
 //! Bench: every scene of a data set with every variant: scores, a report with pictures, files to submit.
 
 use crate::adapter;
-use crate::args::{self, BenchArgs};
+use crate::args::{Backend, BenchArgs, DeviceArgs};
 use crate::evaluate::{Evaluation, Truth, percent, pixels};
 use crate::layout::{Layout, Scene};
 use crate::output::{self, Format};
@@ -28,8 +28,7 @@ pub struct Bench {
     layout: Layout,
     scenes: Vec<Scene>,
     variants: Vec<Variant>,
-    backend: args::Backend,
-    adapter: Option<String>,
+    device: DeviceArgs,
     repeat: Option<u32>,
     report: Option<PathBuf>,
     submission: Option<Submission>,
@@ -62,7 +61,7 @@ pub fn resolve(args: BenchArgs) -> Result<Bench> {
             .map(|v| (v.settings.iter().map(|(name, _)| name.as_str()).collect(), &v.params))
             .collect::<Vec<_>>(),
     );
-    resolve::ensure_adapter(args.backend, args.adapter.as_deref())?;
+    resolve::ensure_adapter(&args.device)?;
     let repeat = args.repeat.as_ref().map(resolve::repeat).transpose()?;
     let mut scenes = args.layout.scenes(&args.dataset)?;
     let found = scenes.len();
@@ -95,8 +94,7 @@ pub fn resolve(args: BenchArgs) -> Result<Bench> {
         layout: args.layout,
         scenes,
         variants,
-        backend: args.backend,
-        adapter: args.adapter,
+        device: args.device,
         repeat,
         report: args.report,
         submission,
@@ -172,13 +170,13 @@ struct Loaded {
 impl Bench {
     /// Computes, scores and writes everything. Whether no scene failed.
     pub fn run(&self) -> Result<bool> {
-        if self.backend != args::Backend::Cpu {
+        if self.device.backend != Backend::Cpu {
             let names: Vec<_> = adapter::ranked().iter().map(|adapter| adapter.get_info().name).collect();
-            if let Some(wanted) = &self.adapter {
+            if let Some(wanted) = &self.device.adapter {
                 adapter::choose(&names, wanted)?;
             }
             ensure!(
-                self.backend != args::Backend::Gpu || !names.is_empty(),
+                self.device.backend != Backend::Gpu || !names.is_empty(),
                 "--backend is gpu, but there is no adapter; install a Vulkan driver, or take auto or cpu"
             );
         }
@@ -263,7 +261,7 @@ impl Bench {
         }
         let params = resolve::params(settings.iter().map(|(name, value)| (name.as_str(), value.as_str())))?;
         let ready = match engine.take() {
-            None => Engine::open(self.backend, self.adapter.as_deref(), false, &loaded.left, &params)?,
+            None => Engine::open(&self.device, false, &loaded.left, &params)?,
             Some(engine) => engine.again(&loaded.left, &params)?,
         };
         let ready = engine.insert(ready);
@@ -499,7 +497,7 @@ impl Pictures {
         };
         if self.scene != scene {
             (self.scene, self.maps) = (scene, 0);
-            let input = put("input", &study::drawn(&loaded.left))?;
+            let input = put("input", &output::drawn(&loaded.left))?;
             let truth = match &loaded.truth {
                 Some(truth) => put("truth", &output::truth_picture(&thinned(&truth.map)?, range))?,
                 None => "none".into(),

@@ -1,24 +1,30 @@
-//! The command `gpu-stereo`: parse -> resolve -> run -> report. A study does so for several settings.
+//! The command `gpu-stereo`: parse -> resolve -> run -> report. A study does so for several settings, a video for several
+//! pairs.
 //!
-//! Exit codes: 0 done, 1 a check said no or a scene of several failed, 2 could not run. Data goes to stdout, messages to stderr.
+//! Exit codes: 0 done, 1 a check said no, a frame or a scene failed, 2 could not run. Data goes to stdout, messages to stderr.
 #![cfg_attr(test, allow(clippy::unwrap_used))]
 
 mod adapter;
 mod args;
 mod bench;
 mod evaluate;
+mod film;
 mod input;
 mod layout;
 mod maps;
 mod output;
+mod pairs;
+mod pipeline;
 mod progress;
+mod record;
 mod report;
 mod resolve;
 mod run;
 mod sheet;
 mod study;
+mod video;
 
-use args::StudyCommand;
+use args::Verb;
 use std::io::Write as _;
 use std::panic::{AssertUnwindSafe, catch_unwind, set_hook};
 use std::process::ExitCode;
@@ -28,7 +34,8 @@ use std::process::ExitCode;
 enum Outcome {
     Done,
     CheckFailed,
-    SceneFailed,
+    FramesFailed,
+    ScenesFailed,
 }
 
 fn main() -> ExitCode {
@@ -45,13 +52,8 @@ fn main() -> ExitCode {
         Ok(args) => args,
         Err(code) => return code,
     };
-    let backend = match &args.study {
-        None => args.backend,
-        Some(StudyCommand::Sweep(args) | StudyCommand::Compare(args::Compare { study: args, .. })) => args.backend,
-        Some(StudyCommand::Bench(args)) => args.backend,
-        Some(StudyCommand::Eval(_)) => args::Backend::Cpu, // computes nothing
-    };
-    if args.list_adapters || backend != args::Backend::Cpu {
+    let device = args.verb.as_ref().map_or(Some(&args.device), Verb::device);
+    if args.list_adapters || device.is_some_and(|device| device.backend != args::Backend::Cpu) {
         adapter::quiet_drivers();
     }
     // Nothing that was in use when a panic struck is used again: the process ends here.
@@ -65,15 +67,16 @@ fn execute(args: args::Args) -> anyhow::Result<Outcome> {
     if args.list_adapters {
         return report::list_adapters(&adapter::ranked(), args.json).map(|()| Outcome::Done);
     }
-    if let Some(command) = args.study {
-        let study = match command {
-            StudyCommand::Sweep(args) => study::resolve_sweep(args)?,
-            StudyCommand::Compare(args) => study::resolve_compare(args)?,
-            StudyCommand::Bench(args) => {
+    if let Some(verb) = args.verb {
+        let study = match verb {
+            Verb::Sweep(args) => study::resolve_sweep(args)?,
+            Verb::Compare(args) => study::resolve_compare(args)?,
+            Verb::Video(args) => return video::resolve(args)?.run(),
+            Verb::Eval(args) => return evaluate::resolve(args)?.run().map(|()| Outcome::Done),
+            Verb::Bench(args) => {
                 let passed = bench::resolve(args)?.run()?;
-                return Ok(if passed { Outcome::Done } else { Outcome::SceneFailed });
+                return Ok(if passed { Outcome::Done } else { Outcome::ScenesFailed });
             }
-            StudyCommand::Eval(args) => return evaluate::resolve(args)?.run().map(|()| Outcome::Done),
         };
         return study.print(&study.run()?).map(|()| Outcome::Done);
     }
@@ -87,7 +90,7 @@ fn execute(args: args::Args) -> anyhow::Result<Outcome> {
 fn exit_code(result: &anyhow::Result<Outcome>) -> u8 {
     match result {
         Ok(Outcome::Done) => 0,
-        Ok(Outcome::CheckFailed | Outcome::SceneFailed) => 1,
+        Ok(Outcome::CheckFailed | Outcome::FramesFailed | Outcome::ScenesFailed) => 1,
         Err(error) => {
             tell(&error_line(error));
             2

@@ -1,8 +1,10 @@
 //! Disparity maps become files, whole or not at all.
 
 use anyhow::{Context as _, Result, bail, ensure};
+use clap::ValueEnum;
 use gpu_stereo::evaluation::FloatMap;
-use gpu_stereo::{ConfidenceMap, DisparityMap, Params};
+use gpu_stereo::reference::{self, Channel};
+use gpu_stereo::{ConfidenceMap, DisparityMap, Image, Params};
 use image::codecs::jpeg::JpegEncoder;
 use image::codecs::png::PngEncoder;
 use image::{ExtendedColorType, ImageEncoder as _, Rgb, RgbImage};
@@ -13,15 +15,17 @@ use std::path::{Path, PathBuf};
 use tempfile::NamedTempFile;
 
 /// What a file holds.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
 pub enum Format {
     /// 16-bit gray PNG as in the KITTI benchmark: 256 a pixel of disparity, 0 invalid, a valid 0 is written as 1.
+    #[value(name = "png")]
     Kitti,
     /// Portable float map, little endian, rows from the bottom, +inf invalid.
     Pfm,
     /// NumPy array of 32-bit floats, rows x columns, NaN invalid.
     Npy,
     /// TIFF of 32-bit floats, NaN invalid.
+    #[value(name = "tif", alias = "tiff")]
     Tiff,
     /// A picture: turbo colours over the searched range, invalid black.
     Color,
@@ -30,7 +34,24 @@ pub enum Format {
     /// An 8-bit gray PNG: the confidence.
     Confidence,
     /// A picture: the errors.
+    #[value(skip)] // a video has no truth
     ErrorMap,
+}
+
+impl Format {
+    /// What follows the name of a frame.
+    pub fn suffix(self) -> &'static str {
+        match self {
+            Self::Kitti => ".png",
+            Self::Pfm => ".pfm",
+            Self::Npy => ".npy",
+            Self::Tiff => ".tif",
+            Self::Color => "_color.png",
+            Self::Mask => "_mask.png",
+            Self::Confidence => "_confidence.png",
+            Self::ErrorMap => "_errors.png",
+        }
+    }
 }
 
 /// What a file with a sheet holds.
@@ -51,6 +72,13 @@ pub struct Output<F = Format> {
     pub format: F,
     /// The file itself, symbolic links followed.
     place: PathBuf,
+}
+
+impl Output {
+    /// A file of a folder that is known to be writable, by its own name.
+    pub fn at(path: PathBuf, format: Format) -> Self {
+        Self { place: path.clone(), path, format }
+    }
 }
 
 /// The files to write, each checked: its ending is known, its folder can be written, it is neither an input nor named
@@ -120,14 +148,20 @@ fn places<F>(wanted: Vec<(PathBuf, F)>, inputs: &[&Path]) -> Result<Vec<Output<F
 }
 
 fn default_map(params: &Params) -> (PathBuf, Format) {
+    let format = default_format(params, "disparity");
+    (["disparity", format.suffix()].concat().into(), format)
+}
+
+/// What a map without a format of its own becomes; said where it is not a PNG.
+pub fn default_format(params: &Params, name: &str) -> Format {
     let (first, last) = searched(params);
     if first >= 0 && last <= 255 {
-        return ("disparity.png".into(), Format::Kitti);
+        return Format::Kitti;
     }
     crate::tell(&format!(
-        "note: disparities from {first} to {last} px do not fit a 16-bit PNG (0 to 255); writing disparity.tif instead"
+        "note: disparities from {first} to {last} px do not fit a 16-bit PNG (0 to 255); writing {name}.tif instead"
     ));
-    ("disparity.tif".into(), Format::Tiff)
+    Format::Tiff
 }
 
 /// The smallest and the largest disparity searched.
@@ -135,11 +169,13 @@ pub fn searched(params: &Params) -> (i32, i32) {
     params.searched().into_inner()
 }
 
-fn ending(path: &Path) -> String {
+/// What follows the last dot of a name, in small letters.
+pub fn ending(path: &Path) -> String {
     path.extension().map(|ending| ending.to_string_lossy().to_ascii_lowercase()).unwrap_or_default()
 }
 
-fn map_format(path: &Path) -> Result<Format> {
+/// What the ending of a name says.
+pub fn map_format(path: &Path) -> Result<Format> {
     Ok(match ending(path).as_str() {
         "png" => Format::Kitti,
         "pfm" => Format::Pfm,
@@ -151,7 +187,7 @@ fn map_format(path: &Path) -> Result<Format> {
 }
 
 /// Where the file will really be, once it is sure that it can be written.
-fn writable_place(path: &Path) -> Result<PathBuf> {
+pub fn writable_place(path: &Path) -> Result<PathBuf> {
     let folder = match path.parent() {
         Some(parent) if parent != Path::new("") => parent,
         _ => Path::new("."),
@@ -185,16 +221,16 @@ fn writable_place(path: &Path) -> Result<PathBuf> {
     // The superuser can write where nobody was meant to. (On Windows a folder's flag means something else.)
     let read_only = cfg!(unix) && fs::metadata(folder).is_ok_and(|kind| kind.permissions().readonly());
     ensure!(!read_only, "output {path:?} lies in a read-only folder; make the folder writable or give another path");
-    temporary(folder).with_context(|| {
+    temporary(folder, "").with_context(|| {
         format!("output {path:?} lies in a folder that cannot be written; check its permissions or give another path")
     })?;
     Ok(place)
 }
 
 /// A file that disappears unless it is renamed, with the permissions that an ordinary new file has.
-fn temporary(folder: &Path) -> std::io::Result<NamedTempFile> {
+pub fn temporary(folder: &Path, suffix: &str) -> std::io::Result<NamedTempFile> {
     let mut builder = tempfile::Builder::new();
-    builder.prefix(".gpu-stereo-");
+    builder.prefix(".gpu-stereo-").suffix(suffix);
     #[cfg(unix)]
     {
         use std::os::unix::fs::PermissionsExt as _;
@@ -216,13 +252,13 @@ pub fn write(
 
 /// Writes a sheet, or nothing.
 pub fn write_sheet(outputs: &[Output<SheetFormat>], sheet: &RgbImage) -> Result<()> {
-    put(outputs, |format| {
-        let mut bytes = Cursor::new(Vec::new());
-        match format {
-            SheetFormat::Png => sheet.write_with_encoder(PngEncoder::new(&mut bytes))?,
-            SheetFormat::Jpeg => JpegEncoder::new_with_quality(&mut bytes, 80).encode_image(sheet)?,
+    put(outputs, |format| match format {
+        SheetFormat::Png => png(sheet),
+        SheetFormat::Jpeg => {
+            let mut bytes = Cursor::new(Vec::new());
+            JpegEncoder::new_with_quality(&mut bytes, 80).encode_image(sheet)?;
+            Ok(bytes.into_inner())
         }
-        Ok(bytes.into_inner())
     })
 }
 
@@ -232,7 +268,7 @@ fn put<F: Copy>(outputs: &[Output<F>], contents: impl Fn(F) -> Result<Vec<u8>>) 
     for output in outputs {
         let bytes = contents(output.format).with_context(|| format!("output {:?} cannot be written", output.path))?;
         let stage = || -> std::io::Result<NamedTempFile> {
-            let mut file = temporary(output.place.parent().unwrap_or(Path::new("/")))?;
+            let mut file = temporary(output.place.parent().unwrap_or(Path::new("/")), "")?;
             file.write_all(&bytes)?;
             file.flush()?;
             Ok(file)
@@ -249,7 +285,7 @@ fn put<F: Copy>(outputs: &[Output<F>], contents: impl Fn(F) -> Result<Vec<u8>>) 
 pub fn ensure_folder(folder: &Path) -> Result<()> {
     let kind = fs::metadata(folder);
     ensure!(!kind.is_ok_and(|kind| !kind.is_dir()), "output folder {folder:?} is a file; give another name");
-    let made = fs::create_dir_all(folder).and_then(|()| temporary(folder).map(drop));
+    let made = fs::create_dir_all(folder).and_then(|()| temporary(folder, "").map(drop));
     made.with_context(|| {
         format!("output folder {folder:?} cannot be written; check its permissions or give another name")
     })
@@ -260,7 +296,7 @@ pub fn write_in_folder(path: &Path, bytes: &[u8]) -> Result<()> {
     let folder = path.parent().unwrap_or(Path::new("."));
     let write = || -> std::io::Result<()> {
         fs::create_dir_all(folder)?;
-        let mut file = temporary(folder)?;
+        let mut file = temporary(folder, "")?;
         file.write_all(bytes)?;
         file.flush()?;
         file.persist(path).map_err(|error| error.error)?;
@@ -319,9 +355,7 @@ pub fn encode(
             let mut tiff = tiff::encoder::TiffEncoder::new(&mut bytes)?;
             tiff.write_image::<tiff::encoder::colortype::Gray32Float>(width, height, &samples)?;
         }
-        Format::Color => {
-            picture(map, searched(params)).write_with_encoder(PngEncoder::new(&mut bytes))?;
-        }
+        Format::Color => return png(&picture(map, searched(params))),
         Format::Mask => {
             let samples: Vec<u8> =
                 map.data.iter().map(|&value| if pixels(value).is_some() { 255 } else { 0 }).collect();
@@ -331,9 +365,7 @@ pub fn encode(
             let confidence = confidence.context("no confidence was computed")?;
             PngEncoder::new(&mut bytes).write_image(&confidence.data, width, height, ExtendedColorType::L8)?;
         }
-        Format::ErrorMap => {
-            errors.context("no truth was read")?.write_with_encoder(PngEncoder::new(&mut bytes))?;
-        }
+        Format::ErrorMap => return png(errors.context("no truth was read")?),
     }
     Ok(bytes.into_inner())
 }
@@ -376,6 +408,14 @@ pub fn truth_picture(map: &FloatMap, (first, last): (i32, i32)) -> RgbImage {
     };
     let mut values = map.data().iter();
     RgbImage::from_fn(map.width(), map.height(), |_, _| Rgb(values.next().map_or([0; 3], color)))
+}
+
+/// An image in 8 bits a channel.
+pub fn drawn(image: &Image) -> RgbImage {
+    let channels = [0, 1, 2].map(|sample| reference::gray(image, Channel::Sample(sample)).data);
+    let mut pixels = 0..;
+    let color = |i: usize| channels.each_ref().map(|channel| channel[i]);
+    RgbImage::from_fn(image.width(), image.height(), |_, _| Rgb(pixels.next().map_or([0; 3], color)))
 }
 
 #[cfg(test)]

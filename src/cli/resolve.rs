@@ -1,6 +1,6 @@
 //! Resolve: what was typed becomes settings that are known to be good, before an image is decoded or a device opened.
 
-use crate::args::{self, Args, Whole};
+use crate::args::{Args, Backend, DeviceArgs, Whole};
 use crate::evaluate::TruthFile;
 use crate::output::{Format, Output};
 use anyhow::{Result, anyhow, bail, ensure};
@@ -17,9 +17,7 @@ pub struct Job {
     /// The matcher's settings, validated.
     pub params: Params,
     /// Where to compute.
-    pub backend: args::Backend,
-    /// The adapter that was asked for.
-    pub adapter: Option<String>,
+    pub device: DeviceArgs,
     /// The truth to score the map against.
     pub truth: Option<TruthFile>,
     /// The files to write, each known to be writable.
@@ -48,10 +46,10 @@ pub fn resolve(args: Args) -> Result<Job> {
     let mut params = params(args.settings.iter())?;
     params.confidence = args.confidence.is_some();
     tell_unused(&[(given, &params)]);
-    if args.check && args.backend == args::Backend::Cpu {
+    if args.check && args.device.backend == Backend::Cpu {
         bail!("--check compares an adapter with the CPU reference, but --backend is cpu; take auto or gpu");
     }
-    ensure_adapter(args.backend, args.adapter.as_deref())?;
+    ensure_adapter(&args.device)?;
     let repeat = args.repeat.as_ref().map(repeat).transpose()?.or(args.timings.then_some(1));
     let (Some(left), Some(right)) = (args.left, args.right) else {
         bail!("two images are needed, LEFT and RIGHT; see gpu-stereo --help");
@@ -69,8 +67,7 @@ pub fn resolve(args: Args) -> Result<Job> {
         left,
         right,
         params,
-        backend: args.backend,
-        adapter: args.adapter,
+        device: args.device,
         truth,
         outputs,
         check: args.check,
@@ -88,9 +85,9 @@ pub fn ensure_disparities(given: &[&str]) -> Result<()> {
 }
 
 /// An adapter that was asked for is used.
-pub fn ensure_adapter(backend: args::Backend, adapter: Option<&str>) -> Result<()> {
-    match adapter {
-        Some(adapter) if backend == args::Backend::Cpu => {
+pub fn ensure_adapter(device: &DeviceArgs) -> Result<()> {
+    match &device.adapter {
+        Some(adapter) if device.backend == Backend::Cpu => {
             bail!("--adapter is {adapter:?}, but --backend cpu uses none; drop one of the two")
         }
         _ => Ok(()),

@@ -1,7 +1,7 @@
 //! Run: read the pair, compute, check, write.
 
 use crate::adapter::{self, Opened};
-use crate::args::Backend;
+use crate::args::{Backend, DeviceArgs};
 use crate::evaluate::Evaluation;
 use crate::output::Format;
 use crate::report::{FrameMs, Report};
@@ -19,8 +19,8 @@ pub enum Engine {
 }
 
 pub struct OnAdapter {
-    opened: Opened,
-    matcher: StereoMatcher,
+    pub opened: Opened,
+    pub matcher: StereoMatcher,
 }
 
 /// Does the job.
@@ -29,7 +29,7 @@ pub fn run(job: &Job) -> Result<Report> {
     let truth = job.truth.as_ref().map(|truth| truth.read((left.width(), left.height()), &job.left)).transpose()?;
 
     let start = Instant::now();
-    let engine = Engine::open(job.backend, job.adapter.as_deref(), job.check, &left, &job.params)?;
+    let engine = Engine::open(&job.device, job.check, &left, &job.params)?;
     // Stage times come from the frames that are told, so that stages and transfers add up to the frame.
     let timed = job.timings || job.json;
     let Frames { matched, first, times, stages } = engine.frames(&left, &right, &job.params, timed, job.repeat)?;
@@ -94,7 +94,8 @@ pub struct Frames {
 
 impl Engine {
     /// What computes with `params` maps of pairs that are as `image` is. `check`: it must be an adapter.
-    pub fn open(backend: Backend, wanted: Option<&str>, check: bool, image: &Image, params: &Params) -> Result<Self> {
+    pub fn open(device: &DeviceArgs, check: bool, image: &Image, params: &Params) -> Result<Self> {
+        let (backend, wanted) = (device.backend, device.adapter.as_deref());
         if backend == Backend::Cpu {
             return Self::reference(image, params);
         }

@@ -1,6 +1,6 @@
 //! Study: maps of one pair with several settings, on one sheet and in one table: `sweep` and `compare`.
 
-use crate::args::{self, Compare, StudyArgs};
+use crate::args::{Compare, DeviceArgs, StudyArgs};
 use crate::input;
 use crate::output::{self, Output, SheetFormat};
 use crate::progress::Progress;
@@ -9,9 +9,7 @@ use crate::resolve;
 use crate::run::Engine;
 use crate::sheet::{Layout, Order, Sheet};
 use anyhow::{Context as _, Result, bail, ensure};
-use gpu_stereo::reference::{self, Channel};
 use gpu_stereo::{Image, Params, Preset};
-use image::{Rgb, RgbImage};
 use serde::{Serialize, Serializer};
 use std::path::PathBuf;
 
@@ -30,8 +28,7 @@ pub struct Study {
     common: String,
     order: Order,
     tile_width: Option<u32>,
-    backend: args::Backend,
-    adapter: Option<String>,
+    device: DeviceArgs,
     repeat: Option<u32>,
     outputs: Vec<Output<SheetFormat>>,
     json: bool,
@@ -144,7 +141,7 @@ fn resolve(args: &StudyArgs, variants: Vec<Variant>, common: String, order: Orde
     });
     let given: Vec<_> = given.collect();
     given.iter().try_for_each(|(given, _)| resolve::ensure_disparities(given))?;
-    resolve::ensure_adapter(args.backend, args.adapter.as_deref())?;
+    resolve::ensure_adapter(&args.device)?;
     let repeat = args.repeat.as_ref().map(resolve::repeat).transpose()?;
     let tile_width = args.tile_width.as_ref().map(|given| {
         let allowed = TILE_WIDTHS.contains(&given.value).then_some(given.value as u32);
@@ -163,8 +160,7 @@ fn resolve(args: &StudyArgs, variants: Vec<Variant>, common: String, order: Orde
         common,
         order,
         tile_width,
-        backend: args.backend,
-        adapter: args.adapter.clone(),
+        device: args.device.clone(),
         repeat,
         outputs,
         json: args.json,
@@ -233,7 +229,7 @@ impl Study {
             progress.begin(label);
             let context = || label.clone();
             let ready = match engine.take() {
-                None => Engine::open(self.backend, self.adapter.as_deref(), false, &left, params),
+                None => Engine::open(&self.device, false, &left, params),
                 Some(engine) => engine.again(&left, params),
             };
             let ready = engine.insert(ready.with_context(context)?);
@@ -286,7 +282,7 @@ impl Study {
         let legend = ["black: no disparity".to_owned(), self.common.clone(), times];
         let legend: Vec<_> = legend.into_iter().filter(|line| !line.is_empty()).collect();
         let layout = Layout::new((left.width(), left.height()), &captions, &legend, self.order, self.tile_width)?;
-        Ok(Sheet::new(layout, &drawn(left), range))
+        Ok(Sheet::new(layout, &output::drawn(left), range))
     }
 
     /// Prints what was found.
@@ -300,12 +296,4 @@ impl Study {
         let rows = found.variants.iter().map(|v| [v.label.clone(), v.ms(), v.percent()]);
         report::to_stdout(&report::table(["settings", "ms", "valid"], rows, 1..3))
     }
-}
-
-/// An image in 8 bits a channel.
-pub fn drawn(image: &Image) -> RgbImage {
-    let channels = [0, 1, 2].map(|sample| reference::gray(image, Channel::Sample(sample)).data);
-    let mut pixels = 0..;
-    let color = |i: usize| channels.each_ref().map(|channel| channel[i]);
-    RgbImage::from_fn(image.width(), image.height(), |_, _| Rgb(pixels.next().map_or([0; 3], color)))
 }

@@ -1,11 +1,15 @@
-//! The built command, run as a user runs it.
+//! What the tests of the command share: running it, judging what it says, and pairs to give it.
 #![allow(dead_code, clippy::unwrap_used)]
 
+use image::{GrayImage, Luma};
 use std::collections::BTreeMap;
 use std::ffi::OsStr;
 use std::fs;
 use std::path::{Path, PathBuf};
 use std::process::{Command, Output};
+
+/// The disparity of the pairs that [`pair`] makes.
+pub const SHIFT: u32 = 5;
 
 pub fn command(folder: &Path) -> Command {
     let mut command = Command::new(env!("CARGO_BIN_EXE_gpu-stereo"));
@@ -65,4 +69,16 @@ pub fn refuses<A: AsRef<OsStr>>(folder: &Path, args: &[A], words: &[&str]) {
     let before = contents(folder);
     is_one_line_error(&run(folder, args), words);
     assert!(contents(folder) == before, "files were left behind or changed");
+}
+
+/// A texture without repetition.
+pub fn texture(x: u32, y: u32) -> u8 {
+    let mut hash = (x / 2).wrapping_mul(0x9e37_79b1) ^ (y / 2).wrapping_mul(0x85eb_ca6b);
+    hash = (hash ^ (hash >> 15)).wrapping_mul(0x2c1b_3c6d);
+    (hash >> 13) as u8
+}
+
+/// A pair that is [`SHIFT`] apart.
+pub fn pair(width: u32, height: u32) -> [GrayImage; 2] {
+    [0, SHIFT].map(|shift| GrayImage::from_fn(width, height, |x, y| Luma([texture(x + shift, y)])))
 }
