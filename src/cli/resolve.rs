@@ -1,6 +1,7 @@
 //! Resolve: what was typed becomes settings that are known to be good, before an image is decoded or a device opened.
 
 use crate::args::{Args, Backend, DeviceArgs, Whole};
+use crate::evaluate::TruthFile;
 use crate::output::{Format, Output};
 use anyhow::{Result, anyhow, bail, ensure};
 use gpu_stereo::{Error, Params};
@@ -17,6 +18,8 @@ pub struct Job {
     pub params: Params,
     /// Where to compute.
     pub device: DeviceArgs,
+    /// The truth to score the map against.
+    pub truth: Option<TruthFile>,
     /// The files to write, each known to be writable.
     pub outputs: Vec<Output>,
     /// Compare every stage.
@@ -55,13 +58,17 @@ pub fn resolve(args: Args) -> Result<Job> {
         ("color", &args.color, Format::Color),
         ("mask", &args.mask, Format::Mask),
         ("confidence", &args.confidence, Format::Confidence),
+        ("error-map", &args.truth.error_map, Format::ErrorMap),
     ];
-    let outputs = crate::output::resolve(&args.output, &pictures, [&left, &right], &params)?;
+    let truth = TruthFile::resolve(args.gt.as_deref(), &args.truth)?;
+    let inputs: Vec<_> = truth.iter().flat_map(TruthFile::files).chain([left.as_path(), &right]).collect();
+    let outputs = crate::output::resolve(&args.output, &pictures, &inputs, &params)?;
     Ok(Job {
         left,
         right,
         params,
         device: args.device,
+        truth,
         outputs,
         check: args.check,
         timings: args.timings,

@@ -2,10 +2,13 @@
 
 use crate::adapter::{self, Opened};
 use crate::args::{Backend, DeviceArgs};
+use crate::evaluate::Evaluation;
+use crate::output::Format;
 use crate::report::{FrameMs, Report};
 use crate::resolve::Job;
 use crate::{input, output};
 use anyhow::{Result, bail, ensure};
+use gpu_stereo::evaluation::FloatMap;
 use gpu_stereo::{Error, Image, Matched, Method, Params, StageCheck, StageTime, StereoMatcher, reference};
 use std::time::Instant;
 
@@ -23,6 +26,7 @@ pub struct OnAdapter {
 /// Does the job.
 pub fn run(job: &Job) -> Result<Report> {
     let (left, right) = input::read_pair(&job.left, &job.right)?;
+    let truth = job.truth.as_ref().map(|truth| truth.read((left.width(), left.height()), &job.left)).transpose()?;
 
     let start = Instant::now();
     let engine = Engine::open(&job.device, job.check, &left, &job.params)?;
@@ -43,8 +47,17 @@ pub fn run(job: &Job) -> Result<Report> {
         None
     };
     let passed = check.iter().flatten().all(|stage| stage.mismatches == 0);
+    let mut evaluation = None;
     if passed {
-        output::write(&job.outputs, &matched.map, matched.confidence.as_ref(), &job.params)?;
+        let mut errors = None;
+        if let Some(truth) = &truth {
+            let estimate = FloatMap::from(&matched.map);
+            evaluation = Some(Evaluation::from(&truth.score(&estimate)?));
+            if job.outputs.iter().any(|output| output.format == Format::ErrorMap) {
+                errors = Some(truth.error_picture(&estimate)?);
+            }
+        }
+        output::write(&job.outputs, &matched.map, matched.confidence.as_ref(), errors.as_ref(), &job.params)?;
     }
     let outputs = if passed { job.outputs.iter().map(|output| output.path.clone()).collect() } else { Vec::new() };
     let (adapter, backend, driver) = engine.names();
@@ -61,6 +74,7 @@ pub fn run(job: &Job) -> Result<Report> {
         first_frame_ms,
         stages,
         peak_device_bytes: engine.device_bytes(),
+        evaluation,
         check: check.map(|stages| stages.into_iter().map(Into::into).collect()),
         outputs,
     })
