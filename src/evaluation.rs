@@ -38,9 +38,9 @@ pub const BAD_THRESHOLDS: [f64; 4] = [0.5, 1.0, 2.0, 4.0];
 /// Quantiles of the error, in hundredths.
 pub const QUANTILES: [u64; 4] = [50, 90, 95, 99];
 
-/// The classes of [`error_picture`]: an error belongs to the last one whose number it reaches. It counts in units of what D1
-/// allows, `min(e / 3, e / (|truth| / 20))`, so the fifth class and all above are the pixels that D1 counts, but for errors of exactly 1.
-/// From KITTI's development kit (log_colormap.h).
+/// The classes of [`error_picture`]: an error belongs to the last one whose number it reaches. It counts in units of what
+/// D1 allows, `min(e / 3, e / (|truth| / 20))`, so the classes from 1 on are what D1 counts, but for exactly 1. From
+/// KITTI's development kit (log_colormap.h).
 pub const ERROR_CLASSES: [(f64, [u8; 3]); 10] = [
     (0.0, [49, 54, 149]),
     (0.0625, [69, 117, 180]),
