@@ -1,7 +1,7 @@
 //! The comparison of every stage's buffer with the reference.
 
 use crate::buffers::{Frame, Rows};
-use crate::matcher::{confidence_of, map_of};
+use crate::matcher::{confidence_of, depth_of, map_of};
 use crate::reference::{self, BlockStatistics, Channel, Direction, Features, Images, Plane, Round, Views, Volume};
 use crate::steps::{Level, Output, Step};
 use crate::{Cost, DisparityMap, Error, Image, Method, Params, StereoMatcher, readback};
@@ -478,6 +478,15 @@ impl StereoMatcher {
                     let confidence = reference::confidence(&map, &expected.views().margins);
                     let got = confidence_of(&sizes.frame, &bytes);
                     for (i, (&expected, &got)) in confidence.data.iter().zip(&got.data).enumerate() {
+                        stage.compare(i % width, i / width, None, expected.into(), got.into());
+                    }
+                }
+            }
+            Output::Depth => {
+                if let (Some(map), Some(camera)) = (&expected.checked, &params.depth) {
+                    let depth = reference::depth(map, camera);
+                    let got = depth_of(&sizes.frame, &bytes);
+                    for (i, (&expected, &got)) in depth.data.iter().zip(&got.data).enumerate() {
                         stage.compare(i % width, i / width, None, expected.into(), got.into());
                     }
                 }

@@ -16,7 +16,7 @@
 //! 7. `texture`: what a block that holds too little says is dropped.
 //! 8. `lr_check`: a left pixel keeps its disparity if the right view agrees ([`RightView`]).
 //! 9. `speckle`, `median` ([`Median`]), `fill` ([`Fill`]), `weighted_median`, `wls` ([`Wls`]): filters of the map,
-//!    those that are asked for; `confidence`.
+//!    those that are asked for; `confidence`; `depth` ([`Camera`]).
 //!
 //! docs/ALGORITHMS.md defines every stage in exact integers. [`mod@reference`] is that definition in Rust,
 //! [`StereoMatcher`] the schedule that computes it on a device. No result depends on the device, the order of
@@ -64,6 +64,7 @@
 extern crate self as gpu_stereo; // for tests/support, which the unit tests share
 
 mod buffers;
+mod camera;
 mod chain;
 mod check;
 mod error;
@@ -79,9 +80,10 @@ mod steps;
 mod stream;
 mod surfaces;
 
+pub use camera::Camera;
 pub use check::{Mismatch, StageCheck};
 pub use error::Error;
-pub use image::{ConfidenceMap, DisparityMap, Image, Matched, PixelFormat, Pixels};
+pub use image::{ConfidenceMap, DepthMap, DisparityMap, Image, Matched, PixelFormat, Pixels};
 pub use matcher::{Reading, StageTime, StereoMatcher};
 pub use options::ParamOption;
 pub use params::{Census, Cost, Fill, Median, Method, Params, Paths, Prefilter, Preset, RightView, Subpixel, Wls};

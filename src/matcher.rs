@@ -11,7 +11,8 @@ use crate::reference::{self, Round};
 use crate::schedule::Plan;
 use crate::steps::{Builder, Level, Pool, Step, row_bytes};
 use crate::{
-    ConfidenceMap, DisparityMap, Error, Image, Inputs, Matched, Outputs, Params, PixelFormat, kernels, readback,
+    ConfidenceMap, DepthMap, DisparityMap, Error, Image, Inputs, Matched, Outputs, Params, PixelFormat, kernels,
+    readback,
 };
 
 /// The time of one stage in one frame.
@@ -81,26 +82,31 @@ struct Layout {
     right: bool,
     /// Bytes of the confidence, if there is one.
     confidence: Option<u64>,
+    /// Bytes of the depth, if there is one.
+    depth: Option<u64>,
 }
 
 impl Layout {
     fn new(params: &Params, sizes: &Sizes) -> Self {
         let confidence = params.confidence.then_some(sizes.confidence);
-        Self { frame: sizes.frame, map: sizes.map, right: params.right_map, confidence }
+        let depth = params.depth.is_some().then_some(sizes.regions);
+        Self { frame: sizes.frame, map: sizes.map, right: params.right_map, confidence, depth }
     }
 
     fn bytes(&self) -> u64 {
-        self.map + if self.right { self.map } else { 0 } + self.confidence.unwrap_or(0)
+        self.map + if self.right { self.map } else { 0 } + self.confidence.unwrap_or(0) + self.depth.unwrap_or(0)
     }
 
     fn matched(&self, bytes: &[u8]) -> Matched {
         let map = self.map as usize;
         let (left, rest) = bytes.split_at(map);
-        let (right, confidence) = rest.split_at(if self.right { map } else { 0 });
+        let (right, rest) = rest.split_at(if self.right { map } else { 0 });
+        let (confidence, depth) = rest.split_at(self.confidence.unwrap_or(0) as usize);
         Matched {
             map: map_of(&self.frame, left),
             right: self.right.then(|| map_of(&self.frame, right)),
             confidence: self.confidence.map(|_| confidence_of(&self.frame, confidence)),
+            depth: self.depth.map(|_| depth_of(&self.frame, depth)),
         }
     }
 }
@@ -120,6 +126,14 @@ pub(crate) fn confidence_of(frame: &Frame, bytes: &[u8]) -> ConfidenceMap {
     let Frame { width, height, map_stride, .. } = *frame;
     let rows = bytes.chunks_exact(2 * map_stride as usize).take(height as usize);
     ConfidenceMap { width, height, data: rows.flat_map(|row| &row[..width as usize]).copied().collect() }
+}
+
+/// A depth from the bytes of its buffer.
+pub(crate) fn depth_of(frame: &Frame, bytes: &[u8]) -> DepthMap {
+    let Frame { width, height, map_stride, .. } = *frame;
+    let rows = bytes.chunks_exact(8 * map_stride as usize).take(height as usize);
+    let words = rows.flat_map(|row| row[..4 * width as usize].chunks_exact(4));
+    DepthMap { width, height, data: words.map(|v| u32::from_le_bytes([v[0], v[1], v[2], v[3]])).collect() }
 }
 
 /// Maps on their way to the host. A future that any executor drives; it owns all that it needs, so that the matcher may go
@@ -404,6 +418,12 @@ impl StereoMatcher {
         self.made.confidence.as_ref()
     }
 
+    /// Where [`StereoMatcher::record`] leaves the depth, if [`Params::depth`] asks for it: a `u32` a pixel, as in
+    /// [`DepthMap`], each row padded to a multiple of 32 bytes. The buffer may be longer.
+    pub fn depth(&self) -> Option<&wgpu::Buffer> {
+        self.made.depth.as_ref()
+    }
+
     /// Whether a pair is what the matcher was made for.
     pub(crate) fn accepts(&self, left: &Image, right: &Image) -> Result<(), Error> {
         check_pair(left, right)?;
@@ -577,6 +597,7 @@ impl StereoMatcher {
                 (Some(&self.made.output), layout.map),
                 (self.made.right.as_ref(), layout.map),
                 (self.made.confidence.as_ref(), layout.confidence.unwrap_or(0)),
+                (self.made.depth.as_ref(), layout.depth.unwrap_or(0)),
             ] {
                 if let Some(from) = from {
                     encoder.copy_buffer_to_buffer(from, 0, &buffer, at, bytes);

@@ -1,6 +1,6 @@
 //! What a user may ask for, and the checks that come before anything touches a device.
 
-use crate::{Error, Schedule};
+use crate::{Camera, Error, Schedule};
 
 /// The image on which the matching cost is computed (`prefilter` in docs/ALGORITHMS.md).
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
@@ -265,6 +265,8 @@ pub struct Params {
     pub confidence: bool,
     /// Give the right view's map, too: as [`Params::right_view`] makes it, in whole pixels, before any check or filter.
     pub right_map: bool,
+    /// Compute the depth of each pixel, too, seen by these cameras.
+    pub depth: Option<Camera>,
     /// Compile the kernels with checks of every index and loop: slower, the same result. For a device that misbehaves.
     pub shader_checks: bool,
     /// How the kernels are laid out on the device; the same result.
@@ -321,6 +323,7 @@ impl Params {
             wls: None,
             confidence: false,
             right_map: false,
+            depth: None,
             shader_checks: false,
             schedule: Schedule::Auto,
         }
@@ -487,6 +490,7 @@ impl Params {
                 check(good, name, value.to_string(), format!("from {least} to {most}"), remedy)?;
             }
         }
+        self.depth.as_ref().map_or(Ok(()), Camera::validate)?;
         let (cost, method) = (self.cost, self.method);
         check(
             cost != Cost::Ncc || method == Method::Bm,
@@ -565,6 +569,7 @@ impl Params {
             wls: None,
             confidence: false,
             right_map: false,
+            depth: None,
             ..self.clone()
         }
     }
@@ -584,6 +589,7 @@ impl Params {
             texture: 0,
             confidence: false,
             right_map: false,
+            depth: None,
             right_view: RightView::Diagonal,
             ..self.clone()
         }

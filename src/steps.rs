@@ -82,6 +82,7 @@ pub(crate) enum Output {
     WeightedMedian,
     Wls,
     Confidence,
+    Depth,
 }
 
 /// A pass through the chain: its settings, and what follows from them.

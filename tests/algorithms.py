@@ -566,6 +566,18 @@ class Chain:
     def confidence(self, disparities, margins):
         return self.over_pixels(lambda x, y: 0 if disparities[y][x] == INVALID else max(margins[y][x], 1))
 
+    def depth(self, disparities):
+        focal, baseline, doffs = map(float, self.case["depth"].split(","))
+        product, offset = math.floor(focal * baseline * 4096000000.0 + 0.5), math.floor(doffs * 4096.0 + 0.5)
+
+        def of(x, y):
+            divisor = 256 * disparities[y][x] + offset
+            if disparities[y][x] == INVALID or divisor <= 0 or product // divisor >= 2**32:
+                return 0
+            return product // divisor
+
+        return self.over_pixels(of)
+
     def nearest(self, disparities, x, y, directions):
         found = []
         for dx, dy in directions:
@@ -682,6 +694,8 @@ class Chain:
         view = self.wls(view, grays[0])
         yield "wls", "h", view
         yield "confidence", "B", self.confidence(view, margins)
+        if self.case.get("depth", "off") != "off":
+            yield "depth", "I", self.depth(view)
 
 
 def flat(values):

@@ -93,7 +93,8 @@ fn json(image: &Image, params: &Params) -> String {
         format!("\"height\": {}", image.height()),
         format!("\"format\": \"{format}\""),
     ];
-    for (name, value) in settings(params) {
+    let camera = |c: gpu_stereo::Camera| format!("{},{},{}", c.focal, c.baseline, c.doffs);
+    for (name, value) in settings(params).into_iter().chain([("depth", params.depth.map_or("off".into(), camera))]) {
         let value = if value.parse::<i64>().is_ok() { value } else { format!("\"{value}\"") };
         fields.push(format!("\"{name}\": {value}"));
     }
@@ -213,6 +214,9 @@ fn stages(left: &Image, right: &Image, params: &Params) -> Vec<(&'static str, us
     stages.push(("wls", 2, map_bytes(&matched.map)));
     stages.push(("margins", 1, views.margins.data));
     stages.push(("confidence", 1, matched.confidence.unwrap().data));
+    if let Some(depth) = matched.depth {
+        stages.push(("depth", 4, depth.data.iter().flat_map(|v| v.to_le_bytes()).collect()));
+    }
     stages
 }
 

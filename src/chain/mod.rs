@@ -23,6 +23,8 @@ pub(crate) struct Made {
     pub(crate) right: Option<wgpu::Buffer>,
     /// The confidence of the map, if it is wanted.
     pub(crate) confidence: Option<wgpu::Buffer>,
+    /// The depth of the map, if it is wanted.
+    pub(crate) depth: Option<wgpu::Buffer>,
 }
 
 /// The maps of both views, and behind the right one, if a confidence is wanted, the margins of the left one's winners:
@@ -57,8 +59,9 @@ pub(crate) fn chain(b: &mut Builder<'_>) -> Made {
     let compared = Views { left: views.left.clone(), right: right.unwrap_or_else(|| views.right.clone()) };
     let output = filters::filtered(b, &compared, &planes.grays[0]);
     let confidence = b.params.confidence.then(|| filters::confidence(b, &views, &output));
+    let depth = b.params.depth.is_some().then(|| filters::depth(b, &output));
     let right = b.params.right_map.then_some(compared.right);
-    Made { sources, output, right, confidence }
+    Made { sources, output, right, confidence, depth }
 }
 
 /// From the images to the winner of both views. Returns the planes.

@@ -8,6 +8,7 @@ mod block_match;
 mod block_statistics;
 mod confidence;
 mod cost_columns;
+mod depth;
 mod features;
 mod fill;
 mod gray;
@@ -32,6 +33,7 @@ pub use block_match::{block_match, block_sums};
 pub use block_statistics::{BlockStatistics, block_statistics};
 pub use confidence::{confidence, margin};
 pub use cost_columns::{cost_columns, pixel_cost};
+pub use depth::depth;
 pub use features::{Features, features};
 pub use fill::fill;
 pub use gray::{Channel, deep_gray, depth_unit, gray};
@@ -120,7 +122,7 @@ pub fn compute(left: &Image, right: &Image, params: &Params) -> Result<Disparity
     Ok(compute_all(left, right, params)?.map)
 }
 
-/// As [`compute`], with the confidence if [`Params::confidence`] asks for it.
+/// As [`compute`], with all else that the settings ask for.
 ///
 /// # Errors
 /// As [`compute`].
@@ -168,7 +170,8 @@ pub fn compute_timed(left: &Image, right: &Image, params: &Params) -> Result<(Ma
         map = clock.stage("wls", wls(&map, &luma, settings, params));
     }
     let confidence = params.confidence.then(|| clock.stage("confidence", confidence(&map, &margins)));
-    Ok((Matched { map, right: params.right_map.then_some(right), confidence }, clock.times))
+    let depth = params.depth.as_ref().map(|camera| clock.stage("depth", depth(&map, camera)));
+    Ok((Matched { map, right: params.right_map.then_some(right), confidence, depth }, clock.times))
 }
 
 /// From the images to the winner of both views.

@@ -172,5 +172,11 @@ pub fn random_params(random: &mut ChaCha8Rng) -> Params {
         params.block = 2 * random.random_range(1..10) + 1;
     }
     params.right_map = random.random_bool(0.2);
+    if random.random_bool(0.5) {
+        let focal = *[1.0, 994.978, 1e6].get(random.random_range(0..3)).unwrap();
+        let baseline = *[1e-6, 0.193001, 1000.0].get(random.random_range(0..3)).unwrap();
+        let doffs = if random.random() { 0.0 } else { random.random_range(-50.0..50.0) };
+        params.depth = Some(gpu_stereo::Camera { doffs, ..gpu_stereo::Camera::new(focal, baseline) });
+    }
     params
 }
