@@ -5,6 +5,8 @@
 
 mod adapter;
 mod args;
+mod calibration;
+mod depth;
 mod input;
 mod output;
 mod report;

@@ -1,7 +1,8 @@
 //! Disparity maps become files, whole or not at all.
 
+use crate::depth;
 use anyhow::{Context as _, Result, bail, ensure};
-use gpu_stereo::{ConfidenceMap, DisparityMap, Params};
+use gpu_stereo::{ConfidenceMap, DepthMap, DisparityMap, Image, Params};
 use image::codecs::jpeg::JpegEncoder;
 use image::codecs::png::PngEncoder;
 use image::{ExtendedColorType, ImageEncoder as _, Rgb, RgbImage};
@@ -28,6 +29,39 @@ pub enum Format {
     Mask,
     /// An 8-bit gray PNG: the confidence.
     Confidence,
+    /// The depth.
+    Depth(DepthFormat),
+}
+
+/// What a file with a depth holds.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum DepthFormat {
+    /// 16-bit gray PNG: millimetres, 0 without a depth and beyond what 16 bits hold.
+    Png,
+    /// As [`Format::Pfm`], in metres.
+    Pfm,
+    /// As [`Format::Npy`], in metres.
+    Npy,
+    /// As [`Format::Tiff`], in metres.
+    Tiff,
+    /// Coloured points.
+    Ply,
+    /// Coloured points.
+    Pcd,
+}
+
+/// What is written.
+pub struct Maps<'a> {
+    /// The disparities.
+    pub map: &'a DisparityMap,
+    /// Their confidence, if it was computed.
+    pub confidence: Option<&'a ConfidenceMap>,
+    /// Their depth, if it was computed.
+    pub depth: Option<&'a DepthMap>,
+    /// The left image.
+    pub left: &'a Image,
+    /// The settings.
+    pub params: &'a Params,
 }
 
 /// What a file with a sheet holds.
@@ -55,10 +89,12 @@ pub struct Output<F = Format> {
 pub fn resolve(
     maps: &[PathBuf],
     pictures: &[(&str, &Option<PathBuf>, Format)],
+    depths: &[(PathBuf, DepthFormat)],
     inputs: [&PathBuf; 2],
     params: &Params,
 ) -> Result<Vec<Output>> {
-    let mut wanted = Vec::new();
+    let depths = depths.iter().map(|(path, format)| (path.clone(), Format::Depth(*format)));
+    let mut wanted: Vec<_> = depths.collect();
     for path in maps {
         wanted.push((path.clone(), map_format(path)?));
     }
@@ -139,6 +175,29 @@ fn map_format(path: &Path) -> Result<Format> {
     })
 }
 
+/// The formats of `--depth` and `--points`.
+pub fn depth_formats(depth: &[PathBuf], points: &[PathBuf]) -> Result<Vec<(PathBuf, DepthFormat)>> {
+    let mut formats = Vec::new();
+    for path in depth {
+        let format = match map_format(path)? {
+            Format::Pfm => DepthFormat::Pfm,
+            Format::Npy => DepthFormat::Npy,
+            Format::Tiff => DepthFormat::Tiff,
+            _ => DepthFormat::Png,
+        };
+        formats.push((path.clone(), format));
+    }
+    for path in points {
+        let format = match ending(path).as_str() {
+            "ply" => DepthFormat::Ply,
+            "pcd" => DepthFormat::Pcd,
+            _ => bail!("--points is {path:?}, but points are written as .ply or .pcd; give a name that ends so"),
+        };
+        formats.push((path.clone(), format));
+    }
+    Ok(formats)
+}
+
 /// Where the file will really be, once it is sure that it can be written.
 fn writable_place(path: &Path) -> Result<PathBuf> {
     let folder = match path.parent() {
@@ -192,14 +251,9 @@ fn temporary(folder: &Path) -> std::io::Result<NamedTempFile> {
     builder.tempfile_in(folder)
 }
 
-/// Writes a map and its confidence to every file, or, if one cannot be written, to none.
-pub fn write(
-    outputs: &[Output],
-    map: &DisparityMap,
-    confidence: Option<&ConfidenceMap>,
-    params: &Params,
-) -> Result<()> {
-    put(outputs, |format| encode(format, map, confidence, params))
+/// Writes maps to every file, or, if one cannot be written, to none.
+pub fn write(outputs: &[Output], maps: &Maps<'_>) -> Result<()> {
+    put(outputs, |format| encode(format, maps))
 }
 
 /// Writes a sheet, or nothing.
@@ -238,49 +292,86 @@ fn cannot_write<F>(output: &Output<F>) -> String {
 }
 
 /// The contents of a file.
-fn encode(format: Format, map: &DisparityMap, confidence: Option<&ConfidenceMap>, params: &Params) -> Result<Vec<u8>> {
+fn encode(format: Format, maps: &Maps<'_>) -> Result<Vec<u8>> {
+    let Maps { map, confidence, params, .. } = maps;
     let (width, height) = (map.width, map.height);
-    let floats = |invalid: f32| map.data.iter().map(move |&value| pixels(value).unwrap_or(invalid));
-    let mut bytes = Cursor::new(Vec::new());
+    let floats = |invalid: f32| map.data.iter().map(|&value| pixels(value).unwrap_or(invalid)).collect::<Vec<_>>();
     match format {
-        Format::Kitti => {
-            let samples = kitti(map)?;
-            let samples: Vec<u8> = samples.into_iter().flat_map(u16::to_ne_bytes).collect();
-            PngEncoder::new(&mut bytes).write_image(&samples, width, height, ExtendedColorType::L16)?;
-        }
-        Format::Pfm => {
-            write!(bytes, "Pf\n{width} {height}\n-1.0\n")?;
-            let samples: Vec<f32> = floats(f32::INFINITY).collect();
-            for row in samples.chunks(width.max(1) as usize).rev() {
-                for sample in row {
-                    bytes.write_all(&sample.to_le_bytes())?;
-                }
-            }
-        }
-        Format::Npy => {
-            let options = npyz::WriteOptions::<f32>::new().default_dtype();
-            let mut npy = options.shape(&[height.into(), width.into()]).writer(&mut bytes).begin_nd()?;
-            npy.extend(floats(f32::NAN))?;
-            npy.finish()?;
-        }
-        Format::Tiff => {
-            let samples: Vec<f32> = floats(f32::NAN).collect();
-            let mut tiff = tiff::encoder::TiffEncoder::new(&mut bytes)?;
-            tiff.write_image::<tiff::encoder::colortype::Gray32Float>(width, height, &samples)?;
-        }
+        Format::Kitti => png16(width, height, kitti(map)?),
+        Format::Pfm => pfm(width, height, &floats(f32::INFINITY)),
+        Format::Npy => npy(width, height, &floats(f32::NAN)),
+        Format::Tiff => tiff(width, height, &floats(f32::NAN)),
         Format::Color => {
+            let mut bytes = Cursor::new(Vec::new());
             picture(map, searched(params)).write_with_encoder(PngEncoder::new(&mut bytes))?;
+            Ok(bytes.into_inner())
         }
         Format::Mask => {
             let samples: Vec<u8> =
                 map.data.iter().map(|&value| if pixels(value).is_some() { 255 } else { 0 }).collect();
-            PngEncoder::new(&mut bytes).write_image(&samples, width, height, ExtendedColorType::L8)?;
+            png8(width, height, &samples)
         }
-        Format::Confidence => {
-            let confidence = confidence.context("no confidence was computed")?;
-            PngEncoder::new(&mut bytes).write_image(&confidence.data, width, height, ExtendedColorType::L8)?;
+        Format::Confidence => png8(width, height, &confidence.context("no confidence was computed")?.data),
+        Format::Depth(format) => {
+            let (Some(found), Some(camera)) = (maps.depth, &params.depth) else { bail!("no depth was computed") };
+            match format {
+                DepthFormat::Png => {
+                    let (samples, lost) = depth::millimetres(found);
+                    if lost > 0 {
+                        crate::tell(&format!(
+                            "note: {lost} pixels are 65.5355 m away or farther, which a 16-bit PNG in millimetres cannot hold: \
+                             they are 0 there; take .pfm, .npy or .tif for these"
+                        ));
+                    }
+                    png16(width, height, samples)
+                }
+                DepthFormat::Pfm => pfm(width, height, &depth::metres(found, f32::INFINITY)),
+                DepthFormat::Npy => npy(width, height, &depth::metres(found, f32::NAN)),
+                DepthFormat::Tiff => tiff(width, height, &depth::metres(found, f32::NAN)),
+                DepthFormat::Ply => depth::ply(found, camera, maps.left),
+                DepthFormat::Pcd => depth::pcd(found, camera, maps.left),
+            }
         }
     }
+}
+
+fn png8(width: u32, height: u32, samples: &[u8]) -> Result<Vec<u8>> {
+    let mut bytes = Vec::new();
+    PngEncoder::new(&mut bytes).write_image(samples, width, height, ExtendedColorType::L8)?;
+    Ok(bytes)
+}
+
+fn png16(width: u32, height: u32, samples: Vec<u16>) -> Result<Vec<u8>> {
+    let mut bytes = Vec::new();
+    let samples: Vec<u8> = samples.into_iter().flat_map(u16::to_ne_bytes).collect();
+    PngEncoder::new(&mut bytes).write_image(&samples, width, height, ExtendedColorType::L16)?;
+    Ok(bytes)
+}
+
+fn pfm(width: u32, height: u32, samples: &[f32]) -> Result<Vec<u8>> {
+    let mut bytes = Vec::new();
+    write!(bytes, "Pf\n{width} {height}\n-1.0\n")?;
+    for row in samples.chunks(width.max(1) as usize).rev() {
+        for sample in row {
+            bytes.write_all(&sample.to_le_bytes())?;
+        }
+    }
+    Ok(bytes)
+}
+
+fn npy(width: u32, height: u32, samples: &[f32]) -> Result<Vec<u8>> {
+    let mut bytes = Vec::new();
+    let options = npyz::WriteOptions::<f32>::new().default_dtype();
+    let mut npy = options.shape(&[height.into(), width.into()]).writer(&mut bytes).begin_nd()?;
+    npy.extend(samples.iter().copied())?;
+    npy.finish()?;
+    Ok(bytes)
+}
+
+fn tiff(width: u32, height: u32, samples: &[f32]) -> Result<Vec<u8>> {
+    let mut bytes = Cursor::new(Vec::new());
+    tiff::encoder::TiffEncoder::new(&mut bytes)?
+        .write_image::<tiff::encoder::colortype::Gray32Float>(width, height, samples)?;
     Ok(bytes.into_inner())
 }
 
@@ -356,8 +447,11 @@ mod tests {
         let folder = tempfile::tempdir().unwrap();
         let paths = [folder.path().join("a.npy"), folder.path().join("b.png")];
         let none = PathBuf::new();
-        let outputs = resolve(&paths, &[], [&none, &none], &Params::sgm(8)).unwrap();
-        assert!(write(&outputs, &map(&[-16]), None, &Params::sgm(8)).is_err());
+        let outputs = resolve(&paths, &[], &[], [&none, &none], &Params::sgm(8)).unwrap();
+        let left = Image::new(1, 1, gpu_stereo::Pixels::Gray8(vec![0])).unwrap();
+        let (map, params) = (map(&[-16]), Params::sgm(8));
+        let maps = Maps { map: &map, confidence: None, depth: None, left: &left, params: &params };
+        assert!(write(&outputs, &maps).is_err());
         assert_eq!(fs::read_dir(folder.path()).unwrap().count(), 0);
     }
 }

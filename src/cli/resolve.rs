@@ -1,9 +1,10 @@
 //! Resolve: what was typed becomes settings that are known to be good, before an image is decoded or a device opened.
 
-use crate::args::{self, Args, Whole};
+use crate::args::{self, Args, Scene, Whole};
+use crate::calibration::{Calibration, Reading};
 use crate::output::{Format, Output};
 use anyhow::{Result, anyhow, bail, ensure};
-use gpu_stereo::{Error, Params};
+use gpu_stereo::{Camera, Error, Params};
 use std::path::PathBuf;
 
 /// A run, ready to start.
@@ -15,6 +16,10 @@ pub struct Job {
     pub right: PathBuf,
     /// The matcher's settings, validated.
     pub params: Params,
+    /// What the calibration says.
+    pub calibration: Option<Calibration>,
+    /// Whether the principal point is to be in the middle of the image, along each axis.
+    pub middle: [bool; 2],
     /// Where to compute.
     pub backend: args::Backend,
     /// The adapter that was asked for.
@@ -53,16 +58,26 @@ pub fn resolve(args: Args) -> Result<Job> {
     let (Some(left), Some(right)) = (args.left, args.right) else {
         bail!("two images are needed, LEFT and RIGHT; see gpu-stereo --help");
     };
+    let calibration = calibration(&args.scene)?;
+    let depths = crate::output::depth_formats(&args.scene.depth, &args.scene.points)?;
+    match &calibration {
+        Some(calibration) if !depths.is_empty() => params.depth = Some(calibration.camera),
+        Some(_) => crate::tell("note: the cameras change nothing without --depth and --points"),
+        None if depths.is_empty() => {}
+        None => bail!("--depth and --points need the cameras; give --calib FILE, or --focal PX and --baseline M"),
+    }
     let pictures = [
         ("color", &args.color, Format::Color),
         ("mask", &args.mask, Format::Mask),
         ("confidence", &args.confidence, Format::Confidence),
     ];
-    let outputs = crate::output::resolve(&args.output, &pictures, [&left, &right], &params)?;
+    let outputs = crate::output::resolve(&args.output, &pictures, &depths, [&left, &right], &params)?;
     Ok(Job {
         left,
         right,
         params,
+        calibration,
+        middle: [args.scene.cx, args.scene.cy].map(|given| args.scene.focal.is_some() && given.is_none()),
         backend: args.backend,
         adapter: args.adapter,
         outputs,
@@ -72,6 +87,20 @@ pub fn resolve(args: Args) -> Result<Job> {
         json: args.json,
         quiet: args.quiet,
     })
+}
+
+/// The cameras that the options name.
+fn calibration(scene: &Scene) -> Result<Option<Calibration>> {
+    let Scene { calib, calib_right, calib_unit, calib_pair, .. } = scene;
+    if let Some(path) = calib {
+        let reading = Reading { unit: *calib_unit, pair: *calib_pair };
+        return Calibration::read(path, calib_right.as_deref(), reading).map(Some);
+    }
+    let (Some(focal), Some(baseline)) = (scene.focal, scene.baseline) else { return Ok(None) };
+    let [doffs, cx, cy] = [scene.doffs, scene.cx, scene.cy].map(Option::unwrap_or_default);
+    let camera = Camera { focal, baseline, doffs, cx, cy };
+    camera.validate().map_err(told)?;
+    Ok(Some(Calibration { camera, size: None }))
 }
 
 /// There is no usual number of disparities.
@@ -100,7 +129,12 @@ pub fn repeat(given: &Whole) -> Result<u32> {
 
 /// The settings that the options make.
 pub fn params<'a>(settings: impl Iterator<Item = (&'a str, &'a str)>) -> Result<Params> {
-    Params::from_options(DISPARITIES, settings).map_err(|error| match error {
+    Params::from_options(DISPARITIES, settings).map_err(told)
+}
+
+/// An error of the library by the names of the options.
+fn told(error: Error) -> anyhow::Error {
+    match error {
         Error::Parameter { name: "option", given, allowed, remedy } => {
             anyhow!("{given} is no option; {allowed} is; {remedy}")
         }
@@ -108,7 +142,7 @@ pub fn params<'a>(settings: impl Iterator<Item = (&'a str, &'a str)>) -> Result<
             anyhow!("--{name} is {given}, but must be {allowed}; {remedy}")
         }
         other => other.into(),
-    })
+    }
 }
 
 /// Options that change nothing wherever they are given are told: nothing is ignored in silence.

@@ -2,6 +2,7 @@
 
 use crate::adapter::{self, Opened};
 use crate::args::Backend;
+use crate::output::Maps;
 use crate::report::{FrameMs, Report};
 use crate::resolve::Job;
 use crate::{input, output};
@@ -24,27 +25,30 @@ pub struct OnAdapter {
 pub fn run(job: &Job) -> Result<Report> {
     let (left, right) = input::read_pair(&job.left, &job.right)?;
 
+    let params = &params_for(job, &left)?;
     let start = Instant::now();
-    let engine = Engine::open(job.backend, job.adapter.as_deref(), job.check, &left, &job.params)?;
+    let engine = Engine::open(job.backend, job.adapter.as_deref(), job.check, &left, params)?;
     // Stage times come from the frames that are told, so that stages and transfers add up to the frame.
     let timed = job.timings || job.json;
-    let Frames { matched, first, times, stages } = engine.frames(&left, &right, &job.params, timed, job.repeat)?;
+    let Frames { matched, first, times, stages } = engine.frames(&left, &right, params, timed, job.repeat)?;
     let first_frame_ms = (first - start).as_secs_f64() * 1e3;
 
     let check = if job.check {
         // Column sums of two bytes, the cost, every direction, and an aggregate of two bytes.
-        let directions = match job.params.method {
-            Method::Sgm => job.params.paths.count().into(),
+        let directions = match params.method {
+            Method::Sgm => params.paths.count().into(),
             _ => 0,
         };
-        ensure_memory(&job.params, &left, 5 + directions)?;
+        ensure_memory(params, &left, 5 + directions)?;
         Some(engine.check(&left, &right)?)
     } else {
         None
     };
     let passed = check.iter().flatten().all(|stage| stage.mismatches == 0);
     if passed {
-        output::write(&job.outputs, &matched.map, matched.confidence.as_ref(), &job.params)?;
+        let Matched { map, confidence, depth, .. } = &matched;
+        let (confidence, depth) = (confidence.as_ref(), depth.as_ref());
+        output::write(&job.outputs, &Maps { map, confidence, depth, left: &left, params })?;
     }
     let outputs = if passed { job.outputs.iter().map(|output| output.path.clone()).collect() } else { Vec::new() };
     let (adapter, backend, driver) = engine.names();
@@ -54,8 +58,8 @@ pub fn run(job: &Job) -> Result<Report> {
         driver,
         width: matched.map.width,
         height: matched.map.height,
-        min_disparity: job.params.min_disparity,
-        disparities: job.params.disparities,
+        min_disparity: params.min_disparity,
+        disparities: params.disparities,
         valid: matched.map.valid_fraction(),
         frame_ms: times,
         first_frame_ms,
@@ -64,6 +68,20 @@ pub fn run(job: &Job) -> Result<Report> {
         check: check.map(|stages| stages.into_iter().map(Into::into).collect()),
         outputs,
     })
+}
+
+/// The settings of the job for images of this size.
+fn params_for(job: &Job, image: &Image) -> Result<Params> {
+    let (width, height) = (image.width(), image.height());
+    let mut params = job.params.clone();
+    let (Some(calibration), Some(camera)) = (&job.calibration, &mut params.depth) else { return Ok(params) };
+    calibration.ensure_size(width, height)?;
+    for (is_middle, place, side) in [(job.middle[0], &mut camera.cx, width), (job.middle[1], &mut camera.cy, height)] {
+        if is_middle {
+            *place = f64::from(side - 1) / 2.0;
+        }
+    }
+    Ok(params)
 }
 
 /// What came of frames of one pair.
