@@ -8,6 +8,7 @@ use crate::{Cost, DisparityMap, Error, Image, Method, Params, StereoMatcher, rea
 
 /// The first element of a stage that differs from the reference.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[non_exhaustive]
 pub struct Mismatch {
     /// Column; of a gray or a prefiltered image the byte of its row, of column sums the column plus the block's radius,
     /// of statistics of blocks their place in a row.
@@ -24,6 +25,7 @@ pub struct Mismatch {
 
 /// What became of one stage.
 #[derive(Clone, Debug, PartialEq, Eq)]
+#[non_exhaustive]
 pub struct StageCheck {
     /// The stage's name, as in docs/ALGORITHMS.md.
     pub stage: String,
@@ -193,6 +195,7 @@ fn each_row(rows: Rows, bytes: &[u8], stride: u64) -> impl Iterator<Item = (usiz
     (rows.first as usize..).zip(bytes.chunks_exact(stride as usize)).take(rows.count as usize)
 }
 
+#[cfg(not(target_arch = "wasm32"))]
 impl StereoMatcher {
     /// Computes a pair step by step and compares what each step left with the reference, element by element.
     ///

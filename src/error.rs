@@ -6,6 +6,7 @@
 pub enum Error {
     /// A parameter lies outside its range.
     #[error("{name} is {given}, but must be {allowed}; {remedy}")]
+    #[non_exhaustive]
     Parameter {
         /// The parameter's name on the command line and in [`crate::Params`].
         name: &'static str,
@@ -21,6 +22,7 @@ pub enum Error {
     Image(String),
     /// The device cannot hold or run what was asked of it.
     #[error("{what} needs {needed} bytes, but the device allows {allowed}; {remedy}")]
+    #[non_exhaustive]
     TooLarge {
         /// The thing that does not fit.
         what: String,
@@ -46,6 +48,7 @@ pub enum Error {
     #[error(
         "the frame was dropped: {in_flight} frames were in flight already; take results sooner, or allow more in flight"
     )]
+    #[non_exhaustive]
     Dropped {
         /// How many were in flight.
         in_flight: usize,

@@ -17,6 +17,13 @@ pub enum Pixels {
 }
 
 /// How the samples of [`Pixels`] are laid out, without the samples.
+///
+/// ```
+/// use gpu_stereo::{Image, PixelFormat, Pixels};
+/// let image = Image::new(2, 1, Pixels::Gray16(vec![0, 65535]))?;
+/// assert_eq!((image.format(), image.format().bytes_per_pixel()), (PixelFormat::Gray16, 2));
+/// # Ok::<(), gpu_stereo::Error>(())
+/// ```
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 #[non_exhaustive]
 pub enum PixelFormat {
@@ -57,6 +64,14 @@ pub struct Image {
 
 impl Image {
     /// An image of `width` x `height` pixels.
+    ///
+    /// ```
+    /// use gpu_stereo::{Image, Pixels};
+    /// let red_and_blue = Image::new(2, 1, Pixels::Rgba8(vec![255, 0, 0, 255, 0, 0, 255, 255]))?;
+    /// assert_eq!((red_and_blue.width(), red_and_blue.height()), (2, 1));
+    /// assert!(Image::new(2, 2, Pixels::Gray8(vec![0; 3])).is_err());
+    /// # Ok::<(), gpu_stereo::Error>(())
+    /// ```
     ///
     /// # Errors
     /// If a side is 0, or the number of samples is not what the size and the format need.
@@ -127,6 +142,12 @@ impl DisparityMap {
     pub const INVALID: i16 = i16::MIN;
 
     /// Disparity in pixels, `None` where there is none (or outside the map).
+    ///
+    /// ```
+    /// use gpu_stereo::DisparityMap;
+    /// let map = DisparityMap { width: 2, height: 1, data: vec![40, DisparityMap::INVALID] };
+    /// assert_eq!((map.get(0, 0), map.get(1, 0), map.get(2, 0)), (Some(2.5), None, None));
+    /// ```
     pub fn get(&self, x: u32, y: u32) -> Option<f32> {
         if x >= self.width || y >= self.height {
             return None;

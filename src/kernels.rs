@@ -2,7 +2,7 @@
 
 use std::collections::HashSet;
 
-use crate::buffers::TEXELS;
+use crate::buffers::{Frame, Pass, TEXELS};
 use crate::params::{Census, Cost, Params, Paths, Prefilter, Subpixel};
 use crate::reference::{median_decay, median_spacing, wls_bits};
 use crate::schedule::{Exchange, GROUP_LANES, Plan, STRIP_LANES};
@@ -395,29 +395,44 @@ fn shader_module(
     unsafe { device.create_shader_module_trusted(descriptor, checks) }
 }
 
-/// The limits that the kernels need, whatever the settings.
+/// Bytes of workgroup memory of `members_workgroup` and of `mi_range`, which have most of it.
+pub(crate) const SHARED_BYTES: u32 = 2048;
+
+/// The limits that the kernels need, whatever the settings; all that the device lacks is named at once. The sizes of
+/// buffers and textures, which depend on the pair, are checked where they are computed (src/buffers.rs).
 pub(crate) fn check_limits(limits: &wgpu::Limits) -> Result<(), Error> {
-    let most = KERNELS
-        .iter()
-        .map(|kernel| {
-            kernel.storage.iter().filter(|access| matches!(access, Read | Write | Costs | Penalties)).count() as u32
-        })
-        .max()
-        .unwrap_or(0);
-    let lanes = KERNELS.iter().map(|kernel| kernel.lanes.max(GROUP_LANES)).max().unwrap_or(0);
-    let needs = [
-        ("max_storage_buffers_per_shader_stage", limits.max_storage_buffers_per_shader_stage, most),
-        ("max_storage_textures_per_shader_stage", limits.max_storage_textures_per_shader_stage, 3),
-        ("max_compute_invocations_per_workgroup", limits.max_compute_invocations_per_workgroup, lanes),
-        ("max_compute_workgroup_size_x", limits.max_compute_workgroup_size_x, lanes),
-        ("max_dynamic_uniform_buffers_per_pipeline_layout", limits.max_dynamic_uniform_buffers_per_pipeline_layout, 1),
-    ];
-    let missing: Vec<String> = needs
-        .iter()
-        .filter(|(_, has, needed)| has < needed)
-        .map(|(name, has, needed)| format!("{name} is {has}, at least {needed} needed"))
-        .collect();
-    if missing.is_empty() { Ok(()) } else { Err(Error::Device(missing.join("; "))) }
+    let most = |bound: fn(&Access) -> bool| {
+        KERNELS.iter().map(|kernel| kernel.storage.iter().filter(|access| bound(access)).count()).max().unwrap_or(0)
+    };
+    let buffers = most(|access| matches!(access, Read | Write | Costs | Penalties));
+    let textures = most(|access| matches!(access, Texels(_) | Costs | Table));
+    let lanes = KERNELS.iter().map(|kernel| kernel.lanes).max().unwrap_or(0).max(GROUP_LANES);
+    let uniform = size_of::<Frame>().max(size_of::<Pass>());
+    let mut lacking = Vec::new();
+    macro_rules! need {
+        ($($name:ident $needed:expr;)+) => {$(
+            if u64::from(limits.$name) < $needed as u64 {
+                lacking.push(format!("{} is {}, at least {} needed", stringify!($name), limits.$name, $needed));
+            }
+        )+};
+    }
+    need! {
+        max_bind_groups 1;
+        max_bindings_per_bind_group 2 + most(|_| true);
+        max_dynamic_uniform_buffers_per_pipeline_layout 1;
+        max_storage_buffers_per_shader_stage buffers;
+        max_storage_textures_per_shader_stage textures;
+        max_sampled_textures_per_shader_stage 1;
+        max_uniform_buffers_per_shader_stage 2;
+        max_buffers_and_acceleration_structures_per_shader_stage 2 + buffers;
+        max_uniform_buffer_binding_size uniform;
+        max_compute_workgroup_storage_size SHARED_BYTES;
+        max_compute_invocations_per_workgroup lanes;
+        max_compute_workgroup_size_x lanes;
+        max_compute_workgroup_size_y 1;
+        max_compute_workgroup_size_z 1;
+    }
+    if lacking.is_empty() { Ok(()) } else { Err(Error::Device(lacking.join("; "))) }
 }
 
 #[cfg(test)]

@@ -24,41 +24,50 @@
 //!
 //! # In another program
 //!
-//! The matcher works on the caller's device. It needs no optional feature, and WebGPU's default limits suffice; with
-//! [`StereoMatcher::required_features`] it is faster, and
-//! [`StereoMatcher::required_limits`] raises them so that large pairs are cut into fewer bands.
+//! The matcher works on the caller's device, from the caller's textures or buffers into such, in the caller's encoder.
+//! It needs no optional feature, and WebGPU's default limits suffice; with [`StereoMatcher::required_features`] it is
+//! faster, and [`StereoMatcher::required_limits`] raises them so that large pairs are cut into fewer bands.
 //!
 //! ```no_run
-//! use gpu_stereo::{DisparityMap, Error, Image, Inputs, Outputs, Params, Pixels, StereoMatcher, reference, wgpu};
+//! use gpu_stereo::{Error, Inputs, Outputs, Params, PixelFormat, StereoMatcher, wgpu};
 //!
-//! fn frame(device: &wgpu::Device, queue: &wgpu::Queue, l: Vec<u8>, r: Vec<u8>) -> Result<DisparityMap, Error> {
-//!     let left = Image::new(741, 500, Pixels::Gray8(l))?;
-//!     let right = Image::new(741, 500, Pixels::Gray8(r))?;
-//!     let params = Params::sgm(64);
-//!     let matcher = StereoMatcher::new(device, queue, 741, 500, left.format(), &params)?; // once
+//! /// Views of textures of 1280x720: `left` and `right` in Rgba8Unorm with the usage TEXTURE_BINDING, `disparity` in
+//! /// R32Float with RENDER_ATTACHMENT.
+//! fn program(
+//!     device: &wgpu::Device,
+//!     queue: &wgpu::Queue,
+//!     [left, right, disparity]: [&wgpu::TextureView; 3],
+//! ) -> Result<(), Error> {
+//!     let matcher = StereoMatcher::new(device, queue, 1280, 720, PixelFormat::Rgba8, &Params::sgm(64))?; // once
 //!
-//!     // In the caller's own frame: `record` neither submits nor waits.
-//!     matcher.upload(&left, &right)?;
-//!     let mut encoder = device.create_command_encoder(&wgpu::CommandEncoderDescriptor::default());
-//!     matcher.record(&mut encoder, &Inputs::Uploaded, &Outputs::default())?;
-//!     let _map: &wgpu::Buffer = matcher.output(); // i16 in 1/16 px, two pixels a word: for the caller's next pass
-//!     queue.submit([encoder.finish()]);
-//!
-//!     // Is this device right? The blocking convenience beside the definition.
-//!     let map = matcher.compute_blocking(&left, &right)?.map;
-//!     assert_eq!(map, reference::compute(&left, &right, &params)?);
-//!     Ok(map)
+//!     loop {
+//!         let mut encoder = device.create_command_encoder(&wgpu::CommandEncoderDescriptor::default());
+//!         // ... passes that draw `left` and `right` ...
+//!         let outputs = Outputs::default().disparity(disparity);
+//!         matcher.record(&mut encoder, &Inputs::textures(left, right), &outputs)?; // neither submits nor waits
+//!         // ... passes that read `disparity`: pixels, -2048 where there is none ...
+//!         queue.submit([encoder.finish()]);
+//!     }
 //! }
 //! ```
 //!
-//! [`StereoMatcher::check_blocking`] compares after every stage instead and names the first value that differs.
+//! [`Inputs`] and [`Outputs`] tell which formats there are. After the first frame [`StereoMatcher::record`] makes nothing
+//! on the device. [`StereoMatcher::compute_blocking`] takes two [`Image`]s and waits for the map;
+//! [`StereoMatcher::check_blocking`] compares every stage with the reference and names the first value that differs.
+//! examples/embed.rs is a whole program.
 //!
 //! `wgpu` is exported again, so that the caller's device and the matcher's are of one version.
 //!
 //! # Features
 //!
 //! `cli` (default): the command `gpu-stereo` and its file formats. The library alone: `default-features = false`.
+//!
+//! # Browsers
+//!
+//! The library builds for `wasm32-unknown-unknown`, with wgpu's backend WebGPU. Nothing can block there: what has
+//! `blocking` in its name does not exist. [`mod@reference`] works, on one thread.
 #![cfg_attr(test, allow(clippy::unwrap_used))]
+#![cfg_attr(target_arch = "wasm32", allow(dead_code, unused_imports))] // what only blocking functions use
 
 #[cfg(test)]
 extern crate self as gpu_stereo; // for tests/support, which the unit tests share
@@ -67,6 +76,7 @@ mod buffers;
 mod camera;
 mod chain;
 mod check;
+mod color;
 mod error;
 mod image;
 mod kernels;
@@ -82,6 +92,7 @@ mod surfaces;
 
 pub use camera::Camera;
 pub use check::{Mismatch, StageCheck};
+pub use color::turbo;
 pub use error::Error;
 pub use image::{ConfidenceMap, DepthMap, DisparityMap, Image, Matched, PixelFormat, Pixels};
 pub use matcher::{Reading, StageTime, StereoMatcher};
@@ -89,5 +100,5 @@ pub use options::ParamOption;
 pub use params::{Census, Cost, Fill, Median, Method, Params, Paths, Prefilter, Preset, RightView, Subpixel, Wls};
 pub use schedule::Schedule;
 pub use stream::{StereoStream, StreamFrame};
-pub use surfaces::{Inputs, Outputs};
+pub use surfaces::{Inputs, Outputs, PixelBuffer, TypedView};
 pub use wgpu;

@@ -10,6 +10,7 @@ use crate::readback::{Mapping, Waiter};
 use crate::reference::{self, Round};
 use crate::schedule::Plan;
 use crate::steps::{Builder, Level, Pool, Step, row_bytes};
+use crate::surfaces::{Middle, Surfaces};
 use crate::{
     ConfidenceMap, DepthMap, DisparityMap, Error, Image, Inputs, Matched, Outputs, Params, PixelFormat, kernels,
     readback,
@@ -17,6 +18,7 @@ use crate::{
 
 /// The time of one stage in one frame.
 #[derive(Clone, Debug, PartialEq)]
+#[non_exhaustive]
 pub struct StageTime {
     /// The stage's name, as in docs/ALGORITHMS.md.
     pub name: String,
@@ -51,6 +53,7 @@ pub struct StereoMatcher {
     spare: Arc<Mutex<Vec<wgpu::Buffer>>>,
     pub(crate) waiter: Arc<Waiter>,
     timer: OnceLock<Timer>,
+    surfaces: Surfaces,
 }
 
 #[derive(Debug)]
@@ -315,6 +318,7 @@ impl StereoMatcher {
                 waiter: Arc::default(),
                 sizes,
                 timer: OnceLock::new(),
+                surfaces: Surfaces::default(),
             };
             matcher.spare_again(matcher.readback_buffer());
             matcher
@@ -496,9 +500,29 @@ impl StereoMatcher {
         inputs: &Inputs<'_>,
         outputs: &Outputs<'_>,
     ) -> Result<(), Error> {
-        let _ = (inputs, outputs.disparity);
+        let middle = Middle {
+            device: &self.device,
+            queue: &self.queue,
+            frame: &self.sizes.frame,
+            format: self.format,
+            params: &self.params,
+            sources: &self.made.sources,
+            output: &self.made.output,
+            right: self.made.right.as_ref(),
+            confidence: self.made.confidence.as_ref(),
+        };
+        let before = middle.before(&self.surfaces, inputs)?;
+        let after = middle.after(&self.surfaces, outputs)?;
+        before.iter().for_each(|work| work.record(encoder));
         self.record_chain(encoder);
+        after.iter().for_each(|work| work.record(encoder));
         Ok(())
+    }
+
+    /// Lets go of the textures and buffers of [`Inputs`] and [`Outputs`]. What binds the last of them (those of about eight
+    /// pairs) is kept for the next frames, and keeps them alive.
+    pub fn forget_surfaces(&self) {
+        self.surfaces.forget();
     }
 
     /// Records the work of one frame, from the uploaded pair to [`StereoMatcher::output`].
@@ -635,6 +659,7 @@ impl StereoMatcher {
     ///
     /// # Errors
     /// As [`StereoMatcher::compute_blocking`].
+    #[cfg(not(target_arch = "wasm32"))]
     pub fn compute_timed_blocking(&self, left: &Image, right: &Image) -> Result<(Matched, Vec<StageTime>), Error> {
         // Neighbouring steps of a stage are timed together.
         let runs: Vec<&[Step]> =

@@ -317,7 +317,16 @@ macro_rules! options {
 }
 
 impl Params {
-    /// Every setting that a map depends on, and how it is laid out on the device, in the order of `--help`.
+    /// Every setting that a map depends on, and how it is laid out on the device, in the order of `--help`: what a
+    /// program needs to show them all.
+    ///
+    /// ```
+    /// use gpu_stereo::Params;
+    /// let params = Params::sgm(64);
+    /// for option in Params::OPTIONS {
+    ///     println!("{} = {} ({}): {}", option.name, option.get(&params), option.allowed(), option.help);
+    /// }
+    /// ```
     pub const OPTIONS: &'static [ParamOption] = options! {
         "Input" {
             "disp" "N" natural disparities
@@ -412,6 +421,15 @@ impl Params {
     };
 
     /// Sets one setting by its name. Ranges are left to [`Params::validate`], which judges all settings together.
+    ///
+    /// ```
+    /// use gpu_stereo::{Params, Paths};
+    /// let mut params = Params::sgm(64);
+    /// params.set("paths", "8")?;
+    /// assert_eq!((params.paths, params.get("paths").as_str()), (Paths::Eight, "8"));
+    /// assert!(params.set("paths", "7").is_err());
+    /// # Ok::<(), gpu_stereo::Error>(())
+    /// ```
     ///
     /// # Errors
     /// [`Error::Parameter`] for an unknown name, and for a value that is no number or none of the words that are known.

@@ -162,11 +162,20 @@ pub enum Fill {
 /// Edge-preserving smoothing of the map, guided by the left image: Min et al., "Fast Global Image Smoothing Based on
 /// Weighted Least Squares", IEEE TIP 23(12), 2014.
 #[derive(Clone, Copy, Debug, PartialEq)]
+#[non_exhaustive]
 pub struct Wls {
     /// Strength of the smoothing; 8000 is usual.
     pub lambda: f32,
     /// Intensity step that stops it; 1 to 2 is usual.
     pub sigma: f32,
+}
+
+impl Wls {
+    /// Smoothing of this strength, that stops at this intensity step.
+    #[must_use]
+    pub fn new(lambda: f32, sigma: f32) -> Self {
+        Self { lambda, sigma }
+    }
 }
 
 impl Default for Wls {
@@ -291,6 +300,7 @@ impl Params {
     pub const MAX_P2: u32 = 127;
 
     /// The classic chain with semi-global matching over `disparities` disparities from 0.
+    #[must_use]
     pub fn sgm(disparities: u32) -> Self {
         Self {
             min_disparity: 0,
@@ -330,11 +340,20 @@ impl Params {
     }
 
     /// The classic chain with block matching over `disparities` disparities from 0.
+    #[must_use]
     pub fn bm(disparities: u32) -> Self {
         Self { method: Method::Bm, block: 15, uniqueness: 15, ..Self::sgm(disparities) }
     }
 
     /// A preset over `disparities` disparities from 0.
+    ///
+    /// ```
+    /// use gpu_stereo::{Params, Preset, Wls};
+    /// let mut params = Params::preset(Preset::Strict, 128);
+    /// params.min_disparity = -16; // -16 to 111
+    /// params.wls = Some(Wls::default());
+    /// ```
+    #[must_use]
     pub fn preset(preset: Preset, disparities: u32) -> Self {
         let classic = Self { speckle_window: 100, ..Self::sgm(disparities) };
         let balanced = Self {
@@ -385,7 +404,15 @@ impl Params {
         }
     }
 
-    /// Checks every range, and that the settings go together.
+    /// Checks every range, and that the settings go together. Whatever takes settings does so itself.
+    ///
+    /// ```
+    /// use gpu_stereo::{Error, Params};
+    /// let mut params = Params::sgm(64);
+    /// params.block = 4;
+    /// let Err(Error::Parameter { name, allowed, .. }) = params.validate() else { panic!() };
+    /// assert_eq!((name, allowed.as_str()), ("block", "odd and from 1 to 51"));
+    /// ```
     ///
     /// # Errors
     /// [`Error::Parameter`] for the first parameter outside its range.

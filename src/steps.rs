@@ -247,6 +247,8 @@ pub(crate) struct Builder<'a> {
     bytes: HashMap<wgpu::Buffer, u64>,
     planned: Vec<Planned>,
     tables: Vec<(wgpu::Buffer, Vec<u32>)>,
+    /// The kernels so far, and what they were compiled for.
+    kernels: Vec<(usize, PixelFormat, Plan, Params, Compiled)>,
 }
 
 impl<'a> Builder<'a> {
@@ -269,6 +271,7 @@ impl<'a> Builder<'a> {
             bytes: HashMap::new(),
             planned: Vec::new(),
             tables: Vec::new(),
+            kernels: Vec::new(),
         }
     }
 
@@ -426,18 +429,7 @@ impl<'a> Builder<'a> {
             unreachable!("{name} is not in the table of kernels");
         };
         let row = &KERNELS[kernel];
-        let text = kernels::source(row, &self.params, self.format, &self.plan);
-        let key = (kernel, text);
-        let compiled = match self.used.compiled.get(&key).cloned() {
-            Some(compiled) => compiled,
-            None => {
-                let known = self.free.compiled.remove(&key);
-                let compiled =
-                    known.unwrap_or_else(|| kernels::compile(self.device, row, &key.1, &self.params, &self.plan));
-                self.used.compiled.insert(key, compiled.clone());
-                compiled
-            }
-        };
+        let compiled = self.compiled(kernel);
         let written = row.storage.iter().position(|access| *access == kernels::Access::Write);
         let Some(Bound::Buffer(buffer)) = written.map(|i| storage[i]) else {
             unreachable!("{name} writes no buffer");
@@ -461,6 +453,27 @@ impl<'a> Builder<'a> {
             mirrored: self.mirrored,
             copy_to: None,
         });
+    }
+
+    /// A kernel for the present settings: one of this list of steps, one of before, or a new one.
+    fn compiled(&mut self, kernel: usize) -> Compiled {
+        let known = self.kernels.iter().find(|(other, format, plan, params, _)| {
+            (*other, *format, *plan) == (kernel, self.format, self.plan) && *params == self.params
+        });
+        if let Some((.., compiled)) = known {
+            return compiled.clone();
+        }
+        let row = &KERNELS[kernel];
+        let key = (kernel, kernels::source(row, &self.params, self.format, &self.plan));
+        let compiled = self.used.compiled.get(&key).cloned().unwrap_or_else(|| {
+            let known = self.free.compiled.remove(&key);
+            let compiled =
+                known.unwrap_or_else(|| kernels::compile(self.device, row, &key.1, &self.params, &self.plan));
+            self.used.compiled.insert(key, compiled.clone());
+            compiled
+        });
+        self.kernels.push((kernel, self.format, self.plan, self.params.clone(), compiled.clone()));
+        compiled
     }
 
     /// The bytes that were asked for of a buffer.

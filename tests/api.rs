@@ -8,8 +8,8 @@ use std::collections::BTreeSet;
 
 use gpu_stereo::reference::{self, Direction, Volume};
 use gpu_stereo::{
-    Camera, Cost, DepthMap, DisparityMap, Error, Image, Inputs, Method, Outputs, Params, Paths, PixelFormat, Pixels,
-    StereoMatcher, Wls, wgpu,
+    Camera, Cost, DepthMap, DisparityMap, Error, Image, Inputs, Matched, Method, Outputs, Params, Paths, PixelFormat,
+    Pixels, StageCheck, StageTime, StereoMatcher, StereoStream, StreamFrame, Wls, wgpu,
 };
 
 type Change = fn(&mut Params);
@@ -43,10 +43,10 @@ const REFUSED: &[(Change, &str, &str, &str)] = &[
     (|p| p.weighted_median = Some(16), "weighted-median", "16", "off, or a radius from 1 to 15"),
     (|p| p.weighted_median_sigma = 0, "weighted-median-sigma", "0", "1 to 255"),
     (|p| p.weighted_median_sigma = 256, "weighted-median-sigma", "256", "1 to 255"),
-    (|p| p.wls = Some(Wls { lambda: -1.0, sigma: 1.0 }), "wls-lambda", "-1", "0 to 1000000"),
-    (|p| p.wls = Some(Wls { lambda: f32::NAN, sigma: 1.0 }), "wls-lambda", "NaN", "0 to 1000000"),
-    (|p| p.wls = Some(Wls { lambda: 1.0, sigma: f32::INFINITY }), "wls-sigma", "inf", "0.1 to 1000"),
-    (|p| p.wls = Some(Wls { lambda: 1.0, sigma: -1.0 }), "wls-sigma", "-1", "0.1 to 1000"),
+    (|p| p.wls = Some(Wls::new(-1.0, 1.0)), "wls-lambda", "-1", "0 to 1000000"),
+    (|p| p.wls = Some(Wls::new(f32::NAN, 1.0)), "wls-lambda", "NaN", "0 to 1000000"),
+    (|p| p.wls = Some(Wls::new(1.0, f32::INFINITY)), "wls-sigma", "inf", "0.1 to 1000"),
+    (|p| p.wls = Some(Wls::new(1.0, -1.0)), "wls-sigma", "-1", "0.1 to 1000"),
     (|p| (p.method, p.cost) = (Method::Sgm, Cost::Ncc), "cost", "ncc", "another one with method sgm"),
     (|p| (p.method, p.cost, p.block) = (Method::Bm, Cost::Ncc, 1), "block", "1", "3 to 19 with cost ncc"),
     (|p| (p.method, p.cost, p.block) = (Method::Bm, Cost::Ncc, 21), "block", "21", "3 to 19 with cost ncc"),
@@ -222,6 +222,10 @@ fn webgpu_default_limits_suffice() {
 fn matchers_may_be_sent_and_shared() {
     fn send_and_sync<T: Send + Sync + 'static>() {}
     send_and_sync::<StereoMatcher>();
+    send_and_sync::<StereoStream>();
+    send_and_sync::<StreamFrame>();
+    send_and_sync::<(Params, Image, Matched, StageCheck, StageTime)>();
+    send_and_sync::<(Inputs<'static>, Outputs<'static>)>();
     send_and_sync::<Error>();
 }
 

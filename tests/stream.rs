@@ -249,7 +249,7 @@ fn a_dropped_frame_is_said() {
         assert_eq!(frame.number, n as u64);
         match frame.result {
             Ok(matched) => assert!(n < 2 && matched == expected(left, right, &params), "frame {n}"),
-            Err(Error::Dropped { in_flight }) => assert!(n >= 2 && in_flight == 2, "frame {n}"),
+            Err(Error::Dropped { in_flight, .. }) => assert!(n >= 2 && in_flight == 2, "frame {n}"),
             Err(error) => panic!("frame {n}: {error}"),
         }
     }

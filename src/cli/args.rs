@@ -1,6 +1,7 @@
 //! Parse: the command line as it was typed, with no meaning given to it yet.
 
 use crate::calibration::{Pair, Unit};
+use crate::output::Format;
 use clap::builder::{PossibleValue, StringValueParser, TypedValueParser};
 use clap::error::{ContextKind, ErrorKind};
 use clap::{Arg, ArgMatches, Command, FromArgMatches, Parser, Subcommand, ValueEnum};
@@ -13,6 +14,7 @@ use std::str::FromStr;
 const USAGE: &str = "\
 gpu-stereo <LEFT> <RIGHT> --disp <N> [OPTIONS]
        gpu-stereo sweep|compare <LEFT> <RIGHT> --disp <N> [OPTIONS]
+       gpu-stereo video <LEFT> <RIGHT> -o <OUT> --disp <N> [OPTIONS]
        gpu-stereo --list-adapters";
 
 const PRESET: &str = "preset";
@@ -33,9 +35,11 @@ Examples:
       depth in millimetres, and coloured points
   gpu-stereo sweep left.png right.png --block 5,9,15,21 --disp 41,61,81 -o sweep.png
       one sheet of colour maps, a row for each block and a column for each range, with times
+  gpu-stereo video left right -o maps --disp 64
+      a map of every pair of two folders
   gpu-stereo --list-adapters
 
-Exit codes: 0 done, 1 a check found a mismatch, 2 could not run.
+Exit codes: 0 done, 1 a check found a mismatch or a frame failed, 2 could not run.
 Vulkan, Metal and Direct3D 12 are searched for adapters; WGPU_BACKEND=gl in the environment searches OpenGL.";
 
 /// Dense disparity of a rectified stereo pair, on any GPU.
@@ -46,9 +50,9 @@ Vulkan, Metal and Direct3D 12 are searched for adapters; WGPU_BACKEND=gl in the 
 #[command(name = "gpu-stereo", version, override_usage = USAGE, after_help = EXAMPLES, max_term_width = 100)]
 #[command(args_conflicts_with_subcommands = true, subcommand_negates_reqs = true, disable_help_subcommand = true)]
 pub struct Args {
-    /// A study in place of a run
+    /// Something else than a run
     #[command(subcommand)]
-    pub study: Option<StudyCommand>,
+    pub verb: Option<Verb>,
 
     /// The left image
     #[arg(required_unless_present = "list_adapters")]
@@ -66,13 +70,9 @@ pub struct Args {
     #[command(flatten)]
     pub scene: Scene,
 
-    /// auto: the best GPU, else a CPU adapter, else the CPU reference; gpu: any adapter; cpu: the reference
-    #[arg(long, value_enum, default_value_t = Backend::Auto, help_heading = DEVICE)]
-    pub backend: Backend,
-
-    /// The adapter to use: its index or a part of its name, as --list-adapters tells them
-    #[arg(long, value_name = "NAME-OR-INDEX", help_heading = DEVICE)]
-    pub adapter: Option<String>,
+    /// Where to compute
+    #[command(flatten)]
+    pub device: DeviceArgs,
 
     /// List the adapters, best first, and stop
     #[arg(long, help_heading = DEVICE)]
@@ -168,15 +168,40 @@ pub struct Scene {
     pub points: Vec<PathBuf>,
 }
 
-/// A study: maps with several settings on one sheet.
+/// Where to compute.
+#[derive(Clone, Debug, clap::Args)]
+pub struct DeviceArgs {
+    /// auto: the best GPU, else a CPU adapter, else the CPU reference; gpu: any adapter; cpu: the reference
+    #[arg(long, value_enum, default_value_t = Backend::Auto, help_heading = DEVICE)]
+    pub backend: Backend,
+
+    /// The adapter to use: its index or a part of its name, as --list-adapters tells them
+    #[arg(long, value_name = "NAME-OR-INDEX", help_heading = DEVICE)]
+    pub adapter: Option<String>,
+}
+
+/// What is not the run of one pair.
 #[derive(Debug, Subcommand)]
-pub enum StudyCommand {
+pub enum Verb {
     /// Maps for every combination of values on one sheet, with times
     #[command(after_help = SWEEP, max_term_width = 100)]
     Sweep(StudyArgs),
     /// Maps of several variants on one sheet, with times
     #[command(after_help = COMPARE, max_term_width = 100)]
     Compare(Compare),
+    /// Maps of all frames of a video: two folders, two printf patterns or two globs
+    #[command(after_help = VIDEO, max_term_width = 100, override_usage = VIDEO_USAGE)]
+    Video(VideoArgs),
+}
+
+impl Verb {
+    /// Where it computes.
+    pub fn device(&self) -> &DeviceArgs {
+        match self {
+            Self::Sweep(study) | Self::Compare(Compare { study, .. }) => &study.device,
+            Self::Video(video) => &video.device,
+        }
+    }
 }
 
 const SWEEP: &str = "\
@@ -193,6 +218,73 @@ Examples:
   gpu-stereo compare left.png right.png --disp 64 --variants sad,ssd,census
   gpu-stereo compare left.png right.png --disp 64 --variants bm+block=21 census+paths=8 dense";
 
+const VIDEO_USAGE: &str = "gpu-stereo video <LEFT> <RIGHT> -o <OUT> --disp <N> [OPTIONS]";
+
+const VIDEO: &str = "\
+LEFT and RIGHT are each
+  a folder: its images in natural order (frame2 before frame10);
+  a printf pattern such as img_%06d.png: from the first number that exists to the first that does not; or
+  a glob such as 'left/*.png', in quotes, in natural order.
+All pairs have one size. What fails is told, the rest goes on, and the exit code is 1. Without --resume, files that are
+there are replaced, as those of a single run are.
+
+Examples:
+  gpu-stereo video left right -o maps --disp 64
+      maps/NAME.png for every left/NAME.png, 16 bits as in the KITTI benchmark
+  gpu-stereo video image_2/%06d_10.png image_3/%06d_10.png -o maps --disp 128 --format npy,color --resume
+      maps/000000_10.npy and maps/000000_10_color.png and so on, but not those that are there
+  gpu-stereo video 'cam0/*.jpg' 'cam1/*.jpg' -o depth_%04d.pfm --disp 96
+      depth_0000.pfm, depth_0001.pfm and so on
+  gpu-stereo video left right -o both.mp4 --fps 25 --disp 64
+      the left image beside the colour map, by the ffmpeg on the PATH
+
+Exit codes: 0 done, 1 a frame failed, 2 could not run.";
+
+/// The command line of `video`.
+#[derive(Debug, clap::Args)]
+pub struct VideoArgs {
+    /// The frames of the left and of the right camera
+    #[arg(required = true, num_args = 1.., value_names = ["LEFT", "RIGHT"])]
+    pub sides: Vec<PathBuf>,
+
+    /// The settings by name
+    #[command(flatten)]
+    pub settings: Settings,
+
+    /// Where to compute
+    #[command(flatten)]
+    pub device: DeviceArgs,
+
+    /// Frames that are uploaded, computed and read back at a time, 1 to 16
+    #[arg(long, value_name = "N", default_value = "3", allow_negative_numbers = true, help_heading = DEVICE)]
+    pub in_flight: Whole,
+
+    /// A folder, made if need be; a printf pattern such as map_%04d.png; or a video: .mp4, .mkv, .webm
+    #[arg(short, long, value_name = "OUT", required = true, help_heading = OUTPUT)]
+    pub output: PathBuf,
+
+    /// What to write of each frame, with commas between them: png (16 bit as KITTI), pfm, npy, tif, color, mask,
+    /// confidence [default: png, or as the pattern ends]
+    #[arg(long, value_name = "FORMAT", value_delimiter = ',', hide_possible_values = true, help_heading = OUTPUT)]
+    pub format: Vec<Format>,
+
+    /// Frames a second of a video, above 0, at most 1000 [default: 10]
+    #[arg(long, value_name = "FPS", allow_negative_numbers = true, help_heading = OUTPUT)]
+    pub fps: Option<String>,
+
+    /// Keep the files of an earlier run with the same settings, and compute only what is missing
+    #[arg(long, help_heading = OUTPUT)]
+    pub resume: bool,
+
+    /// Print one JSON object instead of the summary
+    #[arg(long, help_heading = OUTPUT)]
+    pub json: bool,
+
+    /// Print no summary and no progress
+    #[arg(short, long, help_heading = OUTPUT)]
+    pub quiet: bool,
+}
+
 /// The command line of a study.
 #[derive(Debug, clap::Args)]
 pub struct StudyArgs {
@@ -206,13 +298,9 @@ pub struct StudyArgs {
     #[command(flatten)]
     pub settings: Settings,
 
-    /// auto: the best GPU, else a CPU adapter, else the CPU reference; gpu: any adapter; cpu: the reference
-    #[arg(long, value_enum, default_value_t = Backend::Auto, help_heading = DEVICE)]
-    pub backend: Backend,
-
-    /// The adapter to use: its index or a part of its name, as --list-adapters tells them
-    #[arg(long, value_name = "NAME-OR-INDEX", help_heading = DEVICE)]
-    pub adapter: Option<String>,
+    /// Where to compute
+    #[command(flatten)]
+    pub device: DeviceArgs,
 
     /// Write the sheet, .png or .jpg [default: sweep.png, compare.png]
     #[arg(short, long, value_name = "FILE", help_heading = OUTPUT)]

@@ -1,21 +1,27 @@
-//! The command `gpu-stereo`: parse -> resolve -> run -> report. A study does so for several settings.
+//! The command `gpu-stereo`: parse -> resolve -> run -> report. A study does so for several settings, a video for several
+//! pairs.
 //!
-//! Exit codes: 0 done, 1 a check said no, 2 could not run. Data goes to stdout, messages to stderr.
+//! Exit codes: 0 done, 1 a check said no or a frame failed, 2 could not run. Data goes to stdout, messages to stderr.
 #![cfg_attr(test, allow(clippy::unwrap_used))]
 
 mod adapter;
 mod args;
 mod calibration;
 mod depth;
+mod film;
 mod input;
 mod output;
+mod pairs;
+mod pipeline;
+mod record;
 mod report;
 mod resolve;
 mod run;
 mod sheet;
 mod study;
+mod video;
 
-use args::StudyCommand;
+use args::Verb;
 use std::io::Write as _;
 use std::panic::{AssertUnwindSafe, catch_unwind, set_hook};
 use std::process::ExitCode;
@@ -25,6 +31,7 @@ use std::process::ExitCode;
 enum Outcome {
     Done,
     CheckFailed,
+    FramesFailed,
 }
 
 fn main() -> ExitCode {
@@ -41,11 +48,8 @@ fn main() -> ExitCode {
         Ok(args) => args,
         Err(code) => return code,
     };
-    let backend = match &args.study {
-        None => args.backend,
-        Some(StudyCommand::Sweep(args) | StudyCommand::Compare(args::Compare { study: args, .. })) => args.backend,
-    };
-    if args.list_adapters || backend != args::Backend::Cpu {
+    let device = args.verb.as_ref().map_or(&args.device, Verb::device);
+    if args.list_adapters || device.backend != args::Backend::Cpu {
         adapter::quiet_drivers();
     }
     // Nothing that was in use when a panic struck is used again: the process ends here.
@@ -59,10 +63,11 @@ fn execute(args: args::Args) -> anyhow::Result<Outcome> {
     if args.list_adapters {
         return report::list_adapters(&adapter::ranked(), args.json).map(|()| Outcome::Done);
     }
-    if let Some(command) = args.study {
-        let study = match command {
-            StudyCommand::Sweep(args) => study::resolve_sweep(args)?,
-            StudyCommand::Compare(args) => study::resolve_compare(args)?,
+    if let Some(verb) = args.verb {
+        let study = match verb {
+            Verb::Sweep(args) => study::resolve_sweep(args)?,
+            Verb::Compare(args) => study::resolve_compare(args)?,
+            Verb::Video(args) => return video::resolve(args)?.run(),
         };
         return study.print(&study.run()?).map(|()| Outcome::Done);
     }
@@ -76,7 +81,7 @@ fn execute(args: args::Args) -> anyhow::Result<Outcome> {
 fn exit_code(result: &anyhow::Result<Outcome>) -> u8 {
     match result {
         Ok(Outcome::Done) => 0,
-        Ok(Outcome::CheckFailed) => 1,
+        Ok(Outcome::CheckFailed | Outcome::FramesFailed) => 1,
         Err(error) => {
             tell(&error_line(error));
             2

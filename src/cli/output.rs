@@ -2,6 +2,8 @@
 
 use crate::depth;
 use anyhow::{Context as _, Result, bail, ensure};
+use clap::ValueEnum;
+use gpu_stereo::reference::{self, Channel};
 use gpu_stereo::{ConfidenceMap, DepthMap, DisparityMap, Image, Params};
 use image::codecs::jpeg::JpegEncoder;
 use image::codecs::png::PngEncoder;
@@ -13,15 +15,17 @@ use std::path::{Path, PathBuf};
 use tempfile::NamedTempFile;
 
 /// What a file holds.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
 pub enum Format {
     /// 16-bit gray PNG as in the KITTI benchmark: 256 a pixel of disparity, 0 invalid, a valid 0 is written as 1.
+    #[value(name = "png")]
     Kitti,
     /// Portable float map, little endian, rows from the bottom, +inf invalid.
     Pfm,
     /// NumPy array of 32-bit floats, rows x columns, NaN invalid.
     Npy,
     /// TIFF of 32-bit floats, NaN invalid.
+    #[value(name = "tif", alias = "tiff")]
     Tiff,
     /// A picture: turbo colours over the searched range, invalid black.
     Color,
@@ -30,6 +34,7 @@ pub enum Format {
     /// An 8-bit gray PNG: the confidence.
     Confidence,
     /// The depth.
+    #[value(skip)]
     Depth(DepthFormat),
 }
 
@@ -58,10 +63,31 @@ pub struct Maps<'a> {
     pub confidence: Option<&'a ConfidenceMap>,
     /// Their depth, if it was computed.
     pub depth: Option<&'a DepthMap>,
-    /// The left image.
-    pub left: &'a Image,
+    /// The left image, for the colours of points.
+    pub left: Option<&'a Image>,
     /// The settings.
     pub params: &'a Params,
+}
+
+impl Format {
+    /// What follows the name of a frame.
+    pub fn suffix(self) -> &'static str {
+        match self {
+            Self::Kitti => ".png",
+            Self::Pfm => ".pfm",
+            Self::Npy => ".npy",
+            Self::Tiff => ".tif",
+            Self::Color => "_color.png",
+            Self::Mask => "_mask.png",
+            Self::Confidence => "_confidence.png",
+            Self::Depth(DepthFormat::Png) => "_depth.png",
+            Self::Depth(DepthFormat::Pfm) => "_depth.pfm",
+            Self::Depth(DepthFormat::Npy) => "_depth.npy",
+            Self::Depth(DepthFormat::Tiff) => "_depth.tif",
+            Self::Depth(DepthFormat::Ply) => ".ply",
+            Self::Depth(DepthFormat::Pcd) => ".pcd",
+        }
+    }
 }
 
 /// What a file with a sheet holds.
@@ -82,6 +108,13 @@ pub struct Output<F = Format> {
     pub format: F,
     /// The file itself, symbolic links followed.
     place: PathBuf,
+}
+
+impl Output {
+    /// A file of a folder that is known to be writable, by its own name.
+    pub fn at(path: PathBuf, format: Format) -> Self {
+        Self { place: path.clone(), path, format }
+    }
 }
 
 /// The files to write, each checked: its ending is known, its folder can be written, it is neither an input nor named
@@ -144,27 +177,34 @@ fn places<F>(wanted: Vec<(PathBuf, F)>, inputs: [&PathBuf; 2]) -> Result<Vec<Out
 }
 
 fn default_map(params: &Params) -> (PathBuf, Format) {
+    let format = default_format(params, "disparity");
+    (["disparity", format.suffix()].concat().into(), format)
+}
+
+/// What a map without a format of its own becomes; said where it is not a PNG.
+pub fn default_format(params: &Params, name: &str) -> Format {
     let (first, last) = searched(params);
     if first >= 0 && last <= 255 {
-        return ("disparity.png".into(), Format::Kitti);
+        return Format::Kitti;
     }
     crate::tell(&format!(
-        "note: disparities from {first} to {last} px do not fit a 16-bit PNG (0 to 255); writing disparity.tif instead"
+        "note: disparities from {first} to {last} px do not fit a 16-bit PNG (0 to 255); writing {name}.tif instead"
     ));
-    ("disparity.tif".into(), Format::Tiff)
+    Format::Tiff
 }
 
 /// The smallest and the largest disparity searched.
-pub fn searched(params: &Params) -> (i64, i64) {
-    let first = i64::from(params.min_disparity);
-    (first, first + i64::from(params.disparities) - 1)
+pub fn searched(params: &Params) -> (i32, i32) {
+    params.searched().into_inner()
 }
 
-fn ending(path: &Path) -> String {
+/// What follows the last dot of a name, in small letters.
+pub fn ending(path: &Path) -> String {
     path.extension().map(|ending| ending.to_string_lossy().to_ascii_lowercase()).unwrap_or_default()
 }
 
-fn map_format(path: &Path) -> Result<Format> {
+/// What the ending of a name says.
+pub fn map_format(path: &Path) -> Result<Format> {
     Ok(match ending(path).as_str() {
         "png" => Format::Kitti,
         "pfm" => Format::Pfm,
@@ -199,7 +239,7 @@ pub fn depth_formats(depth: &[PathBuf], points: &[PathBuf]) -> Result<Vec<(PathB
 }
 
 /// Where the file will really be, once it is sure that it can be written.
-fn writable_place(path: &Path) -> Result<PathBuf> {
+pub fn writable_place(path: &Path) -> Result<PathBuf> {
     let folder = match path.parent() {
         Some(parent) if parent != Path::new("") => parent,
         _ => Path::new("."),
@@ -233,16 +273,16 @@ fn writable_place(path: &Path) -> Result<PathBuf> {
     // The superuser can write where nobody was meant to. (On Windows a folder's flag means something else.)
     let read_only = cfg!(unix) && fs::metadata(folder).is_ok_and(|kind| kind.permissions().readonly());
     ensure!(!read_only, "output {path:?} lies in a read-only folder; make the folder writable or give another path");
-    temporary(folder).with_context(|| {
+    temporary(folder, "").with_context(|| {
         format!("output {path:?} lies in a folder that cannot be written; check its permissions or give another path")
     })?;
     Ok(place)
 }
 
 /// A file that disappears unless it is renamed, with the permissions that an ordinary new file has.
-fn temporary(folder: &Path) -> std::io::Result<NamedTempFile> {
+pub fn temporary(folder: &Path, suffix: &str) -> std::io::Result<NamedTempFile> {
     let mut builder = tempfile::Builder::new();
-    builder.prefix(".gpu-stereo-");
+    builder.prefix(".gpu-stereo-").suffix(suffix);
     #[cfg(unix)]
     {
         use std::os::unix::fs::PermissionsExt as _;
@@ -252,8 +292,18 @@ fn temporary(folder: &Path) -> std::io::Result<NamedTempFile> {
 }
 
 /// Writes maps to every file, or, if one cannot be written, to none.
-pub fn write(outputs: &[Output], maps: &Maps<'_>) -> Result<()> {
+pub fn write_maps(outputs: &[Output], maps: &Maps<'_>) -> Result<()> {
     put(outputs, |format| encode(format, maps))
+}
+
+/// The same of a map and its confidence.
+pub fn write(
+    outputs: &[Output],
+    map: &DisparityMap,
+    confidence: Option<&ConfidenceMap>,
+    params: &Params,
+) -> Result<()> {
+    write_maps(outputs, &Maps { map, confidence, depth: None, left: None, params })
 }
 
 /// Writes a sheet, or nothing.
@@ -274,7 +324,7 @@ fn put<F: Copy>(outputs: &[Output<F>], contents: impl Fn(F) -> Result<Vec<u8>>) 
     for output in outputs {
         let bytes = contents(output.format).with_context(|| format!("output {:?} cannot be written", output.path))?;
         let stage = || -> std::io::Result<NamedTempFile> {
-            let mut file = temporary(output.place.parent().unwrap_or(Path::new("/")))?;
+            let mut file = temporary(output.place.parent().unwrap_or(Path::new("/")), "")?;
             file.write_all(&bytes)?;
             file.flush()?;
             Ok(file)
@@ -313,7 +363,9 @@ fn encode(format: Format, maps: &Maps<'_>) -> Result<Vec<u8>> {
         }
         Format::Confidence => png8(width, height, &confidence.context("no confidence was computed")?.data),
         Format::Depth(format) => {
-            let (Some(found), Some(camera)) = (maps.depth, &params.depth) else { bail!("no depth was computed") };
+            let (Some(found), Some(camera), Some(left)) = (maps.depth, &params.depth, maps.left) else {
+                bail!("no depth was computed")
+            };
             match format {
                 DepthFormat::Png => {
                     let (samples, lost) = depth::millimetres(found);
@@ -328,8 +380,8 @@ fn encode(format: Format, maps: &Maps<'_>) -> Result<Vec<u8>> {
                 DepthFormat::Pfm => pfm(width, height, &depth::metres(found, f32::INFINITY)),
                 DepthFormat::Npy => npy(width, height, &depth::metres(found, f32::NAN)),
                 DepthFormat::Tiff => tiff(width, height, &depth::metres(found, f32::NAN)),
-                DepthFormat::Ply => depth::ply(found, camera, maps.left),
-                DepthFormat::Pcd => depth::pcd(found, camera, maps.left),
+                DepthFormat::Ply => depth::ply(found, camera, left),
+                DepthFormat::Pcd => depth::pcd(found, camera, left),
             }
         }
     }
@@ -399,24 +451,24 @@ fn kitti(map: &DisparityMap) -> Result<Vec<u16>> {
 }
 
 /// A map in turbo colours over the disparities `first` to `last`, invalid black.
-pub fn picture(map: &DisparityMap, (first, last): (i64, i64)) -> RgbImage {
-    let color = |value| match pixels(value) {
-        None => [0; 3],
-        Some(disparity) => turbo((f64::from(disparity) - first as f64) / (last - first).max(1) as f64),
-    };
-    let mut values = map.data.iter();
-    RgbImage::from_fn(map.width, map.height, |_, _| Rgb(values.next().map_or([0; 3], |&value| color(value))))
+pub fn picture(map: &DisparityMap, (first, last): (i32, i32)) -> RgbImage {
+    let colors = map.color(&(first..=last));
+    let mut pixels = colors.chunks_exact(4);
+    RgbImage::from_fn(map.width, map.height, |_, _| Rgb(pixels.next().map_or([0; 3], |c| [c[0], c[1], c[2]])))
 }
 
-/// The colour of a share of the range, 0 to 1.
-pub fn turbo(share: f64) -> [u8; 3] {
-    let color = colorous::TURBO.eval_continuous(share.clamp(0.0, 1.0));
-    [color.r, color.g, color.b]
+/// An image in 8 bits a channel.
+pub fn drawn(image: &Image) -> RgbImage {
+    let channels = [0, 1, 2].map(|sample| reference::gray(image, Channel::Sample(sample)).data);
+    let mut pixels = 0..;
+    let color = |i: usize| channels.each_ref().map(|channel| channel[i]);
+    RgbImage::from_fn(image.width(), image.height(), |_, _| Rgb(pixels.next().map_or([0; 3], color)))
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
+    use gpu_stereo::turbo;
 
     fn map(data: &[i16]) -> DisparityMap {
         DisparityMap { width: data.len() as u32, height: 1, data: data.into() }
@@ -448,10 +500,7 @@ mod tests {
         let paths = [folder.path().join("a.npy"), folder.path().join("b.png")];
         let none = PathBuf::new();
         let outputs = resolve(&paths, &[], &[], [&none, &none], &Params::sgm(8)).unwrap();
-        let left = Image::new(1, 1, gpu_stereo::Pixels::Gray8(vec![0])).unwrap();
-        let (map, params) = (map(&[-16]), Params::sgm(8));
-        let maps = Maps { map: &map, confidence: None, depth: None, left: &left, params: &params };
-        assert!(write(&outputs, &maps).is_err());
+        assert!(write(&outputs, &map(&[-16]), None, &Params::sgm(8)).is_err());
         assert_eq!(fs::read_dir(folder.path()).unwrap().count(), 0);
     }
 }

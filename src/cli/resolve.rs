@@ -1,6 +1,6 @@
 //! Resolve: what was typed becomes settings that are known to be good, before an image is decoded or a device opened.
 
-use crate::args::{self, Args, Scene, Whole};
+use crate::args::{Args, Backend, DeviceArgs, Scene, Whole};
 use crate::calibration::{Calibration, Reading};
 use crate::output::{Format, Output};
 use anyhow::{Result, anyhow, bail, ensure};
@@ -21,9 +21,7 @@ pub struct Job {
     /// Whether the principal point is to be in the middle of the image, along each axis.
     pub middle: [bool; 2],
     /// Where to compute.
-    pub backend: args::Backend,
-    /// The adapter that was asked for.
-    pub adapter: Option<String>,
+    pub device: DeviceArgs,
     /// The files to write, each known to be writable.
     pub outputs: Vec<Output>,
     /// Compare every stage.
@@ -50,10 +48,10 @@ pub fn resolve(args: Args) -> Result<Job> {
     let mut params = params(args.settings.iter())?;
     params.confidence = args.confidence.is_some();
     tell_unused(&[(given, &params)]);
-    if args.check && args.backend == args::Backend::Cpu {
+    if args.check && args.device.backend == Backend::Cpu {
         bail!("--check compares an adapter with the CPU reference, but --backend is cpu; take auto or gpu");
     }
-    ensure_adapter(args.backend, args.adapter.as_deref())?;
+    ensure_adapter(&args.device)?;
     let repeat = args.repeat.as_ref().map(repeat).transpose()?.or(args.timings.then_some(1));
     let (Some(left), Some(right)) = (args.left, args.right) else {
         bail!("two images are needed, LEFT and RIGHT; see gpu-stereo --help");
@@ -78,8 +76,7 @@ pub fn resolve(args: Args) -> Result<Job> {
         params,
         calibration,
         middle: [args.scene.cx, args.scene.cy].map(|given| args.scene.focal.is_some() && given.is_none()),
-        backend: args.backend,
-        adapter: args.adapter,
+        device: args.device,
         outputs,
         check: args.check,
         timings: args.timings,
@@ -110,9 +107,9 @@ pub fn ensure_disparities(given: &[&str]) -> Result<()> {
 }
 
 /// An adapter that was asked for is used.
-pub fn ensure_adapter(backend: args::Backend, adapter: Option<&str>) -> Result<()> {
-    match adapter {
-        Some(adapter) if backend == args::Backend::Cpu => {
+pub fn ensure_adapter(device: &DeviceArgs) -> Result<()> {
+    match &device.adapter {
+        Some(adapter) if device.backend == Backend::Cpu => {
             bail!("--adapter is {adapter:?}, but --backend cpu uses none; drop one of the two")
         }
         _ => Ok(()),
@@ -135,10 +132,10 @@ pub fn params<'a>(settings: impl Iterator<Item = (&'a str, &'a str)>) -> Result<
 /// An error of the library by the names of the options.
 fn told(error: Error) -> anyhow::Error {
     match error {
-        Error::Parameter { name: "option", given, allowed, remedy } => {
+        Error::Parameter { name: "option", given, allowed, remedy, .. } => {
             anyhow!("{given} is no option; {allowed} is; {remedy}")
         }
-        Error::Parameter { name, given, allowed, remedy } => {
+        Error::Parameter { name, given, allowed, remedy, .. } => {
             anyhow!("--{name} is {given}, but must be {allowed}; {remedy}")
         }
         other => other.into(),

@@ -1,7 +1,7 @@
 //! Run: read the pair, compute, check, write.
 
 use crate::adapter::{self, Opened};
-use crate::args::Backend;
+use crate::args::{Backend, DeviceArgs};
 use crate::output::Maps;
 use crate::report::{FrameMs, Report};
 use crate::resolve::Job;
@@ -17,8 +17,8 @@ pub enum Engine {
 }
 
 pub struct OnAdapter {
-    opened: Opened,
-    matcher: StereoMatcher,
+    pub opened: Opened,
+    pub matcher: StereoMatcher,
 }
 
 /// Does the job.
@@ -27,7 +27,7 @@ pub fn run(job: &Job) -> Result<Report> {
 
     let params = &params_for(job, &left)?;
     let start = Instant::now();
-    let engine = Engine::open(job.backend, job.adapter.as_deref(), job.check, &left, params)?;
+    let engine = Engine::open(&job.device, job.check, &left, params)?;
     // Stage times come from the frames that are told, so that stages and transfers add up to the frame.
     let timed = job.timings || job.json;
     let Frames { matched, first, times, stages } = engine.frames(&left, &right, params, timed, job.repeat)?;
@@ -48,7 +48,7 @@ pub fn run(job: &Job) -> Result<Report> {
     if passed {
         let Matched { map, confidence, depth, .. } = &matched;
         let (confidence, depth) = (confidence.as_ref(), depth.as_ref());
-        output::write(&job.outputs, &Maps { map, confidence, depth, left: &left, params })?;
+        output::write_maps(&job.outputs, &Maps { map, confidence, depth, left: Some(&left), params })?;
     }
     let outputs = if passed { job.outputs.iter().map(|output| output.path.clone()).collect() } else { Vec::new() };
     let (adapter, backend, driver) = engine.names();
@@ -98,7 +98,8 @@ pub struct Frames {
 
 impl Engine {
     /// What computes with `params` maps of pairs that are as `image` is. `check`: it must be an adapter.
-    pub fn open(backend: Backend, wanted: Option<&str>, check: bool, image: &Image, params: &Params) -> Result<Self> {
+    pub fn open(device: &DeviceArgs, check: bool, image: &Image, params: &Params) -> Result<Self> {
+        let (backend, wanted) = (device.backend, device.adapter.as_deref());
         if backend == Backend::Cpu {
             return Self::reference(image, params);
         }
@@ -276,9 +277,11 @@ fn median(mut values: Vec<f64>) -> f64 {
 
 /// The median time of each stage over the frames, in the stages' order.
 fn median_stages(frames: Vec<Vec<StageTime>>) -> Vec<StageTime> {
-    let names: Vec<_> = frames.first().into_iter().flatten().map(|stage| stage.name.clone()).collect();
-    let of_stage = |i: usize| frames.iter().filter_map(|frame| frame.get(i)).map(|stage| stage.ms).collect();
-    names.into_iter().enumerate().map(|(i, name)| StageTime { name, ms: median(of_stage(i)) }).collect()
+    let mut stages = frames.first().cloned().unwrap_or_default();
+    for (i, stage) in stages.iter_mut().enumerate() {
+        stage.ms = median(frames.iter().filter_map(|frame| frame.get(i)).map(|stage| stage.ms).collect());
+    }
+    stages
 }
 
 #[cfg(test)]

@@ -167,7 +167,7 @@ pub struct Sheet {
 
 impl Sheet {
     /// A white sheet with the left image and the colours of the disparities `first` to `last`.
-    pub fn new(layout: Layout, left: &RgbImage, (first, last): (i64, i64)) -> Self {
+    pub fn new(layout: Layout, left: &RgbImage, (first, last): (i32, i32)) -> Self {
         let canvas = Canvas(RgbImage::from_pixel(layout.size.0, layout.size.1, Rgb([255; 3])));
         let mut sheet = Self { layout, canvas };
         sheet.tile(0, left, &format!("{} x {}", left.width(), left.height()));
@@ -179,7 +179,7 @@ impl Sheet {
         let bar = 8 * character;
         sheet.canvas.write(sheet.layout.font, (x, y), &from, BLACK);
         for i in 0..bar {
-            let color = crate::output::turbo(f64::from(i) / f64::from(bar - 1));
+            let color = gpu_stereo::turbo(f64::from(i) / f64::from(bar - 1));
             imageops::replace(
                 &mut sheet.canvas.0,
                 &RgbImage::from_pixel(1, line, Rgb(color)),

@@ -1,6 +1,6 @@
 //! Study: maps of one pair with several settings, on one sheet and in one table: `sweep` and `compare`.
 
-use crate::args::{self, Compare, StudyArgs};
+use crate::args::{Compare, DeviceArgs, StudyArgs};
 use crate::output::{self, Output, SheetFormat};
 use crate::report::{self, FrameMs};
 use crate::resolve;
@@ -8,9 +8,7 @@ use crate::run::Engine;
 use crate::sheet::{Layout, Order, Sheet};
 use crate::{input, tell};
 use anyhow::{Context as _, Result, bail, ensure};
-use gpu_stereo::reference::{self, Channel};
 use gpu_stereo::{Image, Params, Preset};
-use image::{Rgb, RgbImage};
 use indicatif::{ProgressBar, ProgressFinish, ProgressStyle};
 use serde::{Serialize, Serializer};
 use std::path::PathBuf;
@@ -30,8 +28,7 @@ pub struct Study {
     common: String,
     order: Order,
     tile_width: Option<u32>,
-    backend: args::Backend,
-    adapter: Option<String>,
+    device: DeviceArgs,
     repeat: Option<u32>,
     outputs: Vec<Output<SheetFormat>>,
     json: bool,
@@ -137,7 +134,7 @@ fn resolve(args: &StudyArgs, variants: Vec<Variant>, common: String, order: Orde
     });
     let given: Vec<_> = given.collect();
     given.iter().try_for_each(|(given, _)| resolve::ensure_disparities(given))?;
-    resolve::ensure_adapter(args.backend, args.adapter.as_deref())?;
+    resolve::ensure_adapter(&args.device)?;
     let repeat = args.repeat.as_ref().map(resolve::repeat).transpose()?;
     let tile_width = args.tile_width.as_ref().map(|given| {
         let allowed = TILE_WIDTHS.contains(&given.value).then_some(given.value as u32);
@@ -156,8 +153,7 @@ fn resolve(args: &StudyArgs, variants: Vec<Variant>, common: String, order: Orde
         common,
         order,
         tile_width,
-        backend: args.backend,
-        adapter: args.adapter.clone(),
+        device: args.device.clone(),
         repeat,
         outputs,
         json: args.json,
@@ -226,7 +222,7 @@ impl Study {
             progress.begin(label);
             let context = || label.clone();
             let ready = match engine.take() {
-                None => Engine::open(self.backend, self.adapter.as_deref(), false, &left, params),
+                None => Engine::open(&self.device, false, &left, params),
                 Some(engine) => engine.again(&left, params),
             };
             let ready = engine.insert(ready.with_context(context)?);
@@ -261,13 +257,13 @@ impl Study {
     }
 
     /// The range of colours: every disparity that any variant searches.
-    fn range(&self) -> (i64, i64) {
+    fn range(&self) -> (i32, i32) {
         let ranges = self.variants.iter().map(|variant| output::searched(&variant.params));
         ranges.reduce(|a, b| (a.0.min(b.0), a.1.max(b.1))).unwrap_or_default()
     }
 
     /// The sheet without maps.
-    fn blank(&self, engine: &Engine, left: &Image, repeat: Option<u32>, range: (i64, i64)) -> Result<Sheet> {
+    fn blank(&self, engine: &Engine, left: &Image, repeat: Option<u32>, range: (i32, i32)) -> Result<Sheet> {
         let (adapter, ..) = engine.names();
         let name = self.left.file_name().unwrap_or_default().to_string_lossy();
         let captions: Vec<_> = [name.into()].into_iter().chain(self.variants.iter().map(|v| v.label.clone())).collect();
@@ -279,7 +275,7 @@ impl Study {
         let legend = ["black: no disparity".to_owned(), self.common.clone(), times];
         let legend: Vec<_> = legend.into_iter().filter(|line| !line.is_empty()).collect();
         let layout = Layout::new((left.width(), left.height()), &captions, &legend, self.order, self.tile_width)?;
-        Ok(Sheet::new(layout, &drawn(left), range))
+        Ok(Sheet::new(layout, &output::drawn(left), range))
     }
 
     /// Prints what was found.
@@ -293,14 +289,6 @@ impl Study {
         let rows = found.variants.iter().map(|v| [v.label.clone(), v.ms(), v.percent()]);
         report::to_stdout(&report::table(["settings", "ms", "valid"], rows, 1..3))
     }
-}
-
-/// An image in 8 bits a channel.
-fn drawn(image: &Image) -> RgbImage {
-    let channels = [0, 1, 2].map(|sample| reference::gray(image, Channel::Sample(sample)).data);
-    let mut pixels = 0..;
-    let color = |i: usize| channels.each_ref().map(|channel| channel[i]);
-    RgbImage::from_fn(image.width(), image.height(), |_, _| Rgb(pixels.next().map_or([0; 3], color)))
 }
 
 /// A bar on a terminal, a line for each map elsewhere, both on stderr.

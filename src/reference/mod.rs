@@ -3,6 +3,22 @@
 //! The shaders are the schedule of this definition and equal it to the bit; docs/ALGORITHMS.md says the same in words.
 //! Work is spread over rows by rayon, which changes no result. The stages take parameters that [`Params::validate`]
 //! accepts, and each other's results: they check neither again.
+//!
+//! [`compute`], [`compute_all`] and [`compute_timed`] follow semantic versioning as the rest of the crate does. The
+//! functions of single stages and their types follow the definition: they may change in any release, and are here to be
+//! read, and to be compared with.
+//!
+//! ```
+//! use gpu_stereo::{Image, Params, Pixels, reference};
+//!
+//! let texture = |x: u32, y: u32| (x * x * 31 + x * y * 17 + y * 7) as u8;
+//! let view = |shift| (0..32 * 8).map(|i| texture(i % 32 + shift, i / 32)).collect();
+//! let left = Image::new(32, 8, Pixels::Gray8(view(0)))?;
+//! let right = Image::new(32, 8, Pixels::Gray8(view(3)))?; // shows 3 pixels to the left what the left image shows
+//! let map = reference::compute(&left, &right, &Params::sgm(16))?;
+//! assert_eq!(map.get(20, 4), Some(3.0));
+//! # Ok::<(), gpu_stereo::Error>(())
+//! ```
 
 mod block_match;
 mod block_statistics;
@@ -58,7 +74,10 @@ pub(crate) use wls::wls_bits;
 pub use wls::{wls, wls_couplings};
 
 use rayon::prelude::*;
+#[cfg(not(all(target_family = "wasm", target_os = "unknown")))]
 use std::time::Instant;
+#[cfg(all(target_family = "wasm", target_os = "unknown"))]
+use web_time::Instant;
 
 use crate::{Cost, DisparityMap, Error, Fill, Image, Matched, Method, Params, Prefilter, StageTime};
 

@@ -151,8 +151,8 @@ pub fn random_params(random: &mut ChaCha8Rng) -> Params {
     }
     if random.random_bool(0.3) {
         let lambda = *[0.0, 0.7, 50.0, 8000.0, 1e6].get(random.random_range(0..5)).unwrap();
-        params.wls =
-            Some(gpu_stereo::Wls { lambda, sigma: *[0.1, 1.5, 1000.0].get(random.random_range(0..3)).unwrap() });
+        let sigma = *[0.1, 1.5, 1000.0].get(random.random_range(0..3)).unwrap();
+        params.wls = Some(gpu_stereo::Wls::new(lambda, sigma));
     }
     params.speckle_window = if random.random_bool(0.7) { 0 } else { random.random_range(1..20) };
     params.speckle_range = random.random_range(0..4);

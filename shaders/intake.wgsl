@@ -1,0 +1,33 @@
+// intake: the caller's pixels become those of an uploaded image: rows of samples without padding, 16 bytes a texel.
+// a texture or a buffer (`unit_at` of `intake_texture` or `intake_buffer`) -> source (rgba32uint, TEXELS a row)
+//   A unit is a pixel, or half of one of 8 bytes: BITS.
+// One invocation: one texel. Behind the last pixel: zeros.
+// Reference: src/image.rs
+
+@group(0) @binding(2) var source: texture_storage_2d<rgba32uint, write>;
+
+const UNITS: u32 = 128u / BITS; // a texel
+const IN_WORD: u32 = 32u / BITS;
+
+@compute @workgroup_size(LANES)
+fn main(@builtin(global_invocation_id) id: vec3<u32>) {
+    let row = frame.width * UNITS_A_PIXEL;
+    let first = (id.y * TEXELS + id.x) * UNITS;
+    var y = first / row;
+    if y >= frame.height {
+        return;
+    }
+    var x = first - y * row;
+    var words = vec4<u32>();
+    for (var i = 0u; i < UNITS; i++) {
+        if y < frame.height {
+            words[i / IN_WORD] |= unit_at(x, y) << (i % IN_WORD * BITS);
+        }
+        x += 1u;
+        if x == row {
+            x = 0u;
+            y += 1u;
+        }
+    }
+    textureStore(source, id.xy, words);
+}

@@ -1,0 +1,13 @@
+// surface_draw: what `shown_at` says of each pixel, drawn into the caller's texture.
+// One triangle that covers the target; one fragment: one pixel.
+// Reference: src/color.rs, src/image.rs
+
+@vertex
+fn corner(@builtin(vertex_index) i: u32) -> @builtin(position) vec4<f32> {
+    return vec4(f32(i & 1u) * 4.0 - 1.0, f32(i >> 1u) * 4.0 - 1.0, 0.0, 1.0);
+}
+
+@fragment
+fn main(@builtin(position) at: vec4<f32>) -> @location(0) Shown {
+    return shown_at(vec2<u32>(at.xy));
+}

@@ -1,0 +1,334 @@
+//! Video: the maps of all frames of two cameras.
+
+use crate::args::{DeviceArgs, VideoArgs};
+use crate::film::{self, Film};
+use crate::output::{self, Format, Output};
+use crate::pairs::{self, Pattern};
+use crate::pipeline::{self, Failure, Frame, Pair, Ran, Refused, Setup};
+use crate::record::Record;
+use crate::{Outcome, report, resolve};
+use anyhow::{Context as _, Result, anyhow, bail, ensure};
+use gpu_stereo::Params;
+use serde::Serialize;
+use std::collections::{HashMap, HashSet};
+use std::fmt::Write as _;
+use std::fs;
+use std::io::ErrorKind;
+use std::path::{Path, PathBuf};
+use std::sync::OnceLock;
+
+const MAX_IN_FLIGHT: usize = 16;
+const MAX_FPS: f64 = 1000.0;
+
+/// A video, ready to start.
+pub struct Video {
+    /// Those to compute.
+    pairs: Vec<Pair>,
+    /// Frames that were there already.
+    skipped: usize,
+    device: DeviceArgs,
+    params: Params,
+    in_flight: usize,
+    sink: Sink,
+    output: PathBuf,
+    json: bool,
+    quiet: bool,
+}
+
+/// Where the frames go.
+enum Sink {
+    Files(Files),
+    Film(Film),
+}
+
+struct Files {
+    /// Of each pair to compute.
+    outputs: Vec<Vec<Output>>,
+    /// Of the pairs that were there already.
+    skipped: Vec<Vec<Output>>,
+    record: Option<Record>,
+    begun: OnceLock<Result<(), String>>,
+}
+
+/// Checks everything that can be checked without reading an image or opening a device.
+pub fn resolve(args: VideoArgs) -> Result<Video> {
+    let [left, right] = &args.sides[..] else {
+        bail!(
+            "{} names were given, but LEFT and RIGHT are needed; put a glob in quotes, or the shell replaces it by names",
+            args.sides.len()
+        );
+    };
+    let given: Vec<_> = args.settings.iter().map(|(name, _)| name).collect();
+    resolve::ensure_disparities(&given)?;
+    let mut params = resolve::params(args.settings.iter())?;
+    params.confidence = args.format.contains(&Format::Confidence);
+    resolve::ensure_adapter(&args.device)?;
+    let in_flight = usize::try_from(args.in_flight.value).ok().filter(|frames| (1..=MAX_IN_FLIGHT).contains(frames));
+    let in_flight = in_flight.with_context(|| {
+        format!("--in-flight is {}, but must be from 1 to {MAX_IN_FLIGHT}; 3 is usual", args.in_flight.text)
+    })?;
+
+    let mut pairs = pairs::find(left, right)?;
+    let mut skipped = 0;
+    let sink = if film::is_film(&args.output) {
+        ensure!(
+            args.format.is_empty() && !args.resume,
+            "--format and --resume are for numbered files, but output {:?} is a video; drop them, or give a folder",
+            args.output
+        );
+        ensure_no_input(std::slice::from_ref(&args.output), &pairs)?;
+        let fps = args.fps.as_deref().unwrap_or("10");
+        ensure!(
+            fps.parse().is_ok_and(|fps: f64| fps > 0.0 && fps <= MAX_FPS),
+            "--fps is {fps:?}, but must be above 0 and at most {MAX_FPS}; 10 is usual"
+        );
+        Sink::Film(Film::new(&args.output, fps, output::searched(&params))?)
+    } else {
+        ensure!(
+            args.fps.is_none(),
+            "--fps is for a video, but output {:?} is none; drop it, or give a name that ends in .mp4, .mkv or .webm",
+            args.output
+        );
+        let mut files = Files::resolve(&args, &pairs, &params, [left, right])?;
+        if args.resume {
+            skipped = files.skip(&mut pairs)?;
+        }
+        Sink::Files(files)
+    };
+    resolve::tell_unused(&[(given, &params)]);
+    Ok(Video {
+        pairs: pairs.into_iter().map(|(_, pair)| pair).collect(),
+        skipped,
+        device: args.device,
+        params,
+        in_flight,
+        sink,
+        output: args.output,
+        json: args.json,
+        quiet: args.quiet,
+    })
+}
+
+impl Files {
+    fn resolve(args: &VideoArgs, pairs: &[(u64, Pair)], params: &Params, sides: [&PathBuf; 2]) -> Result<Self> {
+        let out = &args.output;
+        let mut formats: Vec<Format> = Vec::new();
+        for &format in &args.format {
+            ensure!(!formats.contains(&format), "--format has {:?} twice; give each once", format.suffix());
+            formats.push(format);
+        }
+        let pattern = Pattern::parse(out).with_context(|| format!("output is {out:?}"))?;
+        let (folder, names): (&Path, Vec<Vec<Output>>) = match &pattern {
+            Some(pattern) => {
+                ensure!(!args.resume, "--resume needs a folder, but output is {out:?}; give a folder, or drop it");
+                let of_name = output::map_format(&pattern.path(0))?;
+                let format = match formats[..] {
+                    [] => of_name,
+                    [format] if format.suffix().ends_with(&format!(".{}", output::ending(out))) => format,
+                    _ => bail!(
+                        "output {out:?} is one file a frame, and --format must fit its ending; drop it, or give a folder"
+                    ),
+                };
+                let file = |(number, _): &(u64, Pair)| vec![Output::at(pattern.path(*number), format)];
+                (pattern.folder(), pairs.iter().map(file).collect())
+            }
+            None => {
+                if formats.is_empty() {
+                    formats.push(output::default_format(params, "NAME"));
+                }
+                let files = |(_, pair): &(u64, Pair)| {
+                    let stem = pair.left.file_stem().unwrap_or_default();
+                    let file = |&format: &Format| {
+                        let mut name = stem.to_owned();
+                        name.push(format.suffix());
+                        Output::at(out.join(name), format)
+                    };
+                    formats.iter().map(file).collect()
+                };
+                (out, pairs.iter().map(files).collect())
+            }
+        };
+        let mut frames = HashMap::new();
+        for (outputs, (_, pair)) in names.iter().zip(pairs) {
+            for output in outputs {
+                if let Some(other) = frames.insert(&output.path, &pair.left) {
+                    bail!(
+                        "{:?} and {other:?} would both become {:?}; give a printf pattern as output, such as {:?}",
+                        pair.left,
+                        output.path,
+                        out.join("%06d.png")
+                    );
+                }
+            }
+        }
+        make_folder(folder, out)?;
+        let all: Vec<_> = names.iter().flatten().map(|output| output.path.clone()).collect();
+        ensure_no_input(&all, pairs)?;
+        let record = pattern.is_none().then(|| Record::new(out, params, &[("left", sides[0]), ("right", sides[1])]));
+        Ok(Self { outputs: names, skipped: Vec::new(), record, begun: OnceLock::new() })
+    }
+
+    /// Drops the pairs whose files are all there.
+    fn skip(&mut self, pairs: &mut Vec<(u64, Pair)>) -> Result<usize> {
+        let exists = |output: &Output| fs::metadata(&output.path).is_ok_and(|file| file.is_file() && file.len() > 0);
+        if let Some(record) = &self.record {
+            record.ensure_same(self.outputs.iter().flatten().any(exists))?;
+        }
+        let all = std::mem::take(&mut self.outputs).into_iter().zip(std::mem::take(pairs));
+        let (there, missing): (Vec<_>, Vec<_>) = all.partition(|(outputs, _)| outputs.iter().all(exists));
+        (self.outputs, *pairs) = missing.into_iter().unzip();
+        self.skipped = there.into_iter().map(|(outputs, _)| outputs).collect();
+        Ok(self.skipped.len())
+    }
+
+    fn put(&self, frame: &Frame, params: &Params) -> Result<(), Refused> {
+        // Only now, so that a run that cannot compute changes nothing.
+        let begun = self.begun.get_or_init(|| {
+            let all = self.outputs.iter().chain(&self.skipped).flatten();
+            self.record.as_ref().map_or(Ok(()), |record| record.begin(all)).map_err(|error| format!("{error:#}"))
+        });
+        if let Err(error) = begun {
+            return Err(Refused::All(anyhow!("the output folder cannot be written: {error}; check its permissions")));
+        }
+        let matched = &frame.matched;
+        output::write(&self.outputs[frame.place], &matched.map, matched.confidence.as_ref(), params)
+            .map_err(Refused::Frame)
+    }
+}
+
+/// The folder is there and takes files. Only the last part of its path is made.
+fn make_folder(folder: &Path, out: &Path) -> Result<()> {
+    match fs::create_dir(folder) {
+        Err(error) if error.kind() == ErrorKind::NotFound => {
+            bail!("output {out:?} lies in a folder that does not exist; create it or give another path")
+        }
+        Err(error) if error.kind() != ErrorKind::AlreadyExists && !folder.is_dir() => {
+            return Err(error).with_context(|| format!("output folder {folder:?} cannot be made; give another path"));
+        }
+        _ => {}
+    }
+    ensure!(folder.is_dir(), "output {out:?} is a file; give a folder, a printf pattern or the name of a video");
+    output::temporary(folder, "")
+        .map(drop)
+        .with_context(|| format!("output folder {folder:?} cannot be written; check its permissions or give another"))
+}
+
+/// No output is an input, whatever the paths say.
+fn ensure_no_input(outputs: &[PathBuf], pairs: &[(u64, Pair)]) -> Result<()> {
+    let inputs = pairs.iter().flat_map(|(_, pair)| [&pair.left, &pair.right]);
+    let inputs: HashSet<_> = inputs.filter_map(|path| fs::canonicalize(path).ok()).collect();
+    match outputs.iter().find(|path| fs::canonicalize(path).is_ok_and(|path| inputs.contains(&path))) {
+        Some(path) => bail!("output {path:?} is an input image, too; give another folder"),
+        None => Ok(()),
+    }
+}
+
+impl Video {
+    /// Computes all frames and prints the summary.
+    pub fn run(self) -> Result<Outcome> {
+        let stop = pipeline::stop_on_signals();
+        let threads = pipeline::threads();
+        let setup = Setup {
+            device: &self.device,
+            params: &self.params,
+            in_flight: self.in_flight,
+            readers: threads,
+            writers: if let Sink::Film(_) = self.sink { 1 } else { threads },
+            quiet: self.quiet,
+        };
+        let mut ran = pipeline::run(&self.pairs, &setup, stop, |frame| match &self.sink {
+            Sink::Files(files) => files.put(frame, &self.params),
+            Sink::Film(film) => film.put(frame),
+        });
+        let (frames, done, stopped) = (self.pairs.len(), ran.done, ran.stopped.take());
+        let kept = match self.sink {
+            Sink::Files(files) => files.record.map_or("were written", |_| "were written: --resume computes the rest"),
+            Sink::Film(film) => {
+                let finished = film.finish(stopped.is_none());
+                if stopped.is_none() {
+                    finished?;
+                } else if let Err(why) = finished {
+                    // ffmpeg's own words are the cause.
+                    bail!("{why:#}, after {done} of {frames} frames; no video was written");
+                }
+                "were done, and no video was written"
+            }
+        };
+        if let Some(error) = stopped {
+            bail!("{error:#}; {done} of {frames} frames {kept}");
+        }
+        let failed = !ran.failed.is_empty();
+        let summary = Summary::new(ran, self.skipped, &self.params, &self.output);
+        if self.json {
+            report::to_stdout(&(serde_json::to_string(&summary)? + "\n"))?;
+        } else if !self.quiet {
+            report::to_stdout(&summary.text()?)?;
+        }
+        Ok(if failed { Outcome::FramesFailed } else { Outcome::Done })
+    }
+}
+
+/// What came of a video; `--json` prints it as it is.
+#[derive(Serialize)]
+struct Summary {
+    /// Adapter, backend, driver and size are unknown where there was nothing to compute.
+    adapter: Option<String>,
+    backend: Option<String>,
+    driver: Option<String>,
+    width: Option<u32>,
+    height: Option<u32>,
+    min_disparity: i32,
+    disparities: u32,
+    /// All frames: those done, failed and skipped.
+    frames: usize,
+    done: usize,
+    failed: usize,
+    skipped: usize,
+    /// From the start to the last frame written, with the creation of device and pipelines.
+    seconds: f64,
+    frames_per_second: f64,
+    peak_device_bytes: u64,
+    failures: Vec<Failure>,
+    output: String,
+}
+
+impl Summary {
+    fn new(ran: Ran, skipped: usize, params: &Params, output: &Path) -> Self {
+        let (adapter, backend, driver) = ran.names.map_or((None, None, None), |(a, b, d)| (Some(a), Some(b), Some(d)));
+        let round = |value: f64| (value * 1e3).round() / 1e3;
+        Self {
+            adapter,
+            backend,
+            driver,
+            width: ran.size.map(|(width, _)| width),
+            height: ran.size.map(|(_, height)| height),
+            min_disparity: params.min_disparity,
+            disparities: params.disparities,
+            frames: ran.done + ran.failed.len() + skipped,
+            done: ran.done,
+            failed: ran.failed.len(),
+            skipped,
+            seconds: round(ran.seconds),
+            frames_per_second: round(ran.done as f64 / ran.seconds.max(1e-9)),
+            peak_device_bytes: ran.device_bytes,
+            failures: ran.failed,
+            output: output.to_string_lossy().into_owned(),
+        }
+    }
+
+    fn text(&self) -> Result<String> {
+        let mut text = String::new();
+        if let (Some(adapter), Some(backend), Some(driver)) = (&self.adapter, &self.backend, &self.driver) {
+            writeln!(text, "adapter  {adapter} ({backend}, {driver})")?;
+        }
+        if let (Some(width), Some(height)) = (self.width, self.height) {
+            writeln!(text, "size     {width} x {height}")?;
+        }
+        let last = i64::from(self.min_disparity) + i64::from(self.disparities) - 1;
+        writeln!(text, "range    {} disparities, {} to {last} px", self.disparities, self.min_disparity)?;
+        writeln!(text, "frames   {} done, {} failed, {} there already", self.done, self.failed, self.skipped)?;
+        writeln!(text, "time     {:.1} s, {:.1} frames a second", self.seconds, self.frames_per_second)?;
+        writeln!(text, "written  {}", if self.done == 0 { "nothing" } else { &self.output })?;
+        Ok(text)
+    }
+}

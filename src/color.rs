@@ -1,0 +1,52 @@
+//! The colours of a disparity map: the same on the host, in the command's pictures and in textures.
+
+use std::ops::RangeInclusive;
+
+use crate::{DisparityMap, Params};
+
+/// Red, green and blue of a share of a range in the colour map turbo: 0 is blue, 1 is red; below and above are those.
+pub fn turbo(share: f64) -> [u8; 3] {
+    let color = colorous::TURBO.eval_continuous(share.clamp(0.0, 1.0));
+    [color.r, color.g, color.b]
+}
+
+/// The colour of a disparity in 1/16 px; black for [`DisparityMap::INVALID`].
+fn color(value: i32, first: i32, last: i32) -> [u8; 4] {
+    let [red, green, blue] = match value == i32::from(DisparityMap::INVALID) {
+        true => [0; 3],
+        false => turbo((f64::from(value) / 16.0 - f64::from(first)) / span(first, last)),
+    };
+    [red, green, blue, 255]
+}
+
+fn span(first: i32, last: i32) -> f64 {
+    (f64::from(last) - f64::from(first)).max(1.0)
+}
+
+/// The colours of all values from the first one of a range of disparities on; values above the last have its colour.
+pub(crate) fn table(range: &RangeInclusive<i32>) -> Vec<[u8; 4]> {
+    let (first, last) = (*range.start(), *range.end());
+    (0..=16 * span(first, last) as i32).map(|i| color(16 * first + i, first, last)).collect()
+}
+
+impl DisparityMap {
+    /// A picture of the map: red, green, blue and 255 for each pixel, in the [`turbo`] colours of its place in the range
+    /// (mostly [`Params::searched`]), black where there is no disparity.
+    ///
+    /// ```
+    /// # use gpu_stereo::{DisparityMap, Params, turbo};
+    /// let map = DisparityMap { width: 2, height: 1, data: vec![16 * 63, DisparityMap::INVALID] };
+    /// let [red, green, blue] = turbo(1.0);
+    /// assert_eq!(map.color(&Params::sgm(64).searched()), [red, green, blue, 255, 0, 0, 0, 255]);
+    /// ```
+    pub fn color(&self, range: &RangeInclusive<i32>) -> Vec<u8> {
+        self.data.iter().flat_map(|&value| color(value.into(), *range.start(), *range.end())).collect()
+    }
+}
+
+impl Params {
+    /// The disparities that are searched, in pixels.
+    pub fn searched(&self) -> RangeInclusive<i32> {
+        self.min_disparity..=self.min_disparity.saturating_add_unsigned(self.disparities).saturating_sub(1)
+    }
+}
