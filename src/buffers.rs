@@ -261,6 +261,10 @@ impl Sizes {
             fits("a map of two numbers a pixel", 8 * u64::from(volume_stride) * u64::from(height), smaller)?;
         }
         let regions = 2 * texels(map_stride);
+        if params.rectify.is_some() {
+            fits("a rectified image", source, smaller)?;
+            fits("where rectified pixels come from", 8 * pixels, smaller)?;
+        }
         if params.depth.is_some() {
             fits("a depth map", regions, smaller)?;
         }

@@ -72,6 +72,7 @@ const PATHS: &[Choice] = &[Choice::Members, Choice::Volumes, Choice::Penalty];
 
 #[rustfmt::skip]
 pub(crate) const KERNELS: &[Kernel] = &[
+    Kernel { name: "rectify", stage: "rectify", lanes: 64, sources: wgsl!("rectify", "common"), choices: &[], storage: &[QUAD, Read, Write] },
     Kernel { name: "gray", stage: "gray", lanes: 64, sources: wgsl!("gray", "samples", "bytes", "common"), choices: &[], storage: &[QUAD, Write] },
     Kernel { name: "deep_gray", stage: "gray", lanes: 64, sources: wgsl!("deep_gray", "samples", "bytes", "common"), choices: &[], storage: &[QUAD, Write] },
     Kernel { name: "window_columns", stage: "window_sums", lanes: 64, sources: wgsl!("window_columns", "gray_pixels", "bytes", "common"), choices: &[], storage: &[QUAD, Write] },

@@ -2,6 +2,7 @@
 //!
 //! Two rectified images go in, the disparity of every left pixel comes out. The stages, in order:
 //!
+//! 0. `rectify`, if it is asked for: pairs that are not rectified ([`Rectification`]).
 //! 1. `gray`: luma, or with [`Params::color_cost`] red, green and blue, at the depth of the samples; and luma in 8
 //!    bits.
 //! 2. `prefilter`: the horizontal Sobel derivative, the gradient magnitude, the difference from the mean of a window,
@@ -84,6 +85,7 @@ mod matcher;
 mod options;
 mod params;
 mod readback;
+mod rectification;
 pub mod reference;
 mod schedule;
 mod steps;
@@ -98,6 +100,7 @@ pub use image::{ConfidenceMap, DepthMap, DisparityMap, Image, Matched, PixelForm
 pub use matcher::{Reading, StageTime, StereoMatcher};
 pub use options::ParamOption;
 pub use params::{Census, Cost, Fill, Median, Method, Params, Paths, Prefilter, Preset, RightView, Subpixel, Wls};
+pub use rectification::{Lens, Rectification};
 pub use schedule::Schedule;
 pub use stream::{StereoStream, StreamFrame};
 pub use surfaces::{Inputs, Outputs, PixelBuffer, TypedView};

@@ -250,6 +250,11 @@ fn levels(
     reference::rounds(width, height, params).into_iter().map(level).collect()
 }
 
+/// A rectification is for pairs of one size.
+fn fits_rectification([width, height]: [u32; 2], params: &Params) -> Result<(), Error> {
+    params.rectify.as_ref().map_or(Ok(()), |rectification| rectification.accepts(width, height))
+}
+
 /// The passes of smaller pairs that need what the largest one does not.
 fn rooms(
     device: &wgpu::Device,
@@ -295,6 +300,7 @@ impl StereoMatcher {
         format: PixelFormat,
         params: &Params,
     ) -> Result<Self, Error> {
+        fits_rectification([width, height], params)?;
         let levels = levels(device, [width, height], format, params, &[])?;
         let before = rooms(device, [width, height], format, params, &levels)?;
         readback::guarded(device, || {
@@ -341,6 +347,7 @@ impl StereoMatcher {
     /// Builds all anew for another size or other settings, from what there is.
     fn rebuild(&mut self, size: [u32; 2], params: &Params) -> Result<(), Error> {
         let (device, queue, format) = (&self.device, &self.queue, self.format);
+        fits_rectification(size, params)?;
         let largest = [0, 1].map(|axis| self.largest[axis].max(size[axis]));
         let largest_levels = levels(device, largest, format, params, &[])?;
         let levels = levels(device, size, format, params, &largest_levels)?;

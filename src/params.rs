@@ -1,6 +1,6 @@
 //! What a user may ask for, and the checks that come before anything touches a device.
 
-use crate::{Camera, Error, Schedule};
+use crate::{Camera, Error, Rectification, Schedule};
 
 /// The image on which the matching cost is computed (`prefilter` in docs/ALGORITHMS.md).
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
@@ -276,6 +276,8 @@ pub struct Params {
     pub right_map: bool,
     /// Compute the depth of each pixel, too, seen by these cameras.
     pub depth: Option<Camera>,
+    /// Rectify the pair first. All else is then of the rectified pair.
+    pub rectify: Option<Rectification>,
     /// Compile the kernels with checks of every index and loop: slower, the same result. For a device that misbehaves.
     pub shader_checks: bool,
     /// How the kernels are laid out on the device; the same result.
@@ -334,6 +336,7 @@ impl Params {
             confidence: false,
             right_map: false,
             depth: None,
+            rectify: None,
             shader_checks: false,
             schedule: Schedule::Auto,
         }
@@ -597,6 +600,7 @@ impl Params {
             confidence: false,
             right_map: false,
             depth: None,
+            rectify: None,
             ..self.clone()
         }
     }
@@ -617,6 +621,7 @@ impl Params {
             confidence: false,
             right_map: false,
             depth: None,
+            rectify: None,
             right_view: RightView::Diagonal,
             ..self.clone()
         }

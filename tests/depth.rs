@@ -262,3 +262,105 @@ fn what_is_no_calibration_is_refused() {
     let output = run(folder.path(), &["--calib", "calib", "-o", "map.npy"]);
     assert!(output.status.success() && stderr(&output).contains("change nothing"), "{}", stderr(&output));
 }
+
+/// A file of OpenCV with lenses: the camera matrices have these columns of the principal points, `more` replaces lines.
+fn lenses(columns: [f64; 2], more: &[(&str, &str)]) -> String {
+    let matrix = |name: &str, rows: usize, cols: usize, data: &str| {
+        format!("{name}: !!opencv-matrix\n   rows: {rows}\n   cols: {cols}\n   dt: d\n   data: [ {data} ]\n")
+    };
+    let mut text = "%YAML:1.0\n---\n".to_string();
+    for (i, column, shift) in [(1, columns[0], "33., 0."), (2, columns[1], "34.5, -50.")] {
+        text += &matrix(&format!("M{i}"), 3, 3, &format!("100., 0., {column}, 0., 100., 15.5, 0., 0., 1."));
+        text += &matrix(&format!("D{i}"), 1, 5, "0., 0., 0., 0., 0.");
+        text += &matrix(&format!("R{i}"), 3, 3, "1., 0., 0., 0., 1., 0., 0., 0., 1.");
+        text += &matrix(&format!("P{i}"), 3, 4, &format!("100., 0., {shift}, 0., 100., 15.5, 0., 0., 0., 1., 0."));
+    }
+    for (from, to) in more {
+        assert!(text.contains(from), "{from:?}");
+        text = text.replacen(from, to, 1);
+    }
+    text
+}
+
+#[test]
+fn a_pair_is_rectified_before_it_is_matched() {
+    let folder = scene();
+    let write = |name: &str, text: &str| fs::write(folder.path().join(name), text).unwrap();
+    let read = |name: &str| fs::read(folder.path().join(name)).unwrap();
+    let done = |args: &[&str]| {
+        let output = run(folder.path(), args);
+        assert_eq!((output.status.code(), stderr(&output).as_str()), (Some(0), ""), "{args:?}");
+    };
+    write("calib.txt", MIDDLEBURY);
+    done(&[&["--calib", "calib.txt"], &outputs()[..]].concat());
+    let plain: Vec<_> = ["map.npy"].iter().chain(&FILES).map(|name| read(name)).collect();
+
+    // Cameras that are rectified already change nothing.
+    write("still.yml", &lenses([33.0, 34.5], &[]));
+    done(&[&["--rectify", "still.yml"], &outputs()[..]].concat());
+    let same: Vec<_> = ["map.npy"].iter().chain(&FILES).map(|name| read(name)).collect();
+    assert!(plain == same, "a rectification that moves nothing changes something");
+
+    // The same scene, 3 and 5 columns to the right: the principal points are, too. A file a camera, as in ROS.
+    for (name, columns) in [("left.png", 3), ("right.png", 5)] {
+        let given = image::open(folder.path().join(name)).unwrap().to_rgb8();
+        let moved = RgbImage::from_fn(67, 31, |x, y| *given.get_pixel(x.saturating_sub(columns), y));
+        moved.save(folder.path().join(name)).unwrap();
+    }
+    let info = |cx: &str, column: &str, shift: &str| {
+        let three = "  rows: 3\n  cols: 3\n";
+        format!(
+            "{}distortion_model: plumb_bob\ncamera_matrix:\n{three}  data: [100, 0, {cx}, 0, 100, 15.5, 0, 0, 1]\n\
+             distortion_coefficients:\n  rows: 1\n  cols: 5\n  data: [0, 0, 0, 0, 0]\n\
+             rectification_matrix:\n{three}  data: [1, 0, 0, 0, 1, 0, 0, 0, 1]\n",
+            ros(column, shift)
+        )
+    };
+    write("left.yaml", &info("36", "33.0", "0.0"));
+    write("right.yaml", &info("39.5", "34.5", "-50.0"));
+    write("moved.yml", &lenses([36.0, 39.5], &[]));
+    for options in [&["--rectify", "moved.yml"][..], &["--rectify", "left.yaml", "--calib-right", "right.yaml"]] {
+        done(&[options, &["-o", "map.npy"]].concat());
+        let found = read("map.npy");
+        assert_eq!(found.len(), plain[0].len());
+        let values =
+            |bytes: &[u8]| bytes[bytes.len() - 4 * 67 * 31..].chunks(4).map(<[u8]>::to_vec).collect::<Vec<_>>();
+        let inner =
+            values(&found).into_iter().zip(values(&plain[0])).enumerate().filter(|(i, _)| (12..55).contains(&(i % 67)));
+        let (same, all) = inner.fold((0, 0), |(same, all), (_, (a, b))| (same + usize::from(a == b), all + 1));
+        assert!(same * 100 > all * 95, "{options:?}: {same} of {all} pixels");
+    }
+    done(&["-o", "map.npy"]);
+    assert!(read("map.npy") != plain[0]);
+}
+
+#[test]
+fn what_is_no_rectification_is_refused() {
+    let folder = scene();
+    for (text, words) in [
+        (lenses([33.0, 34.5], &[("M1", "X1")]), "no M1"),
+        (
+            lenses([33.0, 34.5], &[("R2", "X2"), ("D1:", "T: !!opencv-matrix\n   data: [ 1. ]\nD1:")]),
+            "stereoRectify makes",
+        ),
+        (lenses([33.0, 34.5], &[("P2", "X2")]), "no P2"),
+        (lenses([33.0, 34.5], &[("cols: 5", "cols: 3"), ("0., 0., 0., 0., 0. ]", "0., 0., 0. ]")]), "1 x 3"),
+        (lenses([33.0, 34.5], &[("data: [ 1., 0., 0.,", "data: [ 2., 0., 0.,")]), "no rotation"),
+        (lenses([33.0, 34.5], &[("data: [ 100.,", "data: [ -100.,")]), "focal length of -100"),
+        (lenses([33.0, 34.5], &[("---\n", "---\nimage_width: 5\nimage_height: 5\n")]), "5x5"),
+        (lenses([33.0, 34.5], &[("---\n", "---\ndistortion_model: equidistant\n")]), "equidistant"),
+        (MIDDLEBURY.to_string(), "no lenses"),
+        (KITTI.to_string(), "no lenses"),
+        (ros("33.0", "0.0"), "--calib-right"),
+    ] {
+        fs::write(folder.path().join("calib"), &text).unwrap();
+        let output = run(folder.path(), &["--rectify", "calib", "-o", "map.npy"]);
+        let told = stderr(&output);
+        assert_eq!(output.status.code(), Some(2), "{text}: {told}");
+        assert!(
+            told.starts_with("error: ") && told.lines().count() == 1 && told.contains(words),
+            "{words}: {told}, {text}"
+        );
+        assert!(!folder.path().join("map.npy").exists(), "{text}");
+    }
+}

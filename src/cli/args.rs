@@ -33,6 +33,8 @@ Examples:
       milliseconds a stage, median of 20 frames after one warm-up
   gpu-stereo left.png right.png --disp 64 --calib calib.txt --depth depth.png --points scene.ply
       depth in millimetres, and coloured points
+  gpu-stereo raw_left.png raw_right.png --disp 64 --rectify stereo.yml --depth depth.tif
+      rectifies the pair first
   gpu-stereo sweep left.png right.png --block 5,9,15,21 --disp 41,61,81 -o sweep.png
       one sheet of colour maps, a row for each block and a column for each range, with times
   gpu-stereo video left right -o maps --disp 64
@@ -42,9 +44,9 @@ Examples:
 Exit codes: 0 done, 1 a check found a mismatch or a frame failed, 2 could not run.
 Vulkan, Metal and Direct3D 12 are searched for adapters; WGPU_BACKEND=gl in the environment searches OpenGL.";
 
-/// Dense disparity of a rectified stereo pair, on any GPU.
+/// Dense disparity of a stereo pair, on any GPU.
 ///
-/// LEFT and RIGHT are rectified images of one size, 8 or 16 bits, gray or colour (an alpha channel is ignored): PNG,
+/// LEFT and RIGHT are rectified images of one size (else see --rectify), 8 or 16 bits, gray or colour (an alpha channel is ignored): PNG,
 /// JPEG, PNM, TIFF, BMP, WebP and others. A disparity d at (x, y) says that LEFT(x, y) shows what RIGHT(x - d, y) shows.
 #[derive(Debug, Parser)]
 #[command(name = "gpu-stereo", version, override_usage = USAGE, after_help = EXAMPLES, max_term_width = 100)]
@@ -122,19 +124,25 @@ pub struct Args {
 pub struct Scene {
     /// The calibration of the pair: Middlebury's calib.txt, KITTI's calib files, OpenCV's YAML or XML with P1 and P2 or Q
     /// (of stereoRectify), ROS camera_info YAML (with --calib-right); the content tells which
-    #[arg(long, value_name = "FILE", conflicts_with_all = ["focal", "baseline", "cx", "cy", "doffs"])]
+    #[arg(long, value_name = "FILE", group = "cameras", conflicts_with_all = ["focal", "baseline", "cx", "cy", "doffs"])]
     pub calib: Option<PathBuf>,
 
+    /// Rectify the pair first, with the lenses, rotations and projections of OpenCV's stereoCalibrate and stereoRectify
+    /// (M1, D1, R1, P1, M2, D2, R2, P2 in YAML or XML), or of ROS camera_info YAML (with --calib-right); this is the
+    /// calibration of the depth, too
+    #[arg(long, value_name = "FILE", group = "cameras", conflicts_with_all = ["focal", "baseline", "cx", "cy", "doffs"])]
+    pub rectify: Option<PathBuf>,
+
     /// The right camera's file, where each camera has one (ROS)
-    #[arg(long, value_name = "FILE", requires = "calib")]
+    #[arg(long, value_name = "FILE", requires = "cameras")]
     pub calib_right: Option<PathBuf>,
 
     /// The unit of lengths in the calibration [default: mm in Middlebury's files, else m]
-    #[arg(long, value_enum, value_name = "UNIT", requires = "calib")]
+    #[arg(long, value_enum, value_name = "UNIT", requires = "cameras")]
     pub calib_unit: Option<Unit>,
 
     /// The cameras of a KITTI calibration that took the pair [default: color, if it has P2]
-    #[arg(long, value_enum, value_name = "PAIR", requires = "calib")]
+    #[arg(long, value_enum, value_name = "PAIR", requires = "cameras")]
     pub calib_pair: Option<Pair>,
 
     /// Focal length in pixels, in place of a calibration

@@ -2,7 +2,7 @@
 //! OpenCV's FileStorage in YAML or XML, and pairs of ROS camera_info files.
 
 use anyhow::{Context as _, Result, anyhow, bail, ensure};
-use gpu_stereo::Camera;
+use gpu_stereo::{Camera, Lens};
 use std::collections::BTreeMap;
 use std::fs;
 use std::path::Path;
@@ -50,6 +50,8 @@ pub struct Reading {
     pub unit: Option<Unit>,
     /// The cameras of a KITTI file; the colour pair, if it is there and nothing is given.
     pub pair: Option<Pair>,
+    /// Whether the lenses are wanted.
+    pub lenses: bool,
 }
 
 /// What a calibration says.
@@ -59,19 +61,25 @@ pub struct Calibration {
     pub camera: Camera,
     /// Columns and rows of the images that were calibrated, if the file tells.
     pub size: Option<[u32; 2]>,
+    /// The lenses of a pair that is to be rectified.
+    pub lenses: Option<[Lens; 2]>,
 }
 
 impl Calibration {
     /// A calibration of one file, or of a file for each camera.
     pub fn read(path: &Path, right: Option<&Path>, reading: Reading) -> Result<Self> {
         let source = Source::read(path)?;
-        let calibration = match right {
+        let right_source = right.map(Source::read).transpose()?;
+        let calibration = match &right_source {
             None => source.calibration(reading),
-            Some(right) => pair_of_files(&source, &Source::read(right)?, reading),
+            Some(right) => pair_of_files(&source, right, reading),
         };
         let told = || right.map_or(format!("{path:?}"), |right| format!("{path:?} with {right:?}"));
-        let calibration = calibration.with_context(told)?;
+        let mut calibration = calibration.with_context(told)?;
         calibration.camera.validate().with_context(told)?;
+        if reading.lenses {
+            calibration.lenses = Some(lenses(&source, right_source.as_ref()).with_context(told)?);
+        }
         Ok(calibration)
     }
 
@@ -217,7 +225,7 @@ fn middlebury(values: &BTreeMap<String, String>, reading: Reading) -> Result<Cal
         (Some(width), Some(height)) => Some([whole(width)?, whole(height)?]),
         _ => None,
     };
-    Ok(Calibration { camera, size })
+    Ok(Calibration { camera, size, lenses: None })
 }
 
 fn kitti_lines(text: &str) -> Result<BTreeMap<String, Vec<f64>>> {
@@ -257,28 +265,96 @@ fn kitti(values: &BTreeMap<String, Vec<f64>>, reading: Reading) -> Result<Calibr
         Some([width, height]) => Some([whole(&width.to_string())?, whole(&height.to_string())?]),
         _ => None,
     };
-    Ok(Calibration { camera, size })
+    Ok(Calibration { camera, size, lenses: None })
 }
 
-/// OpenCV's names, as its samples and its users have them.
-const NAMES: [(&str, [&[&str]; 2]); 1] = [(
-    "P",
-    [
-        &["P1", "projection_matrix_1", "projectionMatrix1", "P_left"],
-        &["P2", "projection_matrix_2", "projectionMatrix2", "P_right"],
-    ],
-)];
+/// What a camera's numbers are called: in OpenCV's files the left one's and the right one's, and in a file of ROS.
+struct Names([&'static [&'static str]; 2], &'static [&'static str]);
 
-fn opencv_names(of: &str, side: usize) -> &'static [&'static str] {
-    NAMES.iter().find(|(name, _)| *name == of).map_or(&[], |(_, names)| names[side])
+const MATRIX: Names = Names(
+    [&["M1", "K1", "cameraMatrix1", "camera_matrix_1"], &["M2", "K2", "cameraMatrix2", "camera_matrix_2"]],
+    &["camera_matrix", "K", "k"],
+);
+const DISTORTION: Names = Names(
+    [
+        &["D1", "distCoeffs1", "dist_coeffs_1", "distortion_coefficients_1"],
+        &["D2", "distCoeffs2", "dist_coeffs_2", "distortion_coefficients_2"],
+    ],
+    &["distortion_coefficients", "D", "d"],
+);
+const ROTATION: Names =
+    Names([&["R1", "rectification_matrix_1"], &["R2", "rectification_matrix_2"]], &["rectification_matrix", "R", "r"]);
+const PROJECTION: Names = Names(
+    [&["P1", "projectionMatrix1", "projection_matrix_1"], &["P2", "projectionMatrix2", "projection_matrix_2"]],
+    &["projection_matrix", "P", "p"],
+);
+
+/// The lens and the rectified camera of both sides.
+fn lenses(left: &Source, right: Option<&Source>) -> Result<[Lens; 2]> {
+    let (Source::Tree(left), None | Some(Source::Tree(_))) = (left, right) else {
+        bail!("it has no lenses, since its pairs are rectified; --calib takes it without --rectify");
+    };
+    let of = |side: usize| {
+        let (tree, names): (&Tree, fn(&Names, usize) -> &'static [&'static str]) = match (side, right) {
+            (1, Some(Source::Tree(right))) => (right, |names, _| names.1),
+            (_, Some(_)) => (left, |names, _| names.1),
+            _ => (left, |names, side| names.0[side]),
+        };
+        lens(tree, |of| names(of, side))
+    };
+    Ok([of(0)?, of(1)?])
+}
+
+fn lens(tree: &Tree, names: impl Fn(&Names) -> &'static [&'static str]) -> Result<Lens> {
+    let wanted = |of: &Names, shapes: &[(usize, usize)]| {
+        let names = names(of);
+        matrix(tree, names, shapes)?.with_context(|| {
+            let rest = if tree.contains_key("T.data") {
+                ", though it has T: save what stereoRectify makes of R and T"
+            } else {
+                ""
+            };
+            format!("it has no {}{rest}; --rectify needs M1, D1, R1, P1, M2, D2, R2 and P2", names[0])
+        })
+    };
+    if let Some(model) = tree.get("distortion_model").and_then(|model| model.first()) {
+        ensure!(
+            ["plumb_bob", "rational_polynomial"].contains(&model.as_str()),
+            "its distortion_model is {model}, but plumb_bob and rational_polynomial are known; calibrate with one of these"
+        );
+    }
+    let nine = |of: &Names| -> Result<[f64; 9]> {
+        let numbers = wanted(of, &[(3, 3)])?;
+        Ok(std::array::from_fn(|i| numbers[i]))
+    };
+    let rotation = nine(&ROTATION)?;
+    for (i, j) in [(0, 0), (0, 1), (0, 2), (1, 1), (1, 2), (2, 2)] {
+        let sum: f64 = (0..3).map(|k| rotation[3 * i + k] * rotation[3 * j + k]).sum();
+        let is = if i == j { 1.0 } else { 0.0 };
+        ensure!((sum - is).abs() < 1e-3, "its {} is no rotation; save it again", names(&ROTATION)[0]);
+    }
+    let counts = [4, 5, 8, 12, 14].map(|count| [(1, count), (count, 1)]);
+    let distortion = wanted(&DISTORTION, counts.as_flattened())?;
+    ensure!(
+        distortion.iter().skip(8).all(|&number| number == 0.0),
+        "its {} has a thin prism or a tilt, but only k1 to k6, p1 and p2 are known; calibrate without",
+        names(&DISTORTION)[0]
+    );
+    let projection = wanted(&PROJECTION, &[(3, 4)])?;
+    Ok(Lens {
+        matrix: nine(&MATRIX)?,
+        distortion: std::array::from_fn(|i| distortion.get(i).copied().unwrap_or(0.0)),
+        rotation,
+        projection: std::array::from_fn(|i| projection[i / 3 * 4 + i % 3]),
+    })
 }
 
 /// `P1` and `P2`, or `Q`, of OpenCV's stereoRectify.
 fn opencv(tree: &Tree, reading: Reading) -> Result<Calibration> {
     let unit = reading.unit.unwrap_or(Unit::M).metres();
     let size = size_of(tree)?;
-    let left = matrix(tree, opencv_names("P", 0), &[(3, 4)])?;
-    let right = matrix(tree, opencv_names("P", 1), &[(3, 4)])?;
+    let left = matrix(tree, PROJECTION.0[0], &[(3, 4)])?;
+    let right = matrix(tree, PROJECTION.0[1], &[(3, 4)])?;
     let camera = match (left, right, matrix(tree, &["Q", "disparity_to_depth"], &[(4, 4)])?) {
         (Some(left), Some(right), _) => of_projections(&left, &right, unit)?,
         (_, _, Some(q)) => of_q(&q, unit)?,
@@ -290,7 +366,7 @@ fn opencv(tree: &Tree, reading: Reading) -> Result<Calibration> {
             if left.is_none() { "P1 and no Q" } else { "P2 and no Q" }
         ),
     };
-    Ok(Calibration { camera, size })
+    Ok(Calibration { camera, size, lenses: None })
 }
 
 /// Q = [1 0 0 -cx; 0 1 0 -cy; 0 0 0 f; 0 0 1 / B doffs / B] of OpenCV's stereoRectify.
@@ -308,10 +384,8 @@ fn of_q(q: &[f64], unit: f64) -> Result<Camera> {
     of_projections(&left, &right, unit)
 }
 
-const ROS_PROJECTION: &[&str] = &["projection_matrix", "P", "p"];
-
 fn is_camera_info(tree: &Tree) -> bool {
-    ROS_PROJECTION.iter().any(|name| tree.contains_key(*name) || tree.contains_key(&format!("{name}.data")))
+    PROJECTION.1.iter().any(|name| tree.contains_key(*name) || tree.contains_key(&format!("{name}.data")))
 }
 
 /// Two files of ROS: `projection_matrix`, or `P`.
@@ -325,11 +399,15 @@ fn pair_of_files(left: &Source, right: &Source, reading: Reading) -> Result<Cali
         "the left camera has {left_size:?} pixels and the right one {right_size:?}; take two calibrations of one size"
     );
     let projection = |tree| {
-        matrix(tree, ROS_PROJECTION, &[(3, 4)])?
+        matrix(tree, PROJECTION.1, &[(3, 4)])?
             .context("a file has no projection_matrix; give the camera_info of a rectified pair")
     };
     let unit = reading.unit.unwrap_or(Unit::M).metres();
-    Ok(Calibration { camera: of_projections(&projection(left)?, &projection(right)?, unit)?, size: left_size })
+    Ok(Calibration {
+        camera: of_projections(&projection(left)?, &projection(right)?, unit)?,
+        size: left_size,
+        lenses: None,
+    })
 }
 
 /// Columns and rows of the images, if they are there.

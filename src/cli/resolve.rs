@@ -60,9 +60,12 @@ pub fn resolve(args: Args) -> Result<Job> {
     let depths = crate::output::depth_formats(&args.scene.depth, &args.scene.points)?;
     match &calibration {
         Some(calibration) if !depths.is_empty() => params.depth = Some(calibration.camera),
+        Some(Calibration { lenses: Some(_), .. }) => {}
         Some(_) => crate::tell("note: the cameras change nothing without --depth and --points"),
         None if depths.is_empty() => {}
-        None => bail!("--depth and --points need the cameras; give --calib FILE, or --focal PX and --baseline M"),
+        None => bail!(
+            "--depth and --points need the cameras; give --calib FILE, --rectify FILE, or --focal PX and --baseline M"
+        ),
     }
     let pictures = [
         ("color", &args.color, Format::Color),
@@ -88,16 +91,16 @@ pub fn resolve(args: Args) -> Result<Job> {
 
 /// The cameras that the options name.
 fn calibration(scene: &Scene) -> Result<Option<Calibration>> {
-    let Scene { calib, calib_right, calib_unit, calib_pair, .. } = scene;
-    if let Some(path) = calib {
-        let reading = Reading { unit: *calib_unit, pair: *calib_pair };
+    let Scene { calib, rectify, calib_right, calib_unit, calib_pair, .. } = scene;
+    if let Some(path) = calib.as_ref().or(rectify.as_ref()) {
+        let reading = Reading { unit: *calib_unit, pair: *calib_pair, lenses: rectify.is_some() };
         return Calibration::read(path, calib_right.as_deref(), reading).map(Some);
     }
     let (Some(focal), Some(baseline)) = (scene.focal, scene.baseline) else { return Ok(None) };
     let [doffs, cx, cy] = [scene.doffs, scene.cx, scene.cy].map(Option::unwrap_or_default);
     let camera = Camera { focal, baseline, doffs, cx, cy };
     camera.validate().map_err(told)?;
-    Ok(Some(Calibration { camera, size: None }))
+    Ok(Some(Calibration { camera, size: None, lenses: None }))
 }
 
 /// There is no usual number of disparities.

@@ -7,7 +7,9 @@ use crate::report::{FrameMs, Report};
 use crate::resolve::Job;
 use crate::{input, output};
 use anyhow::{Result, bail, ensure};
-use gpu_stereo::{Error, Image, Matched, Method, Params, StageCheck, StageTime, StereoMatcher, reference};
+use gpu_stereo::{
+    Error, Image, Matched, Method, Params, Rectification, StageCheck, StageTime, StereoMatcher, reference,
+};
 use std::time::Instant;
 
 /// What computes.
@@ -48,6 +50,8 @@ pub fn run(job: &Job) -> Result<Report> {
     if passed {
         let Matched { map, confidence, depth, .. } = &matched;
         let (confidence, depth) = (confidence.as_ref(), depth.as_ref());
+        let rectified = params.rectify.as_ref().map(|rectification| reference::rectify(&left, rectification, 0));
+        let left = rectified.transpose()?.unwrap_or(left);
         output::write_maps(&job.outputs, &Maps { map, confidence, depth, left: Some(&left), params })?;
     }
     let outputs = if passed { job.outputs.iter().map(|output| output.path.clone()).collect() } else { Vec::new() };
@@ -74,8 +78,12 @@ pub fn run(job: &Job) -> Result<Report> {
 fn params_for(job: &Job, image: &Image) -> Result<Params> {
     let (width, height) = (image.width(), image.height());
     let mut params = job.params.clone();
-    let (Some(calibration), Some(camera)) = (&job.calibration, &mut params.depth) else { return Ok(params) };
+    let Some(calibration) = &job.calibration else { return Ok(params) };
     calibration.ensure_size(width, height)?;
+    if let Some(lenses) = calibration.lenses {
+        params.rectify = Some(Rectification::new(width, height, lenses)?);
+    }
+    let Some(camera) = &mut params.depth else { return Ok(params) };
     for (is_middle, place, side) in [(job.middle[0], &mut camera.cx, width), (job.middle[1], &mut camera.cy, height)] {
         if is_middle {
             *place = f64::from(side - 1) / 2.0;

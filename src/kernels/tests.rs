@@ -581,6 +581,10 @@ fn wide(params: &mut Params) {
     params.block = 17;
 }
 
+fn rectify(params: &mut Params) {
+    params.rectify = Some(crate::Rectification::new(93, 41, support::lenses(93, 41)).unwrap());
+}
+
 fn depth(params: &mut Params) {
     params.depth = Some(crate::Camera { doffs: 3.3, ..crate::Camera::new(994.978, 0.193) });
 }
@@ -840,6 +844,10 @@ const MUTANTS: &[Mutant] = &[
     }),
     mutant("confidence", "frame.map_words / 4u", "0u", confidence),
     mutant("confidence", "vec4(0u), values ==", "vec4(1u), values ==", confidence),
+    mutant("rectify", "+ 512u", "+ 511u", rectify),
+    mutant("rectify", "y < i32(frame.height)", "y <= i32(frame.height)", rectify),
+    mutant("rectify", "at.x + 1, at.y + 1", "at.x, at.y + 1", rectify),
+    mutant("rectify", "position & vec2(31)", "position & vec2(30)", rectify),
     mutant("depth", "depth_low >> (31u - i)", "depth_low >> i", depth),
     mutant("depth", "256 * values", "255 * values", depth),
     mutant("depth", "words.y, 1u)", "words.x, 1u)", depth),

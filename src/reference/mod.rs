@@ -37,6 +37,7 @@ mod mi_table;
 mod mirror;
 mod penalties;
 mod prefilter;
+mod rectify;
 mod sgm_aggregate;
 mod speckle;
 mod texture;
@@ -63,6 +64,7 @@ pub use mi_table::{logarithm, mi_narrowing, mi_prior, mi_table};
 pub use mirror::{mirror, mirrored};
 pub use penalties::penalties;
 pub use prefilter::prefilter;
+pub use rectify::rectify;
 pub use sgm_aggregate::{Direction, aggregate_direction, sgm_aggregate};
 pub use speckle::speckle;
 pub use texture::texture;
@@ -157,6 +159,14 @@ pub fn compute_timed(left: &Image, right: &Image, params: &Params) -> Result<(Ma
     params.validate()?;
     crate::matcher::check_pair(left, right)?;
     let mut clock = Clock::new();
+    let rectified = match &params.rectify {
+        Some(rectification) => {
+            let pair = [rectify(left, rectification, 0)?, rectify(right, rectification, 1)?];
+            Some(clock.stage("rectify", pair))
+        }
+        None => None,
+    };
+    let [left, right] = rectified.as_ref().map_or([left, right], |[left, right]| [left, right]);
     let matched = match params.second_match() {
         Some(second) => Some(views(&mirrored(right)?, &mirrored(left)?, &second, &mut clock).left),
         None => None,
