@@ -1,5 +1,5 @@
-// rectify: the mean of the four source samples around a position, weighted in 1/32 px: (sum of weight * sample + 512) >> 10.
-// source (samples as uploaded, FORMAT, in a texture), positions (1/32 px, column and row a pixel) -> rectified (as source)
+// rectify: the mean of the four source samples around a position, weighted in 1/256 px: (sum of weight * sample + 2^15) >> 16.
+// source (samples as uploaded, FORMAT, in a texture), positions (1/256 px, column and row a pixel) -> rectified (as source)
 // One invocation: sixteen bytes. Behind the last pixel: zeros.
 // Border: outside the source all samples are 0.
 // Reference: src/reference/rectify.rs
@@ -26,11 +26,11 @@ fn sample(x: i32, y: i32, channel: u32) -> u32 {
 }
 
 fn blend(position: vec2<i32>, channel: u32) -> u32 {
-    let part = vec2<u32>(position & vec2(31));
-    let at = position >> vec2(5u);
-    let above = (32u - part.x) * sample(at.x, at.y, channel) + part.x * sample(at.x + 1, at.y, channel);
-    let below = (32u - part.x) * sample(at.x, at.y + 1, channel) + part.x * sample(at.x + 1, at.y + 1, channel);
-    return ((32u - part.y) * above + part.y * below + 512u) >> 10u;
+    let part = vec2<u32>(position & vec2(255));
+    let at = position >> vec2(8u);
+    let above = (256u - part.x) * sample(at.x, at.y, channel) + part.x * sample(at.x + 1, at.y, channel);
+    let below = (256u - part.x) * sample(at.x, at.y + 1, channel) + part.x * sample(at.x + 1, at.y + 1, channel);
+    return ((256u - part.y) * above + part.y * below + 32768u) >> 16u;
 }
 
 fn word_of(first: u32) -> u32 {

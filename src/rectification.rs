@@ -22,7 +22,7 @@ pub struct Lens {
 
 /// Rectifies pairs of one size on their way into the matcher: for [`crate::Params::rectify`].
 ///
-/// The rectified images have the size of the given ones. Positions are computed once, in 64-bit floats, and kept in 1/32 px.
+/// The rectified images have the size of the given ones. Positions are computed once, in 64-bit floats, and kept in 1/256 px.
 #[derive(Clone)]
 pub struct Rectification(Arc<Inner>);
 
@@ -90,7 +90,7 @@ impl Rectification {
         &self.0.lenses
     }
 
-    /// For each pixel of a rectified image (0: the left one) the column and the row in the given one, in 1/32 px. Those that
+    /// For each pixel of a rectified image (0: the left one) the column and the row in the given one, in 1/256 px. Those that
     /// lie outside it may be nearer than they are.
     pub fn positions(&self, side: usize) -> &[[i32; 2]] {
         &self.0.positions[side]
@@ -123,10 +123,10 @@ impl Lens {
         let m = &self.matrix;
         let place = [m[0] * column + m[2], m[4] * row + m[5]];
         [0, 1].map(|axis| {
-            let nearest = (32.0 * place[axis] + 0.5).floor();
+            let nearest = (256.0 * place[axis] + 0.5).floor();
             match nearest.is_finite() && w > 0.0 {
-                true => nearest.clamp(-64.0, 32.0 * f64::from(size[axis])) as i32,
-                false => -64,
+                true => nearest.clamp(-512.0, 256.0 * f64::from(size[axis])) as i32,
+                false => -512,
             }
         })
     }

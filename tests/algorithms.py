@@ -95,7 +95,7 @@ class Chain:
         return [[formula(x, y) for x in range(self.width)] for y in range(self.height)]
 
     def positions(self, lens):
-        """Where the pixels of the rectified image come from, in 1/32 px."""
+        """Where the pixels of the rectified image come from, in 1/256 px."""
         p, r, m = lens["projection"], lens["rotation"], lens["matrix"]
         a = [p[i - i % 3] * r[i % 3] + p[i - i % 3 + 1] * r[i % 3 + 3] + p[i - i % 3 + 2] * r[i % 3 + 6] for i in range(9)]
         pairs = ((4, 8, 5, 7), (2, 7, 1, 8), (1, 5, 2, 4), (5, 6, 3, 8), (0, 8, 2, 6), (2, 3, 0, 5))
@@ -108,7 +108,7 @@ class Chain:
         def of(u, v):
             x, y, w = (b[i] * u + b[i + 1] * v + b[i + 2] for i in (0, 3, 6))
             if w <= 0.0:
-                return [-64, -64]
+                return [-512, -512]
             x, y = x / w, y / w
             xx, yy, xy = x * x, y * y, x * y
             q = xx + yy
@@ -116,7 +116,7 @@ class Chain:
             column = m[0] * (x * radial + 2.0 * p1 * xy + p2 * (q + 2.0 * xx)) + m[2]
             row = m[4] * (y * radial + p1 * (q + 2.0 * yy) + 2.0 * p2 * xy) + m[5]
             places = ((column, self.width), (row, self.height))
-            return [clamp(math.floor(32.0 * place + 0.5), -64, 32 * side) for place, side in places]
+            return [clamp(math.floor(256.0 * place + 0.5), -512, 256 * side) for place, side in places]
 
         return self.over_pixels(lambda x, y: of(float(x), float(y)))
 
@@ -128,10 +128,10 @@ class Chain:
             return samples[(y * self.width + x) * count + i] if inside else 0
 
         def blend(px, py, i):
-            x, y, a, b = px >> 5, py >> 5, px & 31, py & 31
-            above = (32 - a) * at(x, y, i) + a * at(x + 1, y, i)
-            below = (32 - a) * at(x, y + 1, i) + a * at(x + 1, y + 1, i)
-            return ((32 - b) * above + b * below + 512) >> 10
+            x, y, a, b = px >> 8, py >> 8, px & 255, py & 255
+            above = (256 - a) * at(x, y, i) + a * at(x + 1, y, i)
+            below = (256 - a) * at(x, y + 1, i) + a * at(x + 1, y + 1, i)
+            return ((256 - b) * above + b * below + 32768) >> 16
 
         return [blend(*place, i) for row in self.positions(lens) for place in row for i in range(count)]
 

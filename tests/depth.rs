@@ -364,3 +364,18 @@ fn what_is_no_rectification_is_refused() {
         assert!(!folder.path().join("map.npy").exists(), "{text}");
     }
 }
+
+/// tests/rectify.py, where there is OpenCV; else it says that there is none.
+#[test]
+fn the_rectification_is_that_of_opencv() {
+    let script = concat!(env!("CARGO_MANIFEST_DIR"), "/tests/rectify.py");
+    let (code, told) = match Command::new("python3").arg("-B").arg(script).output() {
+        Ok(output) => (output.status.code(), stderr(&output)),
+        Err(error) => (Some(3), format!("NOT TESTED: rectify beside OpenCV, python3 does not start: {error}\n")),
+    };
+    match code {
+        Some(0) => {}
+        Some(3) => std::io::stderr().write_all(told.as_bytes()).unwrap(),
+        _ => panic!("tests/rectify.py failed:\n{told}"),
+    }
+}

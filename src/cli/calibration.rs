@@ -525,3 +525,61 @@ fn xml(text: &str) -> Result<Tree> {
     ensure!(!tree.is_empty(), "it holds no named value; give a calibration of Middlebury, KITTI, OpenCV or ROS");
     Ok(tree)
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use rand::{Rng, SeedableRng};
+    use rand_chacha::ChaCha8Rng;
+
+    const SAMPLES: [&str; 5] = [
+        "cam0=[100 0 33; 0 100 15.5; 0 0 1]\ncam1=[100 0 34.5; 0 100 15.5; 0 0 1]\ndoffs=1.5\nbaseline=500\nwidth=67\n",
+        "P2: 1.0e+02 0 33 4.5 0 1e2 15.5 0.2 0 0 1 0.003\nP3: 1.0e+02 0 34.5 -45.5 0 1e2 15.5 0.3 0 0 1 0.003\n",
+        "%YAML:1.0\n---\nM1: !!opencv-matrix\n   rows: 3\n   cols: 3\n   dt: d\n   data: [ 1., 0., 2., 0., 1., 3., 0., 0., 1. ]\n",
+        "<?xml version=\"1.0\"?>\n<opencv_storage><Q type_id=\"opencv-matrix\"><rows>4</rows><cols>4</cols><dt>d</dt>\n\
+         <data>1. 0. 0. -33. 0. 1. 0. -15. 0. 0. 0. 100. 0. 0. 2. 3.</data></Q></opencv_storage>\n",
+        "image_width: 67\nimage_height: 31\nprojection_matrix:\n  rows: 3\n  cols: 4\n  data: [100.0, 0.0, 33, 0, 0.0, 100.0, \
+         15.5, 0.0, 0.0, 0.0, 1.0, 0.0]\n",
+    ];
+
+    /// Whatever bytes are changed, lost, doubled or taken from another kind: an answer or an error, and an answer is sound.
+    #[test]
+    fn spoilt_calibrations_never_panic() {
+        let (mut good, mut bad) = (0, 0);
+        for seed in 0..20_000 {
+            let mut random = ChaCha8Rng::seed_from_u64(seed);
+            let mut bytes = SAMPLES[seed as usize % 5].as_bytes().to_vec();
+            for _ in 0..random.random_range(0..4) {
+                let (at, to) = (random.random_range(0..bytes.len()), random.random_range(0..bytes.len()));
+                let (from, to) = (at.min(to), at.max(to));
+                match random.random_range(0..5) {
+                    0 => bytes[at] = b"0123456789.-+eE[]{}<>:;,=%!&*#'\" \n\tPQnaif\0\xff"[random.random_range(0..43)],
+                    1 => bytes.truncate(at.max(1)),
+                    2 => drop(bytes.drain(from..to)),
+                    3 => bytes.extend_from_within(from..to),
+                    _ => bytes.extend_from_slice(SAMPLES[random.random_range(0..5)].as_bytes()),
+                }
+                if bytes.is_empty() {
+                    bytes.push(b' ');
+                }
+            }
+            let Ok(source) = Source::parse(&bytes) else {
+                bad += 1;
+                continue;
+            };
+            let _ = lenses(&source, Some(&source));
+            let _ = pair_of_files(&source, &source, Reading::default());
+            match source.calibration(Reading::default()) {
+                Ok(Calibration { camera, .. }) => {
+                    assert!(camera.focal > 0.0 && camera.baseline > 0.0, "{camera:?}, seed {seed}");
+                    good += 1;
+                }
+                Err(error) => {
+                    assert!(!format!("{error:#}").contains('\n'), "{error:#}, seed {seed}");
+                    bad += 1;
+                }
+            }
+        }
+        assert!(good > 2000 && bad > 2000, "{good} good, {bad} bad");
+    }
+}

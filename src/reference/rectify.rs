@@ -2,7 +2,7 @@ use crate::{Error, Image, Pixels, Rectification};
 
 /// Stage `rectify`: the image of a `side` (0: left) as the rectified camera would have taken it.
 ///
-/// Each sample is the mean of the four around its position, weighted in 1/32 px, rounded to the nearest, a half upwards.
+/// Each sample is the mean of the four around its position, weighted in 1/256 px, rounded to the nearest, a half upwards.
 /// Outside the image all samples are 0.
 ///
 /// # Errors
@@ -16,11 +16,11 @@ pub fn rectify(image: &Image, rectification: &Rectification, side: usize) -> Res
             false => 0,
         };
         let blend = |&[x, y]: &[i32; 2], channel: usize| {
-            let (a, b) = ((x & 31) as u32, (y & 31) as u32);
-            let (x, y) = (x >> 5, y >> 5);
-            let above = (32 - a) * at(x, y, channel) + a * at(x + 1, y, channel);
-            let below = (32 - a) * at(x, y + 1, channel) + a * at(x + 1, y + 1, channel);
-            ((32 - b) * above + b * below + 512) >> 10
+            let (a, b) = ((x & 255) as u32, (y & 255) as u32);
+            let (x, y) = (x >> 8, y >> 8);
+            let above = (256 - a) * at(x, y, channel) + a * at(x + 1, y, channel);
+            let below = (256 - a) * at(x, y + 1, channel) + a * at(x + 1, y + 1, channel);
+            ((256 - b) * above + b * below + 32_768) >> 16
         };
         let positions = rectification.positions(side).iter();
         positions.flat_map(|position| (0..count).map(move |channel| blend(position, channel))).collect()
