@@ -330,6 +330,24 @@ fn a_pair_is_rectified_before_it_is_matched() {
         let (same, all) = inner.fold((0, 0), |(same, all), (_, (a, b))| (same + usize::from(a == b), all + 1));
         assert!(same * 100 > all * 95, "{options:?}: {same} of {all} pixels");
     }
+    // The same from R and T, in two files: both principal points come to lie in the middle, so that the map is of another
+    // doffs, by what they are apart.
+    let between = "%YAML:1.0\n---\nR: !!opencv-matrix\n   rows: 3\n   cols: 3\n   dt: d\n   data: [ 1., 0., 0., 0., 1., 0., 0., \
+        0., 1. ]\nT: !!opencv-matrix\n   rows: 3\n   cols: 1\n   dt: d\n   data: [ -0.5, 0., 0. ]\n";
+    write("extrinsics.yml", between);
+    let lenses = lenses([36.0, 39.0], &[("---\n", "---\nsize: [ 67, 31 ]\n")]);
+    write(
+        "intrinsics.yml",
+        &lenses.replace("R1:", "x1:").replace("R2:", "x2:").replace("P1:", "x3:").replace("P2:", "x4:"),
+    );
+    done(&["--rectify", "extrinsics.yml", "--calib-right", "intrinsics.yml", "-o", "map.npy", "--depth", "depth.npy"]);
+    let values = |bytes: &[u8]| -> Vec<f32> {
+        let data = &bytes[bytes.len() - 4 * 67 * 31..];
+        data.chunks(4).map(|v| f32::from_le_bytes([v[0], v[1], v[2], v[3]])).collect()
+    };
+    let (map, depth) = (values(&read("map.npy")), values(&read("depth.npy")));
+    let right = map.iter().zip(&depth).filter(|(d, z)| d.is_finite() && (**z - 50.0 / **d).abs() < 1e-3).count();
+    assert!(right > 1000, "{right}");
     done(&["-o", "map.npy"]);
     assert!(read("map.npy") != plain[0]);
 }
@@ -339,10 +357,9 @@ fn what_is_no_rectification_is_refused() {
     let folder = scene();
     for (text, words) in [
         (lenses([33.0, 34.5], &[("M1", "X1")]), "no M1"),
-        (
-            lenses([33.0, 34.5], &[("R2", "X2"), ("D1:", "T: !!opencv-matrix\n   data: [ 1. ]\nD1:")]),
-            "stereoRectify makes",
-        ),
+        (lenses([33.0, 34.5], &[("R2", "X2")]), "no R2"),
+        (lenses([33.0, 34.5], &[("R1", "R"), ("P1", "T")]), "size of the images"),
+        (lenses([33.0, 34.5], &[("R1", "R"), ("P1", "T"), ("---\n", "---\nsize: [ 67, 31 ]\n")]), "3 x 4"),
         (lenses([33.0, 34.5], &[("P2", "X2")]), "no P2"),
         (lenses([33.0, 34.5], &[("cols: 5", "cols: 3"), ("0., 0., 0., 0., 0. ]", "0., 0., 0. ]")]), "1 x 3"),
         (lenses([33.0, 34.5], &[("data: [ 1., 0., 0.,", "data: [ 2., 0., 0.,")]), "no rotation"),

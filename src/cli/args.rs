@@ -128,12 +128,13 @@ pub struct Scene {
     pub calib: Option<PathBuf>,
 
     /// Rectify the pair first, with the lenses, rotations and projections of OpenCV's stereoCalibrate and stereoRectify
-    /// (M1, D1, R1, P1, M2, D2, R2, P2 in YAML or XML), or of ROS camera_info YAML (with --calib-right); this is the
+    /// (M1, D1, R1, P1, M2, D2, R2, P2, or R and T for the last ones, in YAML or XML), or of ROS camera_info YAML (with --calib-right); this is the
     /// calibration of the depth, too
     #[arg(long, value_name = "FILE", group = "cameras", conflicts_with_all = ["focal", "baseline", "cx", "cy", "doffs"])]
     pub rectify: Option<PathBuf>,
 
-    /// The right camera's file, where each camera has one (ROS)
+    /// The right camera's file, where each camera has one (ROS); or the second file, where the lenses have one of their own
+    /// (intrinsics.yml and extrinsics.yml of OpenCV's sample)
     #[arg(long, value_name = "FILE", requires = "cameras")]
     pub calib_right: Option<PathBuf>,
 

@@ -1,6 +1,7 @@
 //! Calibration files become the cameras of a pair. The content tells the kind: Middlebury's calib.txt, KITTI's calib files,
 //! OpenCV's FileStorage in YAML or XML, and pairs of ROS camera_info files.
 
+use crate::stereo_rectify::stereo_rectify;
 use anyhow::{Context as _, Result, anyhow, bail, ensure};
 use gpu_stereo::{Camera, Lens};
 use std::collections::BTreeMap;
@@ -68,16 +69,25 @@ pub struct Calibration {
 impl Calibration {
     /// A calibration of one file, or of a file for each camera.
     pub fn read(path: &Path, right: Option<&Path>, reading: Reading) -> Result<Self> {
-        let source = Source::read(path)?;
-        let right_source = right.map(Source::read).transpose()?;
-        let calibration = match &right_source {
-            None => source.calibration(reading),
-            Some(right) => pair_of_files(&source, right, reading),
-        };
+        let mut source = Source::read(path)?;
+        let mut right_source = right.map(Source::read).transpose()?;
+        // OpenCV's sample has a file of the lenses, and one of what lies between the cameras.
+        if let (Source::Tree(tree), Some(Source::Tree(more))) = (&mut source, &right_source)
+            && !is_camera_info(tree)
+            && !is_camera_info(more)
+        {
+            tree.extend(more.clone());
+            right_source = None;
+        }
         let told = || right.map_or(format!("{path:?}"), |right| format!("{path:?} with {right:?}"));
+        let calibration = match (&source, &right_source) {
+            (Source::Tree(tree), None) if reading.lenses && is_unrectified(tree) => unrectified(tree, reading),
+            (_, None) => source.calibration(reading),
+            (_, Some(right)) => pair_of_files(&source, right, reading),
+        };
         let mut calibration = calibration.with_context(told)?;
         calibration.camera.validate().with_context(told)?;
-        if reading.lenses {
+        if reading.lenses && calibration.lenses.is_none() {
             calibration.lenses = Some(lenses(&source, right_source.as_ref()).with_context(told)?);
         }
         Ok(calibration)
@@ -289,6 +299,30 @@ const PROJECTION: Names = Names(
     &["projection_matrix", "P", "p"],
 );
 
+/// Whether a file tells how the cameras lie, but not how the rectified ones do.
+fn is_unrectified(tree: &Tree) -> bool {
+    tree.contains_key("R.data") && tree.contains_key("T.data") && !tree.contains_key("R1.data")
+}
+
+/// `M1`, `D1`, `M2`, `D2`, and `R` and `T` of OpenCV's stereoCalibrate.
+fn unrectified(tree: &Tree, reading: Reading) -> Result<Calibration> {
+    let size = size_of(tree)?.context(
+        "it has R and T, but not the size of the images, which stereoRectify needs; add image_width and image_height",
+    )?;
+    let wanted = |name: &'static str, shapes: &[(usize, usize)]| {
+        matrix(tree, &[name], shapes)?.with_context(|| format!("it has no {name}"))
+    };
+    let (r, t) = (wanted("R", &[(3, 3)])?, wanted("T", &[(3, 1), (1, 3)])?);
+    let r: [f64; 9] = std::array::from_fn(|i| r[i]);
+    ensure_rotation(&r, "R")?;
+    let side = |side: usize| {
+        Ok::<_, anyhow::Error>((camera_matrix(tree, MATRIX.0[side])?, distortion(tree, DISTORTION.0[side])?))
+    };
+    let (lenses, [left, right]) = stereo_rectify([side(0)?, side(1)?], size, &r, &[t[0], t[1], t[2]])?;
+    let unit = reading.unit.unwrap_or(Unit::M).metres();
+    Ok(Calibration { camera: of_projections(&left, &right, unit)?, size: Some(size), lenses: Some(lenses) })
+}
+
 /// The lens and the rectified camera of both sides.
 fn lenses(left: &Source, right: Option<&Source>) -> Result<[Lens; 2]> {
     let (Source::Tree(left), None | Some(Source::Tree(_))) = (left, right) else {
@@ -305,48 +339,58 @@ fn lenses(left: &Source, right: Option<&Source>) -> Result<[Lens; 2]> {
     Ok([of(0)?, of(1)?])
 }
 
+const NEEDED: &str = "--rectify needs M1, D1, M2, D2 and either R1, P1, R2 and P2 or R and T";
+
 fn lens(tree: &Tree, names: impl Fn(&Names) -> &'static [&'static str]) -> Result<Lens> {
-    let wanted = |of: &Names, shapes: &[(usize, usize)]| {
-        let names = names(of);
-        matrix(tree, names, shapes)?.with_context(|| {
-            let rest = if tree.contains_key("T.data") {
-                ", though it has T: save what stereoRectify makes of R and T"
-            } else {
-                ""
-            };
-            format!("it has no {}{rest}; --rectify needs M1, D1, R1, P1, M2, D2, R2 and P2", names[0])
-        })
-    };
     if let Some(model) = tree.get("distortion_model").and_then(|model| model.first()) {
         ensure!(
             ["plumb_bob", "rational_polynomial"].contains(&model.as_str()),
             "its distortion_model is {model}, but plumb_bob and rational_polynomial are known; calibrate with one of these"
         );
     }
-    let nine = |of: &Names| -> Result<[f64; 9]> {
-        let numbers = wanted(of, &[(3, 3)])?;
-        Ok(std::array::from_fn(|i| numbers[i]))
-    };
-    let rotation = nine(&ROTATION)?;
+    let matrix = camera_matrix(tree, names(&MATRIX))?;
+    let distortion = distortion(tree, names(&DISTORTION))?;
+    let rotation = nine(tree, names(&ROTATION))?;
+    ensure_rotation(&rotation, names(&ROTATION)[0])?;
+    let projection = needed(tree, names(&PROJECTION), &[(3, 4)])?;
+    Ok(Lens { matrix, distortion, rotation, projection: std::array::from_fn(|i| projection[i / 3 * 4 + i % 3]) })
+}
+
+fn needed(tree: &Tree, names: &[&str], shapes: &[(usize, usize)]) -> Result<Vec<f64>> {
+    matrix(tree, names, shapes)?.with_context(|| format!("it has no {}; {NEEDED}", names[0]))
+}
+
+fn nine(tree: &Tree, names: &[&str]) -> Result<[f64; 9]> {
+    let numbers = needed(tree, names, &[(3, 3)])?;
+    Ok(std::array::from_fn(|i| numbers[i]))
+}
+
+fn camera_matrix(tree: &Tree, names: &[&str]) -> Result<[f64; 9]> {
+    let numbers = nine(tree, names)?;
+    for focal in [numbers[0], numbers[4]] {
+        ensure!(focal > 0.0, "its {} has a focal length of {focal}, but it must be more than 0; correct it", names[0]);
+    }
+    Ok(numbers)
+}
+
+fn distortion(tree: &Tree, names: &[&str]) -> Result<[f64; 8]> {
+    let counts = [4, 5, 8, 12, 14].map(|count| [(1, count), (count, 1)]);
+    let numbers = needed(tree, names, counts.as_flattened())?;
+    ensure!(
+        numbers.iter().skip(8).all(|&number| number == 0.0),
+        "its {} has a thin prism or a tilt, but only k1 to k6, p1 and p2 are known; calibrate without",
+        names[0]
+    );
+    Ok(std::array::from_fn(|i| numbers.get(i).copied().unwrap_or(0.0)))
+}
+
+fn ensure_rotation(rotation: &[f64; 9], name: &str) -> Result<()> {
     for (i, j) in [(0, 0), (0, 1), (0, 2), (1, 1), (1, 2), (2, 2)] {
         let sum: f64 = (0..3).map(|k| rotation[3 * i + k] * rotation[3 * j + k]).sum();
         let is = if i == j { 1.0 } else { 0.0 };
-        ensure!((sum - is).abs() < 1e-3, "its {} is no rotation; save it again", names(&ROTATION)[0]);
+        ensure!((sum - is).abs() < 1e-3, "its {name} is no rotation; save it again");
     }
-    let counts = [4, 5, 8, 12, 14].map(|count| [(1, count), (count, 1)]);
-    let distortion = wanted(&DISTORTION, counts.as_flattened())?;
-    ensure!(
-        distortion.iter().skip(8).all(|&number| number == 0.0),
-        "its {} has a thin prism or a tilt, but only k1 to k6, p1 and p2 are known; calibrate without",
-        names(&DISTORTION)[0]
-    );
-    let projection = wanted(&PROJECTION, &[(3, 4)])?;
-    Ok(Lens {
-        matrix: nine(&MATRIX)?,
-        distortion: std::array::from_fn(|i| distortion.get(i).copied().unwrap_or(0.0)),
-        rotation,
-        projection: std::array::from_fn(|i| projection[i / 3 * 4 + i % 3]),
-    })
+    Ok(())
 }
 
 /// `P1` and `P2`, or `Q`, of OpenCV's stereoRectify.

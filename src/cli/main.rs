@@ -18,6 +18,7 @@ mod report;
 mod resolve;
 mod run;
 mod sheet;
+mod stereo_rectify;
 mod study;
 mod video;
 
