@@ -57,6 +57,8 @@
 //! [`StereoMatcher::check_blocking`] compares every stage with the reference and names the first value that differs.
 //! examples/embed.rs is a whole program.
 //!
+//! [`evaluation`] scores a map against a truth.
+//!
 //! `wgpu` is exported again, so that the caller's device and the matcher's are of one version.
 //!
 //! # Features
@@ -79,6 +81,7 @@ mod chain;
 mod check;
 mod color;
 mod error;
+pub mod evaluation;
 mod image;
 mod kernels;
 mod matcher;

@@ -236,12 +236,14 @@ fn what_is_no_calibration_is_refused() {
         assert!(FILES.iter().all(|file| !folder.path().join(file).exists()), "{shown}");
     }
     fs::write(folder.path().join("calib"), MIDDLEBURY).unwrap();
+    fs::write(folder.path().join("calib.npy"), MIDDLEBURY).unwrap();
     for (options, words) in [
         (&["--depth", "depth.npy"][..], "--calib"),
         (&["--points", "scene.ply"], "--calib"),
         (&["--calib", "calib", "--points", "scene.xyz"], ".ply or .pcd"),
         (&["--calib", "calib", "--depth", "depth.jpg"], ".jpg"),
-        (&["--calib", "calib", "--depth", "left.png"], "input image"),
+        (&["--calib", "calib", "--depth", "left.png"], "is an input"),
+        (&["--calib", "calib.npy", "--depth", "calib.npy"], "is an input"),
         (&["--calib", "missing", "--depth", "depth.npy"], "missing"),
         (&["--calib", ".", "--depth", "depth.npy"], "regular file"),
         (&["--calib", "calib", "--calib-right", "calib", "--depth", "depth.npy"], "drop it"),

@@ -3,6 +3,7 @@
 use crate::depth;
 use anyhow::{Context as _, Result, bail, ensure};
 use clap::ValueEnum;
+use gpu_stereo::evaluation::FloatMap;
 use gpu_stereo::reference::{self, Channel};
 use gpu_stereo::{ConfidenceMap, DepthMap, DisparityMap, Image, Params};
 use image::codecs::jpeg::JpegEncoder;
@@ -33,6 +34,9 @@ pub enum Format {
     Mask,
     /// An 8-bit gray PNG: the confidence.
     Confidence,
+    /// A picture: the errors.
+    #[value(skip)] // a video has no truth
+    ErrorMap,
     /// The depth.
     #[value(skip)]
     Depth(DepthFormat),
@@ -65,6 +69,8 @@ pub struct Maps<'a> {
     pub depth: Option<&'a DepthMap>,
     /// The left image, for the colours of points.
     pub left: Option<&'a Image>,
+    /// The picture of its errors, if there is a truth.
+    pub errors: Option<&'a RgbImage>,
     /// The settings.
     pub params: &'a Params,
 }
@@ -86,6 +92,7 @@ impl Format {
             Self::Depth(DepthFormat::Tiff) => "_depth.tif",
             Self::Depth(DepthFormat::Ply) => ".ply",
             Self::Depth(DepthFormat::Pcd) => ".pcd",
+            Self::ErrorMap => "_errors.png",
         }
     }
 }
@@ -123,7 +130,7 @@ pub fn resolve(
     maps: &[PathBuf],
     pictures: &[(&str, &Option<PathBuf>, Format)],
     depths: &[(PathBuf, DepthFormat)],
-    inputs: [&PathBuf; 2],
+    inputs: &[&Path],
     params: &Params,
 ) -> Result<Vec<Output>> {
     let depths = depths.iter().map(|(path, format)| (path.clone(), Format::Depth(*format)));
@@ -133,10 +140,7 @@ pub fn resolve(
     }
     for (option, path, format) in pictures {
         let Some(path) = path else { continue };
-        ensure!(
-            ending(path) == "png",
-            "--{option} is {path:?}, but a picture is written as .png; give a name that ends in .png"
-        );
+        ensure_png(option, path)?;
         wanted.push((path.clone(), *format));
     }
     if wanted.is_empty() {
@@ -147,8 +151,23 @@ pub fn resolve(
     places(wanted, inputs)
 }
 
+fn ensure_png(option: &str, path: &Path) -> Result<()> {
+    ensure!(
+        ending(path) == "png",
+        "--{option} is {path:?}, but a picture is written as .png; give a name that ends in .png"
+    );
+    Ok(())
+}
+
+/// The picture of errors to write, checked as [`resolve`] does.
+pub fn resolve_error_map(path: &Path, inputs: &[&Path]) -> Result<Output<SheetFormat>> {
+    ensure_png("error-map", path)?;
+    let mut places = places(vec![(path.into(), SheetFormat::Png)], inputs)?;
+    places.pop().context("there is no output")
+}
+
 /// The sheet to write, checked as [`resolve`] does.
-pub fn resolve_sheet(path: &Path, inputs: [&PathBuf; 2]) -> Result<Vec<Output<SheetFormat>>> {
+pub fn resolve_sheet(path: &Path, inputs: &[&Path]) -> Result<Vec<Output<SheetFormat>>> {
     let format = match ending(path).as_str() {
         "png" => SheetFormat::Png,
         "jpg" | "jpeg" => SheetFormat::Jpeg,
@@ -158,15 +177,12 @@ pub fn resolve_sheet(path: &Path, inputs: [&PathBuf; 2]) -> Result<Vec<Output<Sh
 }
 
 /// Where to write, each place checked.
-fn places<F>(wanted: Vec<(PathBuf, F)>, inputs: [&PathBuf; 2]) -> Result<Vec<Output<F>>> {
-    let inputs = inputs.map(|path| fs::canonicalize(path).ok());
+fn places<F>(wanted: Vec<(PathBuf, F)>, inputs: &[&Path]) -> Result<Vec<Output<F>>> {
+    let inputs: Vec<_> = inputs.iter().filter_map(|path| fs::canonicalize(path).ok()).collect();
     let mut outputs: Vec<Output<F>> = Vec::new();
     for (path, format) in wanted {
         let place = writable_place(&path)?;
-        ensure!(
-            !inputs.iter().flatten().any(|input| *input == place),
-            "output {path:?} is an input image, too; give another name"
-        );
+        ensure!(!inputs.contains(&place), "output {path:?} is an input, too; give another name");
         ensure!(
             outputs.iter().all(|other| other.place != place),
             "output {path:?} is given twice; give each output its own name"
@@ -293,28 +309,29 @@ pub fn temporary(folder: &Path, suffix: &str) -> std::io::Result<NamedTempFile> 
 
 /// Writes maps to every file, or, if one cannot be written, to none.
 pub fn write_maps(outputs: &[Output], maps: &Maps<'_>) -> Result<()> {
-    put(outputs, |format| encode(format, maps))
+    put(outputs, |format| contents(format, maps))
 }
 
-/// The same of a map and its confidence.
+/// The same of a map, its confidence and its errors.
 pub fn write(
     outputs: &[Output],
     map: &DisparityMap,
     confidence: Option<&ConfidenceMap>,
+    errors: Option<&RgbImage>,
     params: &Params,
 ) -> Result<()> {
-    write_maps(outputs, &Maps { map, confidence, depth: None, left: None, params })
+    write_maps(outputs, &Maps { map, confidence, errors, depth: None, left: None, params })
 }
 
 /// Writes a sheet, or nothing.
 pub fn write_sheet(outputs: &[Output<SheetFormat>], sheet: &RgbImage) -> Result<()> {
-    put(outputs, |format| {
-        let mut bytes = Cursor::new(Vec::new());
-        match format {
-            SheetFormat::Png => sheet.write_with_encoder(PngEncoder::new(&mut bytes))?,
-            SheetFormat::Jpeg => JpegEncoder::new_with_quality(&mut bytes, 80).encode_image(sheet)?,
+    put(outputs, |format| match format {
+        SheetFormat::Png => png(sheet),
+        SheetFormat::Jpeg => {
+            let mut bytes = Cursor::new(Vec::new());
+            JpegEncoder::new_with_quality(&mut bytes, 80).encode_image(sheet)?;
+            Ok(bytes.into_inner())
         }
-        Ok(bytes.into_inner())
     })
 }
 
@@ -337,12 +354,55 @@ fn put<F: Copy>(outputs: &[Output<F>], contents: impl Fn(F) -> Result<Vec<u8>>) 
     Ok(())
 }
 
+/// A folder to write many files into is made where it is missing, and can be written.
+pub fn ensure_folder(folder: &Path) -> Result<()> {
+    let kind = fs::metadata(folder);
+    ensure!(!kind.is_ok_and(|kind| !kind.is_dir()), "output folder {folder:?} is a file; give another name");
+    let made = fs::create_dir_all(folder).and_then(|()| temporary(folder, "").map(drop));
+    made.with_context(|| {
+        format!("output folder {folder:?} cannot be written; check its permissions or give another name")
+    })
+}
+
+/// Writes a file of many, whole or not at all; its folder is made where it is missing.
+pub fn write_in_folder(path: &Path, bytes: &[u8]) -> Result<()> {
+    let folder = path.parent().unwrap_or(Path::new("."));
+    let write = || -> std::io::Result<()> {
+        fs::create_dir_all(folder)?;
+        let mut file = temporary(folder, "")?;
+        file.write_all(bytes)?;
+        file.flush()?;
+        file.persist(path).map_err(|error| error.error)?;
+        Ok(())
+    };
+    write().with_context(|| {
+        format!("output {path:?} cannot be written; check the space and the permissions of its folder")
+    })
+}
+
 fn cannot_write<F>(output: &Output<F>) -> String {
     format!("output {:?} cannot be written; check the space and the permissions of its folder", output.path)
 }
 
+/// A picture as PNG.
+pub fn png(picture: &RgbImage) -> Result<Vec<u8>> {
+    let mut bytes = Cursor::new(Vec::new());
+    picture.write_with_encoder(PngEncoder::new(&mut bytes))?;
+    Ok(bytes.into_inner())
+}
+
 /// The contents of a file.
-fn encode(format: Format, maps: &Maps<'_>) -> Result<Vec<u8>> {
+pub fn encode(
+    format: Format,
+    map: &DisparityMap,
+    confidence: Option<&ConfidenceMap>,
+    errors: Option<&RgbImage>,
+    params: &Params,
+) -> Result<Vec<u8>> {
+    contents(format, &Maps { map, confidence, errors, depth: None, left: None, params })
+}
+
+fn contents(format: Format, maps: &Maps<'_>) -> Result<Vec<u8>> {
     let Maps { map, confidence, params, .. } = maps;
     let (width, height) = (map.width, map.height);
     let floats = |invalid: f32| map.data.iter().map(|&value| pixels(value).unwrap_or(invalid)).collect::<Vec<_>>();
@@ -351,11 +411,7 @@ fn encode(format: Format, maps: &Maps<'_>) -> Result<Vec<u8>> {
         Format::Pfm => pfm(width, height, &floats(f32::INFINITY)),
         Format::Npy => npy(width, height, &floats(f32::NAN)),
         Format::Tiff => tiff(width, height, &floats(f32::NAN)),
-        Format::Color => {
-            let mut bytes = Cursor::new(Vec::new());
-            picture(map, searched(params)).write_with_encoder(PngEncoder::new(&mut bytes))?;
-            Ok(bytes.into_inner())
-        }
+        Format::Color => png(&picture(map, searched(params))),
         Format::Mask => {
             let samples: Vec<u8> =
                 map.data.iter().map(|&value| if pixels(value).is_some() { 255 } else { 0 }).collect();
@@ -384,6 +440,7 @@ fn encode(format: Format, maps: &Maps<'_>) -> Result<Vec<u8>> {
                 DepthFormat::Pcd => depth::pcd(found, camera, left),
             }
         }
+        Format::ErrorMap => png(maps.errors.context("no truth was read")?),
     }
 }
 
@@ -457,6 +514,16 @@ pub fn picture(map: &DisparityMap, (first, last): (i32, i32)) -> RgbImage {
     RgbImage::from_fn(map.width, map.height, |_, _| Rgb(pixels.next().map_or([0; 3], |c| [c[0], c[1], c[2]])))
 }
 
+/// A truth in the colours that [`picture`] has.
+pub fn truth_picture(map: &FloatMap, (first, last): (i32, i32)) -> RgbImage {
+    let color = |&disparity: &f32| match disparity.is_finite() {
+        false => [0; 3],
+        true => gpu_stereo::turbo((f64::from(disparity) - f64::from(first)) / f64::from((last - first).max(1))),
+    };
+    let mut values = map.data().iter();
+    RgbImage::from_fn(map.width(), map.height(), |_, _| Rgb(values.next().map_or([0; 3], color)))
+}
+
 /// An image in 8 bits a channel.
 pub fn drawn(image: &Image) -> RgbImage {
     let channels = [0, 1, 2].map(|sample| reference::gray(image, Channel::Sample(sample)).data);
@@ -498,9 +565,8 @@ mod tests {
     fn a_disparity_that_does_not_fit_leaves_no_file() {
         let folder = tempfile::tempdir().unwrap();
         let paths = [folder.path().join("a.npy"), folder.path().join("b.png")];
-        let none = PathBuf::new();
-        let outputs = resolve(&paths, &[], &[], [&none, &none], &Params::sgm(8)).unwrap();
-        assert!(write(&outputs, &map(&[-16]), None, &Params::sgm(8)).is_err());
+        let outputs = resolve(&paths, &[], &[], &[], &Params::sgm(8)).unwrap();
+        assert!(write(&outputs, &map(&[-16]), None, None, &Params::sgm(8)).is_err());
         assert_eq!(fs::read_dir(folder.path()).unwrap().count(), 0);
     }
 }

@@ -2,6 +2,7 @@
 
 use crate::args::{Args, Backend, DeviceArgs, Scene, Whole};
 use crate::calibration::{Calibration, Reading};
+use crate::evaluate::TruthFile;
 use crate::output::{Format, Output};
 use anyhow::{Result, anyhow, bail, ensure};
 use gpu_stereo::{Camera, Error, Params};
@@ -22,6 +23,8 @@ pub struct Job {
     pub middle: [bool; 2],
     /// Where to compute.
     pub device: DeviceArgs,
+    /// The truth to score the map against.
+    pub truth: Option<TruthFile>,
     /// The files to write, each known to be writable.
     pub outputs: Vec<Output>,
     /// Compare every stage.
@@ -71,8 +74,14 @@ pub fn resolve(args: Args) -> Result<Job> {
         ("color", &args.color, Format::Color),
         ("mask", &args.mask, Format::Mask),
         ("confidence", &args.confidence, Format::Confidence),
+        ("error-map", &args.truth.error_map, Format::ErrorMap),
     ];
-    let outputs = crate::output::resolve(&args.output, &pictures, &depths, [&left, &right], &params)?;
+    let truth = TruthFile::resolve(args.gt.as_deref(), &args.truth)?;
+    let Scene { calib, rectify, calib_right, .. } = &args.scene;
+    let calibrations = [calib, rectify, calib_right].into_iter().flatten().map(PathBuf::as_path);
+    let inputs: Vec<_> =
+        truth.iter().flat_map(TruthFile::files).chain(calibrations).chain([left.as_path(), &right]).collect();
+    let outputs = crate::output::resolve(&args.output, &pictures, &depths, &inputs, &params)?;
     Ok(Job {
         left,
         right,
@@ -80,6 +89,7 @@ pub fn resolve(args: Args) -> Result<Job> {
         calibration,
         middle: [args.scene.cx, args.scene.cy].map(|given| args.scene.focal.is_some() && given.is_none()),
         device: args.device,
+        truth,
         outputs,
         check: args.check,
         timings: args.timings,

@@ -2,11 +2,13 @@
 
 use crate::adapter::{self, Opened};
 use crate::args::{Backend, DeviceArgs};
-use crate::output::Maps;
+use crate::evaluate::Evaluation;
+use crate::output::{Format, Maps};
 use crate::report::{FrameMs, Report};
 use crate::resolve::Job;
 use crate::{input, output};
 use anyhow::{Result, bail, ensure};
+use gpu_stereo::evaluation::FloatMap;
 use gpu_stereo::{
     Error, Image, Matched, Method, Params, Rectification, StageCheck, StageTime, StereoMatcher, reference,
 };
@@ -26,6 +28,7 @@ pub struct OnAdapter {
 /// Does the job.
 pub fn run(job: &Job) -> Result<Report> {
     let (left, right) = input::read_pair(&job.left, &job.right)?;
+    let truth = job.truth.as_ref().map(|truth| truth.read((left.width(), left.height()), &job.left)).transpose()?;
 
     let params = &params_for(job, &left)?;
     let start = Instant::now();
@@ -47,12 +50,22 @@ pub fn run(job: &Job) -> Result<Report> {
         None
     };
     let passed = check.iter().flatten().all(|stage| stage.mismatches == 0);
+    let mut evaluation = None;
     if passed {
+        let mut errors = None;
+        if let Some(truth) = &truth {
+            let estimate = FloatMap::from(&matched.map);
+            evaluation = Some(Evaluation::from(&truth.score(&estimate)?));
+            if job.outputs.iter().any(|output| output.format == Format::ErrorMap) {
+                errors = Some(truth.error_picture(&estimate)?);
+            }
+        }
+        let errors = errors.as_ref();
         let Matched { map, confidence, depth, .. } = &matched;
         let (confidence, depth) = (confidence.as_ref(), depth.as_ref());
         let rectified = params.rectify.as_ref().map(|rectification| reference::rectify(&left, rectification, 0));
         let left = rectified.transpose()?.unwrap_or(left);
-        output::write_maps(&job.outputs, &Maps { map, confidence, depth, left: Some(&left), params })?;
+        output::write_maps(&job.outputs, &Maps { map, confidence, errors, depth, left: Some(&left), params })?;
     }
     let outputs = if passed { job.outputs.iter().map(|output| output.path.clone()).collect() } else { Vec::new() };
     let (adapter, backend, driver) = engine.names();
@@ -69,6 +82,7 @@ pub fn run(job: &Job) -> Result<Report> {
         first_frame_ms,
         stages,
         peak_device_bytes: engine.device_bytes(),
+        evaluation,
         check: check.map(|stages| stages.into_iter().map(Into::into).collect()),
         outputs,
     })
