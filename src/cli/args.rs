@@ -1,5 +1,6 @@
 //! Parse: the command line as it was typed, with no meaning given to it yet.
 
+use crate::calibration::{Pair, Unit};
 use crate::layout::Layout;
 use crate::output::Format;
 use clap::builder::{PossibleValue, StringValueParser, TypedValueParser};
@@ -34,6 +35,10 @@ Examples:
       compares every stage on the adapter with the CPU reference, bit for bit
   gpu-stereo left.png right.png --disp 64 --timings --repeat 20
       milliseconds a stage, median of 20 frames after one warm-up
+  gpu-stereo left.png right.png --disp 64 --calib calib.txt --depth depth.png --points scene.ply
+      depth in millimetres, and coloured points
+  gpu-stereo raw_left.png raw_right.png --disp 64 --rectify stereo.yml --depth depth.tif
+      rectifies the pair first
   gpu-stereo sweep left.png right.png --block 5,9,15,21 --disp 41,61,81 -o sweep.png
       one sheet of colour maps, a row for each block and a column for each range, with times
   gpu-stereo left.png right.png --disp 64 --gt truth.pfm --error-map errors.png
@@ -45,9 +50,9 @@ Examples:
 Exit codes: 0 done, 1 a check found a mismatch or a frame failed, 2 could not run.
 Vulkan, Metal and Direct3D 12 are searched for adapters; WGPU_BACKEND=gl in the environment searches OpenGL.";
 
-/// Dense disparity of a rectified stereo pair, on any GPU.
+/// Dense disparity of a stereo pair, on any GPU.
 ///
-/// LEFT and RIGHT are rectified images of one size, 8 or 16 bits, gray or colour (an alpha channel is ignored): PNG,
+/// LEFT and RIGHT are rectified images of one size (else see --rectify), 8 or 16 bits, gray or colour (an alpha channel is ignored): PNG,
 /// JPEG, PNM, TIFF, BMP, WebP and others. A disparity d at (x, y) says that LEFT(x, y) shows what RIGHT(x - d, y) shows.
 #[derive(Debug, Parser)]
 #[command(name = "gpu-stereo", version, override_usage = USAGE, after_help = EXAMPLES, max_term_width = 100)]
@@ -68,6 +73,10 @@ pub struct Args {
     /// The settings by name
     #[command(flatten)]
     pub settings: Settings,
+
+    /// The cameras, and what is made with them
+    #[command(flatten)]
+    pub scene: Scene,
 
     /// Where to compute
     #[command(flatten)]
@@ -122,6 +131,65 @@ pub struct Args {
     /// Print no summary
     #[arg(short, long, help_heading = OUTPUT)]
     pub quiet: bool,
+}
+
+/// The cameras of the pair, and what is made with them.
+#[derive(Debug, clap::Args)]
+#[command(next_help_heading = "Depth")]
+pub struct Scene {
+    /// The calibration of the pair: Middlebury's calib.txt, KITTI's calib files, OpenCV's YAML or XML with P1 and P2 or Q
+    /// (of stereoRectify), ROS camera_info YAML (with --calib-right); the content tells which
+    #[arg(long, value_name = "FILE", group = "cameras", conflicts_with_all = ["focal", "baseline", "cx", "cy", "doffs"])]
+    pub calib: Option<PathBuf>,
+
+    /// Rectify the pair first, with the lenses, rotations and projections of OpenCV's stereoCalibrate and stereoRectify
+    /// (M1, D1, R1, P1, M2, D2, R2, P2, or R and T for the last ones, in YAML or XML), or of ROS camera_info YAML (with --calib-right); this is the
+    /// calibration of the depth, too
+    #[arg(long, value_name = "FILE", group = "cameras", conflicts_with_all = ["focal", "baseline", "cx", "cy", "doffs"])]
+    pub rectify: Option<PathBuf>,
+
+    /// The right camera's file, where each camera has one (ROS); or the second file, where the lenses have one of their own
+    /// (intrinsics.yml and extrinsics.yml of OpenCV's sample)
+    #[arg(long, value_name = "FILE", requires = "cameras")]
+    pub calib_right: Option<PathBuf>,
+
+    /// The unit of lengths in the calibration [default: mm in Middlebury's files, else m]
+    #[arg(long, value_enum, value_name = "UNIT", requires = "cameras")]
+    pub calib_unit: Option<Unit>,
+
+    /// The cameras of a KITTI calibration that took the pair [default: color, if it has P2]
+    #[arg(long, value_enum, value_name = "PAIR", requires = "cameras")]
+    pub calib_pair: Option<Pair>,
+
+    /// Focal length in pixels, in place of a calibration
+    #[arg(long, value_name = "PX", requires = "baseline", allow_negative_numbers = true)]
+    pub focal: Option<f64>,
+
+    /// Distance between the cameras in metres
+    #[arg(long, value_name = "M", requires = "focal", allow_negative_numbers = true)]
+    pub baseline: Option<f64>,
+
+    /// Column of the left principal point [default: the middle]
+    #[arg(long, value_name = "PX", requires = "focal", allow_negative_numbers = true)]
+    pub cx: Option<f64>,
+
+    /// Row of the principal points [default: the middle]
+    #[arg(long, value_name = "PX", requires = "focal", allow_negative_numbers = true)]
+    pub cy: Option<f64>,
+
+    /// Column of the right principal point less that of the left one [default: 0]
+    #[arg(long, value_name = "PX", requires = "focal", allow_negative_numbers = true)]
+    pub doffs: Option<f64>,
+
+    /// Write the depth: .png (16 bit, millimetres, 0 without a depth and from 65.5355 m on), .pfm (+inf without a depth),
+    /// .npy, .tif (metres as 32-bit floats, NaN without a depth); may be given several times
+    #[arg(long, value_name = "FILE")]
+    pub depth: Vec<PathBuf>,
+
+    /// Write coloured points, those that have a depth: .ply or .pcd, binary; metres to the right, down and forward of the
+    /// left camera; may be given several times
+    #[arg(long, value_name = "FILE")]
+    pub points: Vec<PathBuf>,
 }
 
 /// Where to compute.

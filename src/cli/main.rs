@@ -7,6 +7,8 @@
 mod adapter;
 mod args;
 mod bench;
+mod calibration;
+mod depth;
 mod evaluate;
 mod film;
 mod input;
@@ -21,6 +23,7 @@ mod report;
 mod resolve;
 mod run;
 mod sheet;
+mod stereo_rectify;
 mod study;
 mod video;
 

@@ -1,10 +1,11 @@
 //! Disparity maps become files, whole or not at all.
 
+use crate::depth;
 use anyhow::{Context as _, Result, bail, ensure};
 use clap::ValueEnum;
 use gpu_stereo::evaluation::FloatMap;
 use gpu_stereo::reference::{self, Channel};
-use gpu_stereo::{ConfidenceMap, DisparityMap, Image, Params};
+use gpu_stereo::{ConfidenceMap, DepthMap, DisparityMap, Image, Params};
 use image::codecs::jpeg::JpegEncoder;
 use image::codecs::png::PngEncoder;
 use image::{ExtendedColorType, ImageEncoder as _, Rgb, RgbImage};
@@ -36,6 +37,42 @@ pub enum Format {
     /// A picture: the errors.
     #[value(skip)] // a video has no truth
     ErrorMap,
+    /// The depth.
+    #[value(skip)]
+    Depth(DepthFormat),
+}
+
+/// What a file with a depth holds.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum DepthFormat {
+    /// 16-bit gray PNG: millimetres, 0 without a depth and beyond what 16 bits hold.
+    Png,
+    /// As [`Format::Pfm`], in metres.
+    Pfm,
+    /// As [`Format::Npy`], in metres.
+    Npy,
+    /// As [`Format::Tiff`], in metres.
+    Tiff,
+    /// Coloured points.
+    Ply,
+    /// Coloured points.
+    Pcd,
+}
+
+/// What is written.
+pub struct Maps<'a> {
+    /// The disparities.
+    pub map: &'a DisparityMap,
+    /// Their confidence, if it was computed.
+    pub confidence: Option<&'a ConfidenceMap>,
+    /// Their depth, if it was computed.
+    pub depth: Option<&'a DepthMap>,
+    /// The left image, for the colours of points.
+    pub left: Option<&'a Image>,
+    /// The picture of its errors, if there is a truth.
+    pub errors: Option<&'a RgbImage>,
+    /// The settings.
+    pub params: &'a Params,
 }
 
 impl Format {
@@ -49,6 +86,12 @@ impl Format {
             Self::Color => "_color.png",
             Self::Mask => "_mask.png",
             Self::Confidence => "_confidence.png",
+            Self::Depth(DepthFormat::Png) => "_depth.png",
+            Self::Depth(DepthFormat::Pfm) => "_depth.pfm",
+            Self::Depth(DepthFormat::Npy) => "_depth.npy",
+            Self::Depth(DepthFormat::Tiff) => "_depth.tif",
+            Self::Depth(DepthFormat::Ply) => ".ply",
+            Self::Depth(DepthFormat::Pcd) => ".pcd",
             Self::ErrorMap => "_errors.png",
         }
     }
@@ -86,10 +129,12 @@ impl Output {
 pub fn resolve(
     maps: &[PathBuf],
     pictures: &[(&str, &Option<PathBuf>, Format)],
+    depths: &[(PathBuf, DepthFormat)],
     inputs: &[&Path],
     params: &Params,
 ) -> Result<Vec<Output>> {
-    let mut wanted = Vec::new();
+    let depths = depths.iter().map(|(path, format)| (path.clone(), Format::Depth(*format)));
+    let mut wanted: Vec<_> = depths.collect();
     for path in maps {
         wanted.push((path.clone(), map_format(path)?));
     }
@@ -186,6 +231,29 @@ pub fn map_format(path: &Path) -> Result<Format> {
     })
 }
 
+/// The formats of `--depth` and `--points`.
+pub fn depth_formats(depth: &[PathBuf], points: &[PathBuf]) -> Result<Vec<(PathBuf, DepthFormat)>> {
+    let mut formats = Vec::new();
+    for path in depth {
+        let format = match map_format(path)? {
+            Format::Pfm => DepthFormat::Pfm,
+            Format::Npy => DepthFormat::Npy,
+            Format::Tiff => DepthFormat::Tiff,
+            _ => DepthFormat::Png,
+        };
+        formats.push((path.clone(), format));
+    }
+    for path in points {
+        let format = match ending(path).as_str() {
+            "ply" => DepthFormat::Ply,
+            "pcd" => DepthFormat::Pcd,
+            _ => bail!("--points is {path:?}, but points are written as .ply or .pcd; give a name that ends so"),
+        };
+        formats.push((path.clone(), format));
+    }
+    Ok(formats)
+}
+
 /// Where the file will really be, once it is sure that it can be written.
 pub fn writable_place(path: &Path) -> Result<PathBuf> {
     let folder = match path.parent() {
@@ -239,7 +307,12 @@ pub fn temporary(folder: &Path, suffix: &str) -> std::io::Result<NamedTempFile> 
     builder.tempfile_in(folder)
 }
 
-/// Writes a map, its confidence and its errors to every file, or, if one cannot be written, to none.
+/// Writes maps to every file, or, if one cannot be written, to none.
+pub fn write_maps(outputs: &[Output], maps: &Maps<'_>) -> Result<()> {
+    put(outputs, |format| contents(format, maps))
+}
+
+/// The same of a map, its confidence and its errors.
 pub fn write(
     outputs: &[Output],
     map: &DisparityMap,
@@ -247,7 +320,7 @@ pub fn write(
     errors: Option<&RgbImage>,
     params: &Params,
 ) -> Result<()> {
-    put(outputs, |format| encode(format, map, confidence, errors, params))
+    write_maps(outputs, &Maps { map, confidence, errors, depth: None, left: None, params })
 }
 
 /// Writes a sheet, or nothing.
@@ -326,47 +399,88 @@ pub fn encode(
     errors: Option<&RgbImage>,
     params: &Params,
 ) -> Result<Vec<u8>> {
+    contents(format, &Maps { map, confidence, errors, depth: None, left: None, params })
+}
+
+fn contents(format: Format, maps: &Maps<'_>) -> Result<Vec<u8>> {
+    let Maps { map, confidence, params, .. } = maps;
     let (width, height) = (map.width, map.height);
-    let floats = |invalid: f32| map.data.iter().map(move |&value| pixels(value).unwrap_or(invalid));
-    let mut bytes = Cursor::new(Vec::new());
+    let floats = |invalid: f32| map.data.iter().map(|&value| pixels(value).unwrap_or(invalid)).collect::<Vec<_>>();
     match format {
-        Format::Kitti => {
-            let samples = kitti(map)?;
-            let samples: Vec<u8> = samples.into_iter().flat_map(u16::to_ne_bytes).collect();
-            PngEncoder::new(&mut bytes).write_image(&samples, width, height, ExtendedColorType::L16)?;
-        }
-        Format::Pfm => {
-            write!(bytes, "Pf\n{width} {height}\n-1.0\n")?;
-            let samples: Vec<f32> = floats(f32::INFINITY).collect();
-            for row in samples.chunks(width.max(1) as usize).rev() {
-                for sample in row {
-                    bytes.write_all(&sample.to_le_bytes())?;
-                }
-            }
-        }
-        Format::Npy => {
-            let options = npyz::WriteOptions::<f32>::new().default_dtype();
-            let mut npy = options.shape(&[height.into(), width.into()]).writer(&mut bytes).begin_nd()?;
-            npy.extend(floats(f32::NAN))?;
-            npy.finish()?;
-        }
-        Format::Tiff => {
-            let samples: Vec<f32> = floats(f32::NAN).collect();
-            let mut tiff = tiff::encoder::TiffEncoder::new(&mut bytes)?;
-            tiff.write_image::<tiff::encoder::colortype::Gray32Float>(width, height, &samples)?;
-        }
-        Format::Color => return png(&picture(map, searched(params))),
+        Format::Kitti => png16(width, height, kitti(map)?),
+        Format::Pfm => pfm(width, height, &floats(f32::INFINITY)),
+        Format::Npy => npy(width, height, &floats(f32::NAN)),
+        Format::Tiff => tiff(width, height, &floats(f32::NAN)),
+        Format::Color => png(&picture(map, searched(params))),
         Format::Mask => {
             let samples: Vec<u8> =
                 map.data.iter().map(|&value| if pixels(value).is_some() { 255 } else { 0 }).collect();
-            PngEncoder::new(&mut bytes).write_image(&samples, width, height, ExtendedColorType::L8)?;
+            png8(width, height, &samples)
         }
-        Format::Confidence => {
-            let confidence = confidence.context("no confidence was computed")?;
-            PngEncoder::new(&mut bytes).write_image(&confidence.data, width, height, ExtendedColorType::L8)?;
+        Format::Confidence => png8(width, height, &confidence.context("no confidence was computed")?.data),
+        Format::Depth(format) => {
+            let (Some(found), Some(camera), Some(left)) = (maps.depth, &params.depth, maps.left) else {
+                bail!("no depth was computed")
+            };
+            match format {
+                DepthFormat::Png => {
+                    let (samples, lost) = depth::millimetres(found);
+                    if lost > 0 {
+                        crate::tell(&format!(
+                            "note: {lost} pixels are 65.5355 m away or farther, which a 16-bit PNG in millimetres cannot hold: \
+                             they are 0 there; take .pfm, .npy or .tif for these"
+                        ));
+                    }
+                    png16(width, height, samples)
+                }
+                DepthFormat::Pfm => pfm(width, height, &depth::metres(found, f32::INFINITY)),
+                DepthFormat::Npy => npy(width, height, &depth::metres(found, f32::NAN)),
+                DepthFormat::Tiff => tiff(width, height, &depth::metres(found, f32::NAN)),
+                DepthFormat::Ply => depth::ply(found, camera, left),
+                DepthFormat::Pcd => depth::pcd(found, camera, left),
+            }
         }
-        Format::ErrorMap => return png(errors.context("no truth was read")?),
+        Format::ErrorMap => png(maps.errors.context("no truth was read")?),
     }
+}
+
+fn png8(width: u32, height: u32, samples: &[u8]) -> Result<Vec<u8>> {
+    let mut bytes = Vec::new();
+    PngEncoder::new(&mut bytes).write_image(samples, width, height, ExtendedColorType::L8)?;
+    Ok(bytes)
+}
+
+fn png16(width: u32, height: u32, samples: Vec<u16>) -> Result<Vec<u8>> {
+    let mut bytes = Vec::new();
+    let samples: Vec<u8> = samples.into_iter().flat_map(u16::to_ne_bytes).collect();
+    PngEncoder::new(&mut bytes).write_image(&samples, width, height, ExtendedColorType::L16)?;
+    Ok(bytes)
+}
+
+fn pfm(width: u32, height: u32, samples: &[f32]) -> Result<Vec<u8>> {
+    let mut bytes = Vec::new();
+    write!(bytes, "Pf\n{width} {height}\n-1.0\n")?;
+    for row in samples.chunks(width.max(1) as usize).rev() {
+        for sample in row {
+            bytes.write_all(&sample.to_le_bytes())?;
+        }
+    }
+    Ok(bytes)
+}
+
+fn npy(width: u32, height: u32, samples: &[f32]) -> Result<Vec<u8>> {
+    let mut bytes = Vec::new();
+    let options = npyz::WriteOptions::<f32>::new().default_dtype();
+    let mut npy = options.shape(&[height.into(), width.into()]).writer(&mut bytes).begin_nd()?;
+    npy.extend(samples.iter().copied())?;
+    npy.finish()?;
+    Ok(bytes)
+}
+
+fn tiff(width: u32, height: u32, samples: &[f32]) -> Result<Vec<u8>> {
+    let mut bytes = Cursor::new(Vec::new());
+    tiff::encoder::TiffEncoder::new(&mut bytes)?
+        .write_image::<tiff::encoder::colortype::Gray32Float>(width, height, samples)?;
     Ok(bytes.into_inner())
 }
 
@@ -451,7 +565,7 @@ mod tests {
     fn a_disparity_that_does_not_fit_leaves_no_file() {
         let folder = tempfile::tempdir().unwrap();
         let paths = [folder.path().join("a.npy"), folder.path().join("b.png")];
-        let outputs = resolve(&paths, &[], &[], &Params::sgm(8)).unwrap();
+        let outputs = resolve(&paths, &[], &[], &[], &Params::sgm(8)).unwrap();
         assert!(write(&outputs, &map(&[-16]), None, None, &Params::sgm(8)).is_err());
         assert_eq!(fs::read_dir(folder.path()).unwrap().count(), 0);
     }
