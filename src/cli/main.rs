@@ -13,6 +13,7 @@ mod evaluate;
 mod film;
 mod input;
 mod layout;
+mod line;
 mod maps;
 mod output;
 mod pairs;
@@ -28,6 +29,7 @@ mod study;
 mod video;
 
 use args::Verb;
+use line::one_line;
 use std::io::Write as _;
 use std::panic::{AssertUnwindSafe, catch_unwind, set_hook};
 use std::process::ExitCode;
@@ -104,11 +106,6 @@ fn exit_code(result: &anyhow::Result<Outcome>) -> u8 {
 /// An error with all its causes in one line.
 fn error_line(error: &anyhow::Error) -> String {
     format!("error: {}", one_line(&format!("{error:#}")))
-}
-
-/// The lines of a text in one.
-fn one_line(text: &str) -> String {
-    text.lines().map(str::trim).filter(|line| !line.is_empty()).collect::<Vec<_>>().join(" ")
 }
 
 /// A message on stderr. That stderr is closed is no reason to stop.
