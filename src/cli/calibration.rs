@@ -69,26 +69,29 @@ pub struct Calibration {
 impl Calibration {
     /// A calibration of one file, or of a file for each camera.
     pub fn read(path: &Path, right: Option<&Path>, reading: Reading) -> Result<Self> {
-        let mut source = Source::read(path)?;
-        let mut right_source = right.map(Source::read).transpose()?;
+        let (source, right_source) = (Source::read(path)?, right.map(Source::read).transpose()?);
+        let told = || right.map_or(format!("{path:?}"), |right| format!("{path:?} with {right:?}"));
+        Self::of(source, right_source, reading).with_context(told)
+    }
+
+    /// What one file says, or a file for each camera.
+    pub fn of(mut source: Source, mut right: Option<Source>, reading: Reading) -> Result<Self> {
         // OpenCV's sample has a file of the lenses, and one of what lies between the cameras.
-        if let (Source::Tree(tree), Some(Source::Tree(more))) = (&mut source, &right_source)
+        if let (Source::Tree(tree), Some(Source::Tree(more))) = (&mut source, &right)
             && !is_camera_info(tree)
             && !is_camera_info(more)
         {
             tree.extend(more.clone());
-            right_source = None;
+            right = None;
         }
-        let told = || right.map_or(format!("{path:?}"), |right| format!("{path:?} with {right:?}"));
-        let calibration = match (&source, &right_source) {
-            (Source::Tree(tree), None) if reading.lenses && is_unrectified(tree) => unrectified(tree, reading),
-            (_, None) => source.calibration(reading),
-            (_, Some(right)) => pair_of_files(&source, right, reading),
+        let mut calibration = match (&source, &right) {
+            (Source::Tree(tree), None) if reading.lenses && is_unrectified(tree) => unrectified(tree, reading)?,
+            (_, None) => source.calibration(reading)?,
+            (_, Some(right)) => pair_of_files(&source, right, reading)?,
         };
-        let mut calibration = calibration.with_context(told)?;
-        calibration.camera.validate().with_context(told)?;
+        calibration.camera.validate()?;
         if reading.lenses && calibration.lenses.is_none() {
-            calibration.lenses = Some(lenses(&source, right_source.as_ref()).with_context(told)?);
+            calibration.lenses = Some(lenses(&source, right.as_ref())?);
         }
         Ok(calibration)
     }

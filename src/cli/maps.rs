@@ -36,7 +36,8 @@ pub fn read(path: &Path, encoding: Encoding, option: &str) -> Result<FloatMap> {
     parse(path, &input::read_file(path, "a disparity map")?, encoding, option)
 }
 
-fn parse(path: &Path, bytes: &[u8], encoding: Encoding, option: &str) -> Result<FloatMap> {
+/// The same of a file's bytes.
+pub fn parse(path: &Path, bytes: &[u8], encoding: Encoding, option: &str) -> Result<FloatMap> {
     let (width, height, samples) = match bytes {
         [b'P', b'f', ..] => pfm(bytes).with_context(|| in_file(path))?,
         [b'P', b'F', ..] => bail!("{path:?} is a PFM of three channels, but a gray one (Pf) is needed; save it as one"),
