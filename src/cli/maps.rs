@@ -11,6 +11,8 @@ use tiff::decoder::{Decoder, DecodingResult, Limits};
 
 /// The longest text before the samples of a PFM or NumPy file.
 const MAX_HEADER: usize = 1 << 16;
+/// The most pixels: a small file can declare many, and of each a few numbers are kept while it is read.
+const MAX_PIXELS: u64 = 1 << 27;
 /// Digits in the header of a NumPy file: two sides and the size of a sample have fewer.
 const MAX_DIGITS: usize = 18;
 
@@ -107,6 +109,8 @@ fn picture(path: &Path, bytes: &[u8], depth: bool) -> Result<(u32, u32, Samples)
         bail!("{path:?} is {what}, but a disparity map is PNG, PGM, PFM, NumPy or TIFF; save it as one of these");
     };
     let decoder = input::decoder(path, bytes)?;
+    let (width, height) = decoder.dimensions();
+    ensure_pixels(width, height).with_context(|| in_file(path))?;
     if format == ImageFormat::Pnm {
         // The decoder stretches what has another maximum.
         let (_, header) = PnmDecoder::new(bytes).with_context(|| in_file(path))?.into_inner();
@@ -121,7 +125,6 @@ fn picture(path: &Path, bytes: &[u8], depth: bool) -> Result<(u32, u32, Samples)
         "{path:?} has less than 8 bits a pixel, but a disparity map has 8 or 16; save it so"
     );
     let image = gray(path, input::decode(path, decoder)?)?;
-    let (width, height) = (image.width(), image.height());
     let (values, deep) = match image {
         DynamicImage::ImageLuma16(image) => (image.into_raw().into_iter().map(u32::from).collect(), true),
         other => (other.into_luma8().into_raw().into_iter().map(u32::from).collect(), false),
@@ -152,12 +155,22 @@ fn gray(path: &Path, image: DynamicImage) -> Result<DynamicImage> {
     }
 }
 
+fn ensure_pixels(width: u32, height: u32) -> Result<()> {
+    ensure!(
+        u64::from(width) * u64::from(height) <= MAX_PIXELS,
+        "it declares {width}x{height} pixels, but at most {MAX_PIXELS} are read; crop or scale it"
+    );
+    Ok(())
+}
+
 /// Whether so many samples are there; what is told otherwise.
 fn ensure_length(width: u64, height: u64, bytes_each: u64, got: usize) -> Result<(u32, u32)> {
     let needed = width.checked_mul(height).and_then(|count| count.checked_mul(bytes_each));
     let sides = u32::try_from(width).ok().zip(u32::try_from(height).ok());
     match (sides, needed) {
-        (Some((width @ 1.., height @ 1..)), Some(needed)) if needed == got as u64 => Ok((width, height)),
+        (Some((width @ 1.., height @ 1..)), Some(needed)) if needed == got as u64 => {
+            ensure_pixels(width, height).map(|()| (width, height))
+        }
         _ => bail!(
             "it declares {width}x{height} pixels of {bytes_each} bytes, but {got} bytes follow; it is cut short or damaged: save it \
              again"
@@ -290,6 +303,7 @@ fn tiff(bytes: &[u8]) -> Result<(u32, u32, Samples)> {
     limits.intermediate_buffer_size = input::MAX_BYTES as usize;
     let mut decoder = Decoder::new(Cursor::new(bytes)).map_err(damaged)?.with_limits(limits);
     let (width, height) = decoder.dimensions().map_err(damaged)?;
+    ensure_pixels(width, height)?;
     let kind = decoder.colortype().map_err(damaged)?;
     ensure!(
         matches!(kind, tiff::ColorType::Gray(_)),
@@ -364,6 +378,20 @@ mod tests {
             }
         }
         bytes
+    }
+
+    #[test]
+    fn a_small_file_that_declares_many_pixels_is_refused() {
+        let mut tiff = seeds().swap_remove(3);
+        let tag = |number: u16| [&number.to_le_bytes()[..], &[4, 0, 1, 0, 0, 0, 2, 0, 0, 0]].concat();
+        for number in [256, 257] {
+            let at = tiff.windows(12).position(|bytes| bytes == tag(number)).unwrap() + 8;
+            tiff[at..at + 4].copy_from_slice(&20_000_u32.to_le_bytes());
+        }
+        for file in [&tiff[..], b"P5\n20000 20000\n255\n\0"] {
+            let error = parse(Path::new("many"), file, Encoding::default(), "--scale").unwrap_err();
+            assert!(format!("{error:#}").contains("20000x20000 pixels, but at most 134217728"), "{error:#}");
+        }
     }
 
     /// A second; GPU_STEREO_FUZZ_SECONDS says how long else.
