@@ -1,0 +1,141 @@
+"""Writes small good files into corpus/TARGET, for the fuzz targets to begin with: python3 fuzz/seeds.py
+
+The first byte of a file selects what is asked of the parser (src/lib.rs); of maps the magic number is left out.
+"""
+
+import struct
+import zlib
+from pathlib import Path
+
+CORPUS = Path(__file__).parent / "corpus"
+FLOATS = struct.pack("<6f", 4.0, float("nan"), 1.5, 20.0, float("inf"), 0.0)
+
+
+def put(target, **files):
+    (CORPUS / target).mkdir(parents=True, exist_ok=True)
+    for name, content in files.items():
+        (CORPUS / target / name).write_bytes(content if isinstance(content, bytes) else content.encode())
+
+
+def npy(kind, samples, shape="(2, 3)", fortran=False, version=1):
+    header = f"{{'descr': '{kind}', 'fortran_order': {fortran}, 'shape': {shape}, }}\n".encode()
+    return bytes([0, version, 0]) + struct.pack("<H" if version == 1 else "<I", len(header)) + header + samples
+
+
+def tiff(order, bits, sample_format, samples, width=3, height=2):
+    """One strip, after the header and the list of tags."""
+    tags = [(256, 3, width), (257, 3, height), (258, 3, bits), (259, 3, 1), (262, 3, 1), (273, 4, 0), (277, 3, 1)]
+    tags += [(278, 3, height), (279, 4, len(samples)), (339, 3, sample_format)]
+    strip = 8 + 2 + 12 * len(tags) + 4
+    body = struct.pack(order + "IH", 8, len(tags))
+    for tag, kind, value in tags:
+        value = strip if tag == 273 else value
+        body += struct.pack(order + "HHI", tag, kind, 1) + struct.pack(order + ("I" if kind == 4 else "HH"), *([value] if kind == 4 else [value, 0]))
+    return body + struct.pack(order + "I", 0) + samples
+
+
+def png(bits, colour, rows):
+    def chunk(kind, data):
+        return struct.pack(">I", len(data)) + kind + data + struct.pack(">I", zlib.crc32(kind + data))
+
+    width = len(rows[0]) * 8 // bits // {0: 1, 2: 3}[colour]
+    header = struct.pack(">2I5B", width, len(rows), bits, colour, 0, 0, 0)
+    return chunk(b"IHDR", header) + chunk(b"IDAT", zlib.compress(b"".join(b"\0" + r for r in rows))) + chunk(b"IEND", b"")
+
+
+put("pfm", little=b"\0\n3 2\n-1.0\n" + FLOATS, comment=b"\x01\r\n# by hand\n3\t2 1\r\n" + FLOATS, depth=b"\x02\n1 1\n1\n\x41\0\0\0")
+put(
+    "npy",
+    f4=npy("<f4", FLOATS),
+    f8=npy("<f8", FLOATS, "(3, 1)"),
+    big=npy(">f4", FLOATS),
+    u1=npy("|u1", b"\0\1\2\3\4\5", "(3, 2)", True),
+    i2=npy("<i2", FLOATS[:12], version=2),
+    i8=npy("<i8", struct.pack("<2q", 1, 1 << 40), "(1, 2)"),
+)
+put(
+    "tiff",
+    f32=b"\0" + tiff("<", 32, 3, FLOATS)[0:],
+    f64=b"\x04" + tiff(">", 64, 3, struct.pack(">6d", 1, 2, 3, 4, 5, 6)),
+    u16=b"\x01" + tiff("<", 16, 1, FLOATS[:12]),
+    u8=b"\x05" + tiff(">", 8, 1, FLOATS[:6]),
+)
+put(
+    "picture",
+    gray16=b"\0" + png(16, 0, [b"\0\0\1\0", b"\2\0\xff\xff"]),
+    gray8=b"\x01" + png(8, 0, [b"\0\1\2", b"\3\4\5"]),
+    rgb=b"\x01" + png(8, 2, [b"\1\1\1\2\2\2"]),
+    pgm=b"\x15\n# by hand\n3 2\n255\n\0\1\2\3\4\5",
+    pgm16=b"\x15\n2 1\n65535\n\0\1\2\3",
+    plain=b"\x09\n2 1 255 7 8\n",
+    pam=b"\x1d\nWIDTH 1\nHEIGHT 1\nDEPTH 1\nMAXVAL 255\nTUPLTYPE GRAYSCALE\nENDHDR\n\7",
+)
+
+LEFT = "700 0 320.5 0 0 700 240 0 0 0 1 0"
+RIGHT = "700 0 330.5 -70 0 700 240 0 0 0 1 0"
+
+
+def opencv(name, columns, numbers):
+    numbers = ", ".join(numbers.split())
+    rows = len(numbers.split(",")) // columns
+    return f"{name}: !!opencv-matrix\n   rows: {rows}\n   cols: {columns}\n   dt: d\n   data: [ {numbers} ]\n"
+
+
+def opencv_xml(name, columns, numbers):
+    rows = len(numbers.split()) // columns
+    return f'<{name} type_id="opencv-matrix"><rows>{rows}</rows><cols>{columns}</cols><dt>d</dt><data>{numbers}</data></{name}>\n'
+
+
+def camera_info(projection):
+    def matrix(name, rows, columns, numbers):
+        return f"{name}:\n  rows: {rows}\n  cols: {columns}\n  data: [{', '.join(numbers.split())}]\n"
+
+    return (
+        "image_width: 640\nimage_height: 480\ncamera_name: c\n"
+        + matrix("camera_matrix", 3, 3, "700 0 320 0 700 240 0 0 1")
+        + "distortion_model: plumb_bob\n"
+        + matrix("distortion_coefficients", 1, 5, "0.1 0.01 0 0 0")
+        + matrix("rectification_matrix", 3, 3, "1 0 0 0 1 0 0 0 1")
+        + matrix("projection_matrix", 3, 4, projection)
+    )
+
+
+PAIR = [("P1", 4, LEFT), ("P2", 4, RIGHT)]
+Q = [("Q", 4, "1 0 0 -320 0 1 0 -240 0 0 0 700 0 0 10 0")]
+LENSES = PAIR + [
+    (name + side, columns, numbers)
+    for side in "12"
+    for name, columns, numbers in [("M", 3, "700 0 320 0 700 240 0 0 1"), ("D", 5, "0.1 0 0 0 0"), ("R", 3, "1 0 0 0 1 0 0 0 1")]
+]
+put(
+    "calibration",
+    middlebury="\0cam0=[700 0 320.5; 0 700 240; 0 0 1]\ncam1=[700 0 330.5; 0 700 240; 0 0 1]\ndoffs=10\nbaseline=100\nwidth=640\nheight=480\n",
+    kitti=f"\x04P0: {LEFT}\nP1: {RIGHT}\n",
+    kitti_raw=f"\0S_rect_02: 640 480\nP_rect_02: {LEFT}\nP_rect_03: {RIGHT}\n",
+    yaml="\0%YAML:1.0\n---\nimage_size: [ 640, 480 ]\n" + "".join(opencv(*m) for m in PAIR),
+    yaml_q="\1%YAML:1.0\n---\n" + "".join(opencv(*m) for m in Q),
+    yaml_lenses="\x0c%YAML:1.0\n---\n" + "".join(opencv(*m) for m in LENSES),
+    xml='\0<?xml version="1.0"?>\n<opencv_storage>\n' + "".join(opencv_xml(*m) for m in PAIR) + "</opencv_storage>\n",
+    xml_lenses='\x0c<opencv_storage><imageSize>640 480</imageSize>' + "".join(opencv_xml(*m) for m in LENSES) + "</opencv_storage>",
+)
+BETWEEN = [("R", 3, "1 0 0 0 1 0 0 0 1"), ("T", 1, "-0.1 0.001 0")]
+LENS_ONLY = [m for m in LENSES if m[0][0] in "MD"]
+put(
+    "calibration",
+    yaml_unrectified="\x0c%YAML:1.0\n---\nimage_size: [ 640, 480 ]\n" + "".join(opencv(*m) for m in LENS_ONLY + BETWEEN),
+)
+put(
+    "camera_info",
+    two_files="\x0c%YAML:1.0\n---\nimage_size: [ 640, 480 ]\n" + "".join(opencv(*m) for m in LENS_ONLY) + "\0%YAML:1.0\n---\n" + "".join(opencv(*m) for m in BETWEEN),
+)
+put("camera_info", pair="\0" + camera_info(LEFT) + "\0" + camera_info(RIGHT), lenses="\x0c" + camera_info(LEFT) + "\0" + camera_info(RIGHT))
+put(
+    "csv",
+    header='left,right,name\n"a, b.png",c.png,x/y\n# no\nd.png,e.png,\n',
+    plain='"say ""c"".png", r.png\r\n../a.png,/b.png\n',
+)
+put(
+    "json_lines",
+    named='{"left": "a.png", "right": "\\u00e4.png", "name": "x/y"}\n\n{"left": "d/a.png", "right": "b", "name": null}\n',
+    failure='{"name":"n","left":"l","right":"r","error":"e"}\n',
+)

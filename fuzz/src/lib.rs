@@ -1,0 +1,216 @@
+//! The parsers of the command as modules of their own, and what must hold of whatever they are given.
+
+// Of what the command and the library have, only what parses is used.
+#![allow(dead_code)]
+
+// The parsers name the library; what they take of it is below.
+extern crate self as gpu_stereo;
+
+#[path = "../../src/camera.rs"]
+mod camera;
+#[path = "../../src/error.rs"]
+mod error;
+#[path = "../../src/evaluation.rs"]
+pub mod evaluation;
+#[path = "../../src/image.rs"]
+mod image_and_map;
+#[path = "../../src/rectification.rs"]
+mod rectification;
+
+pub use camera::Camera;
+pub use error::Error;
+pub use image_and_map::{DisparityMap, Image, Pixels};
+pub use rectification::{Lens, Rectification};
+
+#[path = "../../src/cli/calibration.rs"]
+pub mod calibration;
+#[path = "../../src/cli/input.rs"]
+pub mod input;
+#[path = "../../src/cli/line.rs"]
+mod line;
+#[path = "../../src/cli/list.rs"]
+pub mod list;
+#[path = "../../src/cli/maps.rs"]
+pub mod maps;
+#[path = "../../src/cli/stereo_rectify.rs"]
+mod stereo_rectify;
+
+use calibration::{Calibration, Pair, Reading, Source, Unit};
+use evaluation::FloatMap;
+use list::{Kind, Listed};
+use maps::Encoding;
+use std::io::Cursor;
+use std::path::{Component, Path};
+
+/// The command prints an error in one line, whatever text is in the file.
+fn told(error: &anyhow::Error) {
+    let text = line::one_line(&format!("{error:#}"));
+    assert!(!text.trim().is_empty());
+    assert!(text.chars().count() <= line::MOST && !text.contains(char::is_control), "{text:?}");
+}
+
+/// A file that begins as one of `kinds`, as a map. The first byte selects the kind and what is asked beside the file.
+pub fn map(kinds: &[&[u8]], data: &[u8]) {
+    let Some((&selector, rest)) = data.split_first() else { return };
+    let bytes = [kinds[usize::from(selector / 4) % kinds.len()], rest].concat();
+    let encoding = match selector % 4 {
+        0 => Encoding { scale: None, depth: None },
+        1 => Encoding { scale: Some(2.0), depth: None },
+        2 => Encoding { scale: None, depth: Some(386.2) },
+        _ => Encoding { scale: Some(1e-300), depth: Some(1e300) },
+    };
+    match maps::parse(Path::new("map"), &bytes, encoding, "--gt-scale") {
+        Ok(map) => map_is_sound(&map),
+        Err(error) => told(&error),
+    }
+}
+
+fn map_is_sound(map: &FloatMap) {
+    let (width, height, data) = (map.width(), map.height(), map.data());
+    assert!(width > 0 && height > 0);
+    assert_eq!(data.len() as u64, u64::from(width) * u64::from(height));
+    assert!(data.iter().all(|value| value.is_finite() || value.is_nan()));
+    if data.len() > 1 << 12 {
+        return;
+    }
+    // Written, it is read again as it was.
+    let bits =
+        |data: &[f32]| data.iter().map(|v| if v.is_nan() { None } else { Some(v.to_bits()) }).collect::<Vec<_>>();
+    for file in [pfm(map), npy(map), tiff(map)] {
+        let again = maps::parse(Path::new("again"), &file, Encoding::default(), "--gt-scale").expect("what was read");
+        assert_eq!((again.width(), again.height()), (width, height));
+        assert_eq!(bits(again.data()), bits(data));
+    }
+}
+
+fn pfm(map: &FloatMap) -> Vec<u8> {
+    let mut bytes = format!("Pf\n{} {}\n1.0\n", map.width(), map.height()).into_bytes();
+    for row in map.data().chunks_exact(map.width() as usize).rev() {
+        bytes.extend(row.iter().flat_map(|v| v.to_be_bytes()));
+    }
+    bytes
+}
+
+fn npy(map: &FloatMap) -> Vec<u8> {
+    use npyz::WriterBuilder as _;
+    let mut bytes = Vec::new();
+    let options = npyz::WriteOptions::<f32>::new().default_dtype();
+    let shape = [u64::from(map.height()), u64::from(map.width())];
+    let mut npy = options.shape(&shape).writer(&mut bytes).begin_nd().expect("a header");
+    npy.extend(map.data().iter().copied()).expect("samples");
+    npy.finish().expect("an end");
+    bytes
+}
+
+fn tiff(map: &FloatMap) -> Vec<u8> {
+    let mut bytes = Cursor::new(Vec::new());
+    let mut tiff = ::tiff::encoder::TiffEncoder::new(&mut bytes).expect("a header");
+    let written = tiff.write_image::<::tiff::encoder::colortype::Gray32Float>(map.width(), map.height(), map.data());
+    written.expect("samples");
+    bytes.into_inner()
+}
+
+/// A calibration of any kind; or of two files, between which a 0 stands. The first byte selects what is asked.
+pub fn calibration(data: &[u8], two_files: bool) {
+    let Some((&selector, rest)) = data.split_first() else { return };
+    let unit = [None, Some(Unit::M), Some(Unit::Cm), Some(Unit::Mm)][usize::from(selector % 4)];
+    let pair = [None, Some(Pair::Gray), Some(Pair::Color)][usize::from(selector / 4 % 3)];
+    let lenses = selector / 12 % 2 == 1;
+    let reading = Reading { unit, pair, lenses };
+    let parsed = if two_files {
+        let end = rest.iter().position(|byte| *byte == 0).unwrap_or(rest.len());
+        let right = rest.get(end + 1..).unwrap_or_default();
+        Source::parse(&rest[..end]).and_then(|left| Ok((left, Some(Source::parse(right)?))))
+    } else {
+        Source::parse(rest).map(|left| (left, None))
+    };
+    match parsed.and_then(|(left, right)| Calibration::of(left, right, reading)) {
+        Ok(Calibration { camera, size, lenses: found }) => {
+            let Camera { focal, baseline, doffs, cx, cy } = camera;
+            assert!([focal, baseline, doffs, cx, cy].iter().all(|value| value.is_finite()), "{camera:?}");
+            assert!(focal > 0.0 && baseline > 0.0, "{camera:?}");
+            camera.validate().expect("a calibration within the ranges of a camera");
+            assert!(size.is_none_or(|size| size.iter().all(|side| (1..=1_000_000).contains(side))), "{size:?}");
+            assert_eq!(found.is_some(), lenses);
+            match found.map(|lenses| Rectification::new(5, 3, lenses)).transpose() {
+                Ok(rectification) => {
+                    let sides =
+                        rectification.iter().flat_map(|rectification| [0, 1].map(|side| rectification.positions(side)));
+                    for place in sides.flatten() {
+                        assert!(
+                            (-512..=256 * 5).contains(&place[0]) && (-512..=256 * 3).contains(&place[1]),
+                            "{place:?}"
+                        );
+                    }
+                }
+                Err(error) => told(&error.into()),
+            }
+        }
+        Err(error) => told(&error),
+    }
+}
+
+/// A list of pairs.
+pub fn list(data: &[u8], kind: Kind) {
+    let Ok(text) = std::str::from_utf8(data) else { return };
+    let all = match list::parse(text, kind) {
+        Ok(all) => all,
+        Err(error) => {
+            told(&error);
+            assert!(format!("{error:#}").starts_with("line "), "{error:#}");
+            return;
+        }
+    };
+    for pair in &all {
+        assert!(pair.left != Path::new("") && pair.right != Path::new(""));
+        assert!(pair.name.iter().all(|name| stays_within(name)), "{:?}", pair.name);
+    }
+    assert!(all.windows(2).all(|pairs| pairs[0].line < pairs[1].line));
+    match list::names(&all) {
+        Ok(names) => {
+            assert_eq!(names.len(), all.len());
+            assert!(names.iter().all(|name| stays_within(name)), "{names:?}");
+        }
+        Err(error) => told(&error),
+    }
+    // Written, it is read again as it was.
+    assert_eq!(
+        unnumbered(list::parse(&json_lines(&all), Kind::JsonLines).expect("what was read")),
+        unnumbered(all.clone())
+    );
+    // But for blanks around a field, which CSV leaves out.
+    let trimmed = all.iter().flat_map(fields).flatten().all(|field| field == field.trim());
+    if kind == Kind::Csv && trimmed {
+        assert_eq!(unnumbered(list::parse(&csv_rows(&all), kind).expect("what was read")), unnumbered(all));
+    }
+}
+
+fn stays_within(name: &Path) -> bool {
+    name != Path::new("") && name.components().all(|part| matches!(part, Component::Normal(_)))
+}
+
+fn unnumbered(mut all: Vec<Listed>) -> Vec<Listed> {
+    all.iter_mut().for_each(|pair| pair.line = None);
+    all
+}
+
+fn fields(pair: &Listed) -> [Option<&str>; 3] {
+    [Some(&pair.left), Some(&pair.right), pair.name.as_ref()].map(|path| path.map(|path| path.to_str().expect("text")))
+}
+
+fn json_lines(all: &[Listed]) -> String {
+    let line = |pair| {
+        let [left, right, name] = fields(pair);
+        serde_json::json!({"left": left, "right": right, "name": name}).to_string() + "\n"
+    };
+    all.iter().map(line).collect()
+}
+
+fn csv_rows(all: &[Listed]) -> String {
+    let mut rows = ::csv::WriterBuilder::new().quote_style(::csv::QuoteStyle::Always).from_writer(Vec::new());
+    rows.write_record(["left", "right", "name"]).expect("a header");
+    for pair in all {
+        rows.write_record(fields(pair).map(Option::unwrap_or_default)).expect("a row");
+    }
+    String::from_utf8(rows.into_inner().expect("rows")).expect("text")
+}
