@@ -234,6 +234,13 @@ fn npy(bytes: &[u8]) -> Result<(u32, u32, Samples)> {
         digits <= MAX_DIGITS,
         "its header has {digits} digits, but two sides need fewer; save an array of rows and columns"
     );
+    // The library's time doubles with every bracket within another.
+    let text = &header[if bytes[6] == 1 { 10 } else { 12 }..];
+    let brackets = text.iter().filter(|b| b"[({".contains(b)).count();
+    ensure!(
+        brackets <= 2,
+        "its header opens {brackets} brackets, as that of an array of records, but numbers are needed: 2; save one field"
+    );
     let file = npyz::NpyFile::new(bytes).context("its header is not NumPy's; save it again")?;
     let [height, width] = file.shape()[..] else {
         bail!("it has {} dimensions, but 2 are needed, rows and columns; save one channel", file.shape().len());
@@ -392,6 +399,14 @@ mod tests {
             let error = parse(Path::new("many"), file, Encoding::default(), "--scale").unwrap_err();
             assert!(format!("{error:#}").contains("20000x20000 pixels, but at most 134217728"), "{error:#}");
         }
+    }
+
+    #[test]
+    fn nested_brackets_in_a_header_are_refused_at_once() {
+        let header = format!("{{'descr': '<f4', 'fortran_order': {}, 'shape': (2, 3), }}", "[".repeat(60));
+        let file = [&b"\x93NUMPY\x01\x00"[..], &(header.len() as u16).to_le_bytes(), header.as_bytes()].concat();
+        let error = parse(Path::new("nested"), &file, Encoding::default(), "--scale").unwrap_err();
+        assert!(format!("{error:#}").contains("62 brackets"), "{error:#}");
     }
 
     /// A second; GPU_STEREO_FUZZ_SECONDS says how long else.
