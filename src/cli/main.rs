@@ -1,13 +1,16 @@
-//! The command `gpu-stereo`: parse -> resolve -> run -> report. A study does so for several settings, a video for several
-//! pairs.
+//! The command `gpu-stereo`: parse -> resolve -> run -> report. A study does so for several settings, a video and a
+//! batch for several pairs.
 //!
-//! Exit codes: 0 done, 1 a check said no or a frame failed, 2 could not run. Data goes to stdout, messages to stderr.
+//! Exit codes: 0 done, 1 a check said no or a pair failed, 2 could not run. Data goes to stdout, messages to stderr.
 #![cfg_attr(test, allow(clippy::unwrap_used))]
 
 mod adapter;
 mod args;
+mod batch;
 mod film;
 mod input;
+mod list;
+mod log;
 mod output;
 mod pairs;
 mod pipeline;
@@ -66,6 +69,7 @@ fn execute(args: args::Args) -> anyhow::Result<Outcome> {
             Verb::Sweep(args) => study::resolve_sweep(args)?,
             Verb::Compare(args) => study::resolve_compare(args)?,
             Verb::Video(args) => return video::resolve(args)?.run(),
+            Verb::Batch(args) => return batch::resolve(args)?.run(),
         };
         return study.print(&study.run()?).map(|()| Outcome::Done);
     }
