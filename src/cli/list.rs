@@ -128,12 +128,15 @@ fn json_row(text: &str) -> Result<Row> {
 /// Where left, right and name stand.
 type Columns = [Option<usize>; 3];
 
+/// Without a header.
+const BARE: Columns = [Some(0), Some(1), Some(2)];
+
 const NAMES: [&str; 3] = ["left", "right", "name"];
 
 /// A row, or nothing if the line is the header, which can only be the first one.
 fn csv_row(text: &str, columns: &mut Option<Columns>) -> Result<Option<Row>> {
     ensure!(
-        text.matches('"').count() % 2 == 0,
+        text.matches('"').count().is_multiple_of(2),
         "a quote is not closed; quote as in \"a, b.png\",\"say \"\"c\"\".png\""
     );
     let mut reader = csv::ReaderBuilder::new().has_headers(false).trim(csv::Trim::All).from_reader(text.as_bytes());
@@ -142,7 +145,7 @@ fn csv_row(text: &str, columns: &mut Option<Columns>) -> Result<Option<Row>> {
         let header: Vec<_> = record.iter().map(str::to_ascii_lowercase).collect();
         let is_header = ["left", "right"].iter().all(|name| header.iter().any(|field| field == name));
         if !is_header {
-            *columns = Some([Some(0), Some(1), (record.len() > 2).then_some(2)]);
+            *columns = Some(BARE);
             return csv_row(text, columns);
         }
         let mut known = HashSet::new();
@@ -152,11 +155,11 @@ fn csv_row(text: &str, columns: &mut Option<Columns>) -> Result<Option<Row>> {
         *columns = Some(NAMES.map(|name| header.iter().position(|field| field == name)));
         return Ok(None);
     };
-    let count = columns.iter().flatten().count();
+    let (count, header) = (record.len(), columns.iter().flatten().count());
     ensure!(
-        record.len() == count,
-        "it has {} fields, but {count} are expected: left,right or left,right,name as in the first line",
-        record.len()
+        if *columns == BARE { count == 2 || count == 3 } else { count == header },
+        "it has {count} fields, but {} are expected; separate them by commas",
+        if *columns == BARE { "left,right or left,right,name".into() } else { format!("{header}, as in the header,") }
     );
     let [left, right, name] = columns.map(|column| column.and_then(|column| record.get(column)).map(str::to_owned));
     Ok(Some(Row { left: left.unwrap_or_default(), right: right.unwrap_or_default(), name, _error: None }))
@@ -204,7 +207,7 @@ mod tests {
     #[test]
     fn rows_are_read_with_and_without_a_header() {
         let expected = [listed(2, "a, b.png", "r \"1\".png", Some("x/y")), listed(5, "c.png", "d.png", None)];
-        let text = "# pairs\n\"a, b.png\" ,\"r \"\"1\"\".png\",./x//y\n\n  \nc.png, d.png,\n";
+        let text = "# pairs\n\"a, b.png\" ,\"r \"\"1\"\".png\",./x//y\n\n  \nc.png, d.png\n";
         assert_eq!(parse(text, Kind::Csv).unwrap(), expected);
         let text = "Name,Right,Left\r\n,b.png,a.png\r\n";
         assert_eq!(parse(text, Kind::Csv).unwrap(), [listed(2, "a.png", "b.png", None)]);

@@ -2,6 +2,7 @@
 
 use crate::list::absolute;
 use crate::pipeline::Pair;
+use crate::record::read_shared;
 use anyhow::{Context as _, Result};
 use serde::{Deserialize, Serialize};
 use std::fs::{self, OpenOptions};
@@ -61,7 +62,7 @@ impl Log {
 
     /// The lines that are whole; none if there is no such file.
     pub fn read(&self) -> Result<Vec<Line>> {
-        match fs::read(&self.path) {
+        match read_shared(&self.path) {
             Ok(bytes) => {
                 Ok(bytes.split(|&byte| byte == b'\n').filter_map(|l| serde_json::from_slice(l).ok()).collect())
             }

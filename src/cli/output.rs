@@ -247,10 +247,15 @@ pub fn ensure_no_input<'a>(
     outputs: impl IntoIterator<Item = &'a Path>,
     pairs: impl IntoIterator<Item = &'a Pair>,
 ) -> Result<()> {
+    let there = outputs.into_iter().filter_map(|path| Some((path, fs::canonicalize(path).ok()?)));
+    let there: Vec<_> = there.collect();
+    if there.is_empty() {
+        return Ok(()); // without a look at each input
+    }
     let inputs = pairs.into_iter().flat_map(|pair| [&pair.left, &pair.right]);
     let inputs: HashSet<_> = inputs.filter_map(|path| fs::canonicalize(path).ok()).collect();
-    match outputs.into_iter().find(|path| fs::canonicalize(path).is_ok_and(|path| inputs.contains(&path))) {
-        Some(path) => bail!("output {path:?} is an input image, too; give another folder"),
+    match there.iter().find(|(_, place)| inputs.contains(place)) {
+        Some((path, _)) => bail!("output {path:?} is an input image, too; give another folder"),
         None => Ok(()),
     }
 }

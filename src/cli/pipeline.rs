@@ -188,7 +188,14 @@ pub fn run(
                     while setup.mixed && flow.in_flight() > 0 && flow.format != left.format() {
                         hand_on(flow.next()?)?;
                     }
-                    flow.fit(setup, &left)
+                    let mut ready = flow.fit(setup, &left);
+                    if setup.mixed && flow.in_flight() > 0 && ready.as_ref().is_err_and(is_of_the_pair) {
+                        while flow.in_flight() > 0 {
+                            hand_on(flow.next()?)?;
+                        }
+                        ready = flow.fit(setup, &left);
+                    }
+                    ready
                 }
                 none => Flow::open(setup, &left).map(|opened| *none = Some(opened)),
             };
@@ -262,12 +269,15 @@ impl Streams {
         self.all.last_mut().ok_or_else(|| anyhow!("there is no stream"))
     }
 
-    /// Takes pairs that are as `left` is from now on.
-    fn fit(&mut self, left: &Image) -> Result<()> {
+    /// Takes pairs that are as `left` is from now on. If it is `idle`, streams may be dropped for it.
+    fn fit(&mut self, left: &Image, idle: bool) -> Result<()> {
         let mut turned = self.turn(left);
-        if matches!(turned, Err(Error::OutOfMemory)) {
-            self.all.retain(|stream| stream.matcher().format() == left.format()); // the others make room
-            turned = self.turn(left);
+        if idle && matches!(turned, Err(Error::TooLarge { .. } | Error::Image(_))) {
+            turned = self.renew(left); // a wide pair and a high one need less room one after the other
+        }
+        if idle && matches!(turned, Err(Error::OutOfMemory)) {
+            self.all.clear();
+            turned = self.renew(left);
         }
         self.opened.fault()?;
         turned?;
@@ -275,19 +285,28 @@ impl Streams {
         Ok(())
     }
 
+    /// By the stream for such samples.
     fn turn(&mut self, left: &Image) -> Result<(), Error> {
-        let (width, height, format) = (left.width(), left.height(), left.format());
-        let Some(place) = self.all.iter().position(|stream| stream.matcher().format() == format) else {
-            let Opened { device, queue, .. } = &self.opened;
-            let matcher = StereoMatcher::new(device, queue, width, height, format, &self.params)?;
-            self.all.push(StereoStream::new(matcher, self.in_flight)?);
-            return Ok(());
+        let (width, height) = (left.width(), left.height());
+        let Some(place) = self.all.iter().position(|stream| stream.matcher().format() == left.format()) else {
+            return self.renew(left);
         };
         self.all[place..].rotate_left(1);
         match self.all.last_mut() {
             Some(stream) if stream.matcher().size() != (width, height) => stream.resize(width, height),
             _ => Ok(()),
         }
+    }
+
+    /// By a new stream in the place of that for such samples.
+    fn renew(&mut self, left: &Image) -> Result<(), Error> {
+        let (width, height, format) = (left.width(), left.height(), left.format());
+        let Opened { device, queue, .. } = &self.opened;
+        let matcher = StereoMatcher::new(device, queue, width, height, format, &self.params)?;
+        let stream = StereoStream::new(matcher, self.in_flight)?;
+        self.all.retain(|stream| stream.matcher().format() != format);
+        self.all.push(stream);
+        Ok(())
     }
 }
 
@@ -325,7 +344,7 @@ impl Flow {
             );
         }
         match &mut self.matcher {
-            Matcher::Streams(on) => on.fit(left)?,
+            Matcher::Streams(on) => on.fit(left, self.waiting.is_empty())?,
             Matcher::Reference(params, _) => run::ensure_reference(params, left)?,
         }
         self.format = format;

@@ -4,12 +4,21 @@ use crate::output::Output;
 use anyhow::{Context as _, Result, bail, ensure};
 use gpu_stereo::Params;
 use serde_json::{Map, Value};
-use std::fs::{self, OpenOptions};
+use std::fs::{self, File, OpenOptions};
 use std::io::{ErrorKind, Read as _, Seek as _, SeekFrom, Write as _};
 use std::path::{Path, PathBuf};
 
 /// The file's name.
 const NAME: &str = "gpu-stereo.json";
+
+/// A file's bytes while nobody writes it.
+pub fn read_shared(path: &Path) -> std::io::Result<Vec<u8>> {
+    let lock = fd_lock::RwLock::new(File::open(path)?);
+    let file = lock.read()?;
+    let mut bytes = Vec::new();
+    (&*file).read_to_end(&mut bytes)?;
+    Ok(bytes)
+}
 
 /// What a folder has a record of.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -84,7 +93,7 @@ impl Record {
 
     /// The maps of the folder, if there is a record of any, were made with the same.
     pub fn ensure_no_other(&self) -> Result<Found> {
-        match fs::read(&self.path) {
+        match read_shared(&self.path) {
             Ok(bytes) => self.found(&bytes),
             Err(error) if error.kind() == ErrorKind::NotFound => Ok(Found::Nothing),
             Err(error) => Err(error).with_context(|| format!("{:?} cannot be read; check its permissions", self.path)),
@@ -126,9 +135,9 @@ impl Record {
         found: impl Fn(&[u8]) -> Result<Found>,
         before: impl FnOnce() -> std::io::Result<()>,
     ) -> Result<()> {
-        let file = OpenOptions::new().read(true).write(true).create(true).truncate(false).open(&self.path)?;
-        let mut lock = fd_lock::RwLock::new(file);
-        let mut file = lock.write().context("it cannot be locked")?;
+        let file = OpenOptions::new().read(true).write(true).create(true).truncate(false).open(&self.path);
+        let mut lock = fd_lock::RwLock::new(file.with_context(|| format!("{:?} cannot be written", self.path))?);
+        let mut file = lock.write().with_context(|| format!("{:?} cannot be locked", self.path))?;
         let mut bytes = Vec::new();
         file.read_to_end(&mut bytes)?;
         if found(&bytes)? == Found::Same {
