@@ -6,8 +6,7 @@
 - OpenCV's is StereoSGBM in mode HH, with what its documentation advises for a block of 5, a speckle filter and its
   left-right check; in ms the median of `compute` on gray images in memory. It has no map in the leftmost columns, as many
   as there are disparities: they count as holes.
-- Figures are in per cent of the pixels whose truth is known, as in examples/accuracy.rs, which measures the reference.
-  D1: wrong by more than 3 px and by more than 5 %; D1-all is after the interpolation of KITTI's development kit.
+- Figures are those of `gpu-stereo eval`, in per cent; docs/EVALUATION.md defines them.
 """
 
 import argparse
@@ -58,6 +57,7 @@ def arguments():
     parser.add_argument("--only", action="append", metavar="SCENE", help="scenes whose name contains this")
     parser.add_argument("--repeat", type=int, default=3, metavar="N", help="frames for the time, default 3")
     parser.add_argument("--means", action="store_true", help="print no table a scene")
+    parser.add_argument("--independent", action="store_true", help="hold every figure to tests/evaluation.py")
     parser.add_argument("--json", type=pathlib.Path, metavar="FILE", help="write everything measured")
     parser.add_argument("--data", type=pathlib.Path, metavar="FOLDER",
                         help="collection with a MANIFEST.json; default ../shared/data beside the checkout")
@@ -69,6 +69,8 @@ def arguments():
     if given.binary is None:
         parser.error("start benches/accuracy, which builds gpu-stereo, or give --binary")
     given.binary = given.binary.resolve()
+    given.equal = 0
+    sys.path.insert(0, str(ROOT / "tests"))
     if not given.binary.is_file():
         parser.error(f"--binary: there is no file {given.binary}")
     return given
@@ -108,13 +110,12 @@ def scenes(given):
     return found
 
 
-def read_truth(scene):
-    """The true disparities in px; NaN where unknown."""
-    truth = cv2.imread(str(scene["truth"]), cv2.IMREAD_UNCHANGED)
-    if truth is None or truth.ndim != 2:
-        raise Failed(f"{scene['truth']} is no gray picture that can be read")
-    truth = truth.astype(numpy.float64) / scene["scale"]
-    return numpy.where(numpy.isfinite(truth) & (truth > 0), truth, numpy.nan)
+def output(command):
+    command = [str(part) for part in command]
+    done = subprocess.run(command, capture_output=True, text=True)
+    if done.returncode != 0:
+        raise Failed(f"{shlex.join(command)}: exit code {done.returncode}: {done.stderr.strip()}")
+    return done.stdout
 
 
 def ours(given, scene, options):
@@ -125,11 +126,8 @@ def ours(given, scene, options):
                    "--repeat", given.repeat, "-o", path]
         if given.adapter is not None:
             command += ["--adapter", given.adapter]
-        command = [str(part) for part in command]
-        done = subprocess.run(command, capture_output=True, text=True)
-        if done.returncode != 0:
-            raise Failed(f"{shlex.join(command)}: exit code {done.returncode}: {done.stderr.strip()}")
-        return numpy.load(path).astype(numpy.float64), json.loads(done.stdout)["frame_ms"]["median"]
+        told = json.loads(output(command))
+        return numpy.load(path), told["frame_ms"]["median"]
 
 
 def opencv(given, scene):
@@ -147,41 +145,23 @@ def opencv(given, scene):
     return numpy.where(found >= 0, found, numpy.nan), statistics.median(times[1:])
 
 
-def interpolated(found):
-    """Holes filled as KITTI's development kit does: a gap in a row takes the smaller of its two neighbours, or the only
-    one; rows without any disparity take the nearest row that has some, the upper of two."""
+def figures(given, scene, found):
+    """Figures of a map in px, NaN where there is none, in per cent; held to tests/evaluation.py with --independent."""
+    with tempfile.TemporaryDirectory() as folder:
+        path = pathlib.Path(folder) / "map.npy"
+        numpy.save(path, found.astype(numpy.float32))
+        case = [str(path), str(scene["truth"]), "--gt-scale", str(scene["scale"])]
+        told = json.loads(output([given.binary, "eval", *case, "--json"]))["evaluation"]
+        if given.independent:
+            import evaluation
 
-    def carried(rows):
-        """The last value at or before each place; NaN before the first."""
-        place = numpy.where(numpy.isnan(rows), -1, numpy.arange(rows.shape[1]))
-        place = numpy.maximum.accumulate(place, axis=1)
-        last = numpy.take_along_axis(rows, numpy.maximum(place, 0), axis=1)
-        return numpy.where(place < 0, numpy.nan, last)
-
-    filled = numpy.fmin(carried(found), carried(found[:, ::-1])[:, ::-1])
-    with_some = numpy.flatnonzero(~numpy.isnan(filled[:, 0]))
-    if not with_some.size:
-        return numpy.zeros_like(found)
-    nearest = numpy.abs(numpy.arange(len(found))[:, None] - with_some).argmin(axis=1)
-    return filled[with_some[nearest]]
-
-
-def figures(found, truth):
-    if found.shape != truth.shape:
-        raise Failed(f"a map of {found.shape[::-1]} pixels was found, but the truth has {truth.shape[::-1]}")
-    known = ~numpy.isnan(truth)
-    valid = known & ~numpy.isnan(found)
-
-    def share(wrong, of):
-        return 100.0 * numpy.count_nonzero(wrong & of) / max(numpy.count_nonzero(of), 1)
-
-    error, error_all = numpy.abs(found - truth), numpy.abs(interpolated(found) - truth)
-    return {
-        "density": share(valid, known),
-        "bad2": share(error > 2, valid),
-        "d1_est": share((error > 3) & (error > 0.05 * truth), valid),
-        "d1_all": share((error_all > 3) & (error_all > 0.05 * truth), known),
-    }
+            expected = evaluation.case(case)
+            for name, value in expected.items():
+                if abs(told[name] - value) > 1e-6 * max(1, abs(value)):
+                    raise Failed(f"{scene['scene']}: {name} is {told[name]}, but docs/EVALUATION.md says {value}")
+            given.equal += len(expected)
+    return {key: 100 * told[name] for key, name in
+            (("density", "density"), ("bad2", "bad_2_of_valid"), ("d1_est", "d1_est"), ("d1_all", "d1_all"))}
 
 
 def line(name, found):
@@ -201,14 +181,13 @@ def main():
     for scene in scenes(given):
         title = f"{scene['set']}/{scene['scene']}, {scene['disparities']} disparities"
         print(f"{title}:\n\n{HEADER}" if not given.means else f"<!-- {title} -->")
-        truth = read_truth(scene)
         sides = [(name, lambda options=options: ours(given, scene, options)) for name, options in settings.items()]
         if given.opencv == "on":
             sides.append((OPENCV, lambda: opencv(given, scene)))
         for name, compute in sides:
             found, ms = compute()
             result = {"setting": name, "set": scene["set"], "scene": scene["scene"],
-                      "disparities": scene["disparities"], **figures(found, truth), "ms": ms}
+                      "disparities": scene["disparities"], **figures(given, scene, found), "ms": ms}
             results.append(result)
             if not given.means:
                 print(line(name, result))
@@ -226,6 +205,8 @@ def main():
             means.append({"mean": mean, "setting": name, "scenes": len(of_name), **found})
             print(line(name, found))
         print()
+    if given.independent:
+        print(f"{given.equal} figures of {len(results)} maps are those of tests/evaluation.py to 1e-6.")
     if given.json is not None:
         given.json.write_text(json.dumps({"scenes": results, "means": means}, indent=1) + "\n")
 

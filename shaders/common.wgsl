@@ -21,6 +21,9 @@ struct Frame {
     speckle_window: u32,
     speckle_range: i32,   // 1/16 px
     fill_max_difference: i32, // px
+    depth_high: u32,      // 4096 focal * baseline, in millionths
+    depth_low: u32,
+    depth_offset: i32,    // doffs in 1/4096 px
 }
 
 // What differs between dispatches.

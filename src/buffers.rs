@@ -26,6 +26,9 @@ pub(crate) struct Frame {
     pub(crate) speckle_window: u32,
     pub(crate) speckle_range: i32,
     pub(crate) fill_max_difference: i32,
+    pub(crate) depth_high: u32,
+    pub(crate) depth_low: u32,
+    pub(crate) depth_offset: i32,
 }
 
 /// The WGSL block `Pass`: what differs between dispatches.
@@ -122,7 +125,7 @@ pub(crate) struct Sizes {
     pub(crate) right_map: u64,
     /// Bytes of the confidence.
     pub(crate) confidence: u64,
-    /// Bytes of one number a pixel of a map.
+    /// Bytes of one number of 32 bits a pixel of a map.
     pub(crate) regions: u64,
     /// Bytes of the nearest values on both sides of each pixel.
     pub(crate) nearest: u64,
@@ -258,6 +261,13 @@ impl Sizes {
             fits("a map of two numbers a pixel", 8 * u64::from(volume_stride) * u64::from(height), smaller)?;
         }
         let regions = 2 * texels(map_stride);
+        if params.rectify.is_some() {
+            fits("a rectified image", source, smaller)?;
+            fits("where rectified pixels come from", 8 * pixels, smaller)?;
+        }
+        if params.depth.is_some() {
+            fits("a depth map", regions, smaller)?;
+        }
         if params.speckle_window > 0 {
             fits("the regions of the speckle filter", regions, "make the images smaller or switch the filter off")?;
         }
@@ -322,6 +332,7 @@ impl Sizes {
             fits("a row of column sums", chunk_row, fewer)?;
         }
         let chunks_of = |&band: &Rows| if small_block { vec![] } else { cut(band, most(chunk_bytes, chunk_row)) };
+        let (product, depth_offset) = params.depth.map_or((0, 0), |camera| camera.fixed());
         let chunks = bands.iter().map(chunks_of).collect();
         Ok(Self {
             frame: Frame {
@@ -344,6 +355,9 @@ impl Sizes {
                 speckle_window: params.speckle_window,
                 speckle_range: 16 * params.speckle_range as i32,
                 fill_max_difference: params.lr_check.unwrap_or(1) as i32,
+                depth_high: (product >> 32) as u32,
+                depth_low: product as u32,
+                depth_offset,
             },
             source,
             gray: texels(4 * gray_stride),

@@ -1,7 +1,7 @@
 //! The comparison of every stage's buffer with the reference.
 
 use crate::buffers::{Frame, Rows};
-use crate::matcher::{confidence_of, map_of};
+use crate::matcher::{confidence_of, depth_of, map_of};
 use crate::reference::{self, BlockStatistics, Channel, Direction, Features, Images, Plane, Round, Views, Volume};
 use crate::steps::{Level, Output, Step};
 use crate::{Cost, DisparityMap, Error, Image, Method, Params, StereoMatcher, readback};
@@ -10,7 +10,7 @@ use crate::{Cost, DisparityMap, Error, Image, Method, Params, StereoMatcher, rea
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[non_exhaustive]
 pub struct Mismatch {
-    /// Column; of a gray or a prefiltered image the byte of its row, of column sums the column plus the block's radius,
+    /// Column; of a gray, a prefiltered or a rectified image the byte of its row, of column sums the column plus the block's radius,
     /// of statistics of blocks their place in a row.
     pub x: u32,
     /// Row.
@@ -53,6 +53,8 @@ const SENTINEL: u8 = 0xa5;
 
 /// The reference's buffers, each computed when a step asks for it.
 struct Expected {
+    /// The rectified pair, until the chain goes on with it.
+    rectified: Option<[Image; 2]>,
     /// The left view of the mirrored pair, mirrored, if it was matched before.
     matched: Option<DisparityMap>,
     luma: [Plane<u8>; 2],
@@ -87,6 +89,7 @@ impl Expected {
             pyramid.push(pyramid[pyramid.len() - 1].each_ref().map(reference::halve));
         }
         Self {
+            rectified: None,
             matched: None,
             luma,
             images,
@@ -218,15 +221,24 @@ impl StereoMatcher {
         mut spoil: impl FnMut(&str, &mut [u8]),
     ) -> Result<Vec<StageCheck>, Error> {
         readback::guarded(&self.device, || self.upload(left, right))??;
-        let mut mirrored = self.steps.first().is_some_and(|step| step.mirrored);
+        let rectified = match &self.params.rectify {
+            Some(rectification) => {
+                Some([reference::rectify(left, rectification, 0)?, reference::rectify(right, rectification, 1)?])
+            }
+            None => None,
+        };
+        let [left, right] = rectified.as_ref().map_or([left, right], |[left, right]| [left, right]);
+        let mut mirrored = self.params.second_match().is_some();
         let mut expected = match self.params.second_match() {
             Some(second) => Expected::new(&second, &reference::mirrored(right)?, &reference::mirrored(left)?),
             None => Expected::new(&self.params, left, right),
         };
+        expected.rectified = rectified.clone();
         let mut stages: Vec<StageCheck> = Vec::new();
         let (mut last_views, mut level) = (None, None);
         for step in &self.steps {
-            if mirrored && !step.mirrored {
+            let rectifies = matches!(step.output, Output::Rectified { .. });
+            if mirrored && !step.mirrored && !rectifies {
                 expected = Expected { matched: expected.matched, ..Expected::new(&self.params, left, right) };
                 (mirrored, last_views, level) = (false, None, None);
             }
@@ -302,7 +314,8 @@ impl StereoMatcher {
         }
         if !matches!(
             step.output,
-            Output::Gray { .. }
+            Output::Rectified { .. }
+                | Output::Gray { .. }
                 | Output::WindowSums { .. }
                 | Output::Prefiltered { .. }
                 | Output::Values { .. }
@@ -312,6 +325,13 @@ impl StereoMatcher {
         }
         let bytes = self.fetch(step, &step.buffer, step.bytes, spoil)?;
         match &step.output {
+            Output::Rectified { side } => {
+                let Some(images) = &expected.rectified else { return Ok(()) };
+                let row = width * self.format.bytes_per_pixel() as usize;
+                for (i, (&expected, &got)) in images[*side].bytes().iter().zip(&bytes).enumerate() {
+                    stage.compare(i % row, i / row, None, expected.into(), got.into());
+                }
+            }
             Output::Gray { side, channel: 0, deep: false } => {
                 let plane = &expected.luma[*side];
                 compare_picture(stage, whole, &bytes, 16 * gray_stride, |x, y| plane.clamped(x, y));
@@ -481,6 +501,15 @@ impl StereoMatcher {
                     let confidence = reference::confidence(&map, &expected.views().margins);
                     let got = confidence_of(&sizes.frame, &bytes);
                     for (i, (&expected, &got)) in confidence.data.iter().zip(&got.data).enumerate() {
+                        stage.compare(i % width, i / width, None, expected.into(), got.into());
+                    }
+                }
+            }
+            Output::Depth => {
+                if let (Some(map), Some(camera)) = (&expected.checked, &params.depth) {
+                    let depth = reference::depth(map, camera);
+                    let got = depth_of(&sizes.frame, &bytes);
+                    for (i, (&expected, &got)) in depth.data.iter().zip(&got.data).enumerate() {
                         stage.compare(i % width, i / width, None, expected.into(), got.into());
                     }
                 }

@@ -175,6 +175,31 @@ pub struct ConfidenceMap {
     pub data: Vec<u8>,
 }
 
+/// How far away what each pixel shows is, along the viewing direction of the cameras.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct DepthMap {
+    /// Pixels a row.
+    pub width: u32,
+    /// Rows.
+    pub height: u32,
+    /// Micrometres, row by row from the top; [`DepthMap::NONE`] where there is no depth.
+    pub data: Vec<u32>,
+}
+
+impl DepthMap {
+    /// The value of a pixel that has no depth: without a disparity, infinitely far away or beyond, or at 4295 m or more.
+    pub const NONE: u32 = 0;
+
+    /// Depth in metres, `None` where there is none (or outside the map).
+    pub fn get(&self, x: u32, y: u32) -> Option<f64> {
+        if x >= self.width || y >= self.height {
+            return None;
+        }
+        let value = *self.data.get(y as usize * self.width as usize + x as usize)?;
+        (value != Self::NONE).then(|| f64::from(value) * 1e-6)
+    }
+}
+
 /// All that matching a pair gives.
 #[derive(Clone, Debug, PartialEq, Eq)]
 #[non_exhaustive]
@@ -186,4 +211,6 @@ pub struct Matched {
     pub right: Option<DisparityMap>,
     /// The confidence of `map`, if [`crate::Params::confidence`] asks for it.
     pub confidence: Option<ConfidenceMap>,
+    /// The depth of `map`, if [`crate::Params::depth`] asks for it.
+    pub depth: Option<DepthMap>,
 }

@@ -72,6 +72,7 @@ const PATHS: &[Choice] = &[Choice::Members, Choice::Volumes, Choice::Penalty];
 
 #[rustfmt::skip]
 pub(crate) const KERNELS: &[Kernel] = &[
+    Kernel { name: "rectify", stage: "rectify", lanes: 64, sources: wgsl!("rectify", "common"), choices: &[], storage: &[QUAD, Read, Write] },
     Kernel { name: "gray", stage: "gray", lanes: 64, sources: wgsl!("gray", "samples", "bytes", "common"), choices: &[], storage: &[QUAD, Write] },
     Kernel { name: "deep_gray", stage: "gray", lanes: 64, sources: wgsl!("deep_gray", "samples", "bytes", "common"), choices: &[], storage: &[QUAD, Write] },
     Kernel { name: "window_columns", stage: "window_sums", lanes: 64, sources: wgsl!("window_columns", "gray_pixels", "bytes", "common"), choices: &[], storage: &[QUAD, Write] },
@@ -111,6 +112,7 @@ pub(crate) const KERNELS: &[Kernel] = &[
     Kernel { name: "fill_between", stage: "fill", lanes: 32, sources: wgsl!("fill_between", "eight", "common"), choices: &[], storage: &[QUAD, Read, Read, Write] },
     Kernel { name: "fill_rays", stage: "fill", lanes: 32, sources: wgsl!("fill_rays", "eight", "common"), choices: &[], storage: &[QUAD, Read, Read, Read, Read, Read, Write] },
     Kernel { name: "confidence", stage: "confidence", lanes: 64, sources: wgsl!("confidence", "common"), choices: &[], storage: &[Read, Read, Write] },
+    Kernel { name: "depth", stage: "depth", lanes: 64, sources: wgsl!("depth", "common"), choices: &[], storage: &[Read, Write] },
     Kernel { name: "median", stage: "median", lanes: 64, sources: wgsl!("median", "map_texels", "pointing", "common"), choices: &[], storage: &[QUAD, Write] },
     Kernel { name: "median_five", stage: "median", lanes: 64, sources: wgsl!("median_five", "map_texels", "pointing", "common"), choices: &[], storage: &[QUAD, Write] },
     Kernel { name: "weighted_median", stage: "weighted_median", lanes: 64, sources: wgsl!("weighted_median", "map_texels", "common"), choices: &[], storage: &[QUAD, Write, QUAD] },

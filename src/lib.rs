@@ -2,6 +2,7 @@
 //!
 //! Two rectified images go in, the disparity of every left pixel comes out. The stages, in order:
 //!
+//! 0. `rectify`, if it is asked for: pairs that are not rectified ([`Rectification`]).
 //! 1. `gray`: luma, or with [`Params::color_cost`] red, green and blue, at the depth of the samples; and luma in 8
 //!    bits.
 //! 2. `prefilter`: the horizontal Sobel derivative, the gradient magnitude, the difference from the mean of a window,
@@ -16,7 +17,7 @@
 //! 7. `texture`: what a block that holds too little says is dropped.
 //! 8. `lr_check`: a left pixel keeps its disparity if the right view agrees ([`RightView`]).
 //! 9. `speckle`, `median` ([`Median`]), `fill` ([`Fill`]), `weighted_median`, `wls` ([`Wls`]): filters of the map,
-//!    those that are asked for; `confidence`.
+//!    those that are asked for; `confidence`; `depth` ([`Camera`]).
 //!
 //! docs/ALGORITHMS.md defines every stage in exact integers. [`mod@reference`] is that definition in Rust,
 //! [`StereoMatcher`] the schedule that computes it on a device. No result depends on the device, the order of
@@ -56,6 +57,8 @@
 //! [`StereoMatcher::check_blocking`] compares every stage with the reference and names the first value that differs.
 //! examples/embed.rs is a whole program.
 //!
+//! [`evaluation`] scores a map against a truth.
+//!
 //! `wgpu` is exported again, so that the caller's device and the matcher's are of one version.
 //!
 //! # Features
@@ -73,29 +76,34 @@
 extern crate self as gpu_stereo; // for tests/support, which the unit tests share
 
 mod buffers;
+mod camera;
 mod chain;
 mod check;
 mod color;
 mod error;
+pub mod evaluation;
 mod image;
 mod kernels;
 mod matcher;
 mod options;
 mod params;
 mod readback;
+mod rectification;
 pub mod reference;
 mod schedule;
 mod steps;
 mod stream;
 mod surfaces;
 
+pub use camera::Camera;
 pub use check::{Mismatch, StageCheck};
 pub use color::turbo;
 pub use error::Error;
-pub use image::{ConfidenceMap, DisparityMap, Image, Matched, PixelFormat, Pixels};
+pub use image::{ConfidenceMap, DepthMap, DisparityMap, Image, Matched, PixelFormat, Pixels};
 pub use matcher::{Reading, StageTime, StereoMatcher};
 pub use options::ParamOption;
 pub use params::{Census, Cost, Fill, Median, Method, Params, Paths, Prefilter, Preset, RightView, Subpixel, Wls};
+pub use rectification::{Lens, Rectification};
 pub use schedule::Schedule;
 pub use stream::{StereoStream, StreamFrame};
 pub use surfaces::{Inputs, Outputs, PixelBuffer, TypedView};

@@ -12,7 +12,8 @@ use crate::schedule::Plan;
 use crate::steps::{Builder, Level, Pool, Step, row_bytes};
 use crate::surfaces::{Middle, Surfaces};
 use crate::{
-    ConfidenceMap, DisparityMap, Error, Image, Inputs, Matched, Outputs, Params, PixelFormat, kernels, readback,
+    ConfidenceMap, DepthMap, DisparityMap, Error, Image, Inputs, Matched, Outputs, Params, PixelFormat, kernels,
+    readback,
 };
 
 /// The time of one stage in one frame.
@@ -84,26 +85,31 @@ struct Layout {
     right: bool,
     /// Bytes of the confidence, if there is one.
     confidence: Option<u64>,
+    /// Bytes of the depth, if there is one.
+    depth: Option<u64>,
 }
 
 impl Layout {
     fn new(params: &Params, sizes: &Sizes) -> Self {
         let confidence = params.confidence.then_some(sizes.confidence);
-        Self { frame: sizes.frame, map: sizes.map, right: params.right_map, confidence }
+        let depth = params.depth.is_some().then_some(sizes.regions);
+        Self { frame: sizes.frame, map: sizes.map, right: params.right_map, confidence, depth }
     }
 
     fn bytes(&self) -> u64 {
-        self.map + if self.right { self.map } else { 0 } + self.confidence.unwrap_or(0)
+        self.map + if self.right { self.map } else { 0 } + self.confidence.unwrap_or(0) + self.depth.unwrap_or(0)
     }
 
     fn matched(&self, bytes: &[u8]) -> Matched {
         let map = self.map as usize;
         let (left, rest) = bytes.split_at(map);
-        let (right, confidence) = rest.split_at(if self.right { map } else { 0 });
+        let (right, rest) = rest.split_at(if self.right { map } else { 0 });
+        let (confidence, depth) = rest.split_at(self.confidence.unwrap_or(0) as usize);
         Matched {
             map: map_of(&self.frame, left),
             right: self.right.then(|| map_of(&self.frame, right)),
             confidence: self.confidence.map(|_| confidence_of(&self.frame, confidence)),
+            depth: self.depth.map(|_| depth_of(&self.frame, depth)),
         }
     }
 }
@@ -123,6 +129,14 @@ pub(crate) fn confidence_of(frame: &Frame, bytes: &[u8]) -> ConfidenceMap {
     let Frame { width, height, map_stride, .. } = *frame;
     let rows = bytes.chunks_exact(2 * map_stride as usize).take(height as usize);
     ConfidenceMap { width, height, data: rows.flat_map(|row| &row[..width as usize]).copied().collect() }
+}
+
+/// A depth from the bytes of its buffer.
+pub(crate) fn depth_of(frame: &Frame, bytes: &[u8]) -> DepthMap {
+    let Frame { width, height, map_stride, .. } = *frame;
+    let rows = bytes.chunks_exact(8 * map_stride as usize).take(height as usize);
+    let words = rows.flat_map(|row| row[..4 * width as usize].chunks_exact(4));
+    DepthMap { width, height, data: words.map(|v| u32::from_le_bytes([v[0], v[1], v[2], v[3]])).collect() }
 }
 
 /// Maps on their way to the host. A future that any executor drives; it owns all that it needs, so that the matcher may go
@@ -236,6 +250,11 @@ fn levels(
     reference::rounds(width, height, params).into_iter().map(level).collect()
 }
 
+/// A rectification is for pairs of one size.
+fn fits_rectification([width, height]: [u32; 2], params: &Params) -> Result<(), Error> {
+    params.rectify.as_ref().map_or(Ok(()), |rectification| rectification.accepts(width, height))
+}
+
 /// The passes of smaller pairs that need what the largest one does not.
 fn rooms(
     device: &wgpu::Device,
@@ -281,6 +300,7 @@ impl StereoMatcher {
         format: PixelFormat,
         params: &Params,
     ) -> Result<Self, Error> {
+        fits_rectification([width, height], params)?;
         let levels = levels(device, [width, height], format, params, &[])?;
         let before = rooms(device, [width, height], format, params, &levels)?;
         readback::guarded(device, || {
@@ -327,6 +347,7 @@ impl StereoMatcher {
     /// Builds all anew for another size or other settings, from what there is.
     fn rebuild(&mut self, size: [u32; 2], params: &Params) -> Result<(), Error> {
         let (device, queue, format) = (&self.device, &self.queue, self.format);
+        fits_rectification(size, params)?;
         let largest = [0, 1].map(|axis| self.largest[axis].max(size[axis]));
         let largest_levels = levels(device, largest, format, params, &[])?;
         let levels = levels(device, size, format, params, &largest_levels)?;
@@ -406,6 +427,12 @@ impl StereoMatcher {
     /// row padded to a multiple of 8 bytes. The buffer may be longer.
     pub fn confidence(&self) -> Option<&wgpu::Buffer> {
         self.made.confidence.as_ref()
+    }
+
+    /// Where [`StereoMatcher::record`] leaves the depth, if [`Params::depth`] asks for it: a `u32` a pixel, as in
+    /// [`DepthMap`], each row padded to a multiple of 32 bytes. The buffer may be longer.
+    pub fn depth(&self) -> Option<&wgpu::Buffer> {
+        self.made.depth.as_ref()
     }
 
     /// Whether a pair is what the matcher was made for.
@@ -601,6 +628,7 @@ impl StereoMatcher {
                 (Some(&self.made.output), layout.map),
                 (self.made.right.as_ref(), layout.map),
                 (self.made.confidence.as_ref(), layout.confidence.unwrap_or(0)),
+                (self.made.depth.as_ref(), layout.depth.unwrap_or(0)),
             ] {
                 if let Some(from) = from {
                     encoder.copy_buffer_to_buffer(from, 0, &buffer, at, bytes);

@@ -1,6 +1,6 @@
 //! What a user may ask for, and the checks that come before anything touches a device.
 
-use crate::{Error, Schedule};
+use crate::{Camera, Error, Rectification, Schedule};
 
 /// The image on which the matching cost is computed (`prefilter` in docs/ALGORITHMS.md).
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
@@ -274,6 +274,10 @@ pub struct Params {
     pub confidence: bool,
     /// Give the right view's map, too: as [`Params::right_view`] makes it, in whole pixels, before any check or filter.
     pub right_map: bool,
+    /// Compute the depth of each pixel, too, seen by these cameras.
+    pub depth: Option<Camera>,
+    /// Rectify the pair first. All else is then of the rectified pair.
+    pub rectify: Option<Rectification>,
     /// Compile the kernels with checks of every index and loop: slower, the same result. For a device that misbehaves.
     pub shader_checks: bool,
     /// How the kernels are laid out on the device; the same result.
@@ -331,6 +335,8 @@ impl Params {
             wls: None,
             confidence: false,
             right_map: false,
+            depth: None,
+            rectify: None,
             shader_checks: false,
             schedule: Schedule::Auto,
         }
@@ -514,6 +520,7 @@ impl Params {
                 check(good, name, value.to_string(), format!("from {least} to {most}"), remedy)?;
             }
         }
+        self.depth.as_ref().map_or(Ok(()), Camera::validate)?;
         let (cost, method) = (self.cost, self.method);
         check(
             cost != Cost::Ncc || method == Method::Bm,
@@ -592,6 +599,8 @@ impl Params {
             wls: None,
             confidence: false,
             right_map: false,
+            depth: None,
+            rectify: None,
             ..self.clone()
         }
     }
@@ -611,6 +620,8 @@ impl Params {
             texture: 0,
             confidence: false,
             right_map: false,
+            depth: None,
+            rectify: None,
             right_view: RightView::Diagonal,
             ..self.clone()
         }

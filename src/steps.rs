@@ -11,6 +11,10 @@ use crate::{Params, PixelFormat};
 /// What a step leaves behind, and where: for the comparison with the reference.
 #[derive(Clone, Debug)]
 pub(crate) enum Output {
+    /// The rectified image of a side, laid out like the uploaded one.
+    Rectified {
+        side: usize,
+    },
     /// Luma in 8 bits, or with `deep` the channel of an image in 16 bits.
     Gray {
         side: usize,
@@ -82,6 +86,7 @@ pub(crate) enum Output {
     WeightedMedian,
     Wls,
     Confidence,
+    Depth,
 }
 
 /// A pass through the chain: its settings, and what follows from them.

@@ -94,6 +94,47 @@ class Chain:
     def over_pixels(self, formula):
         return [[formula(x, y) for x in range(self.width)] for y in range(self.height)]
 
+    def positions(self, lens):
+        """Where the pixels of the rectified image come from, in 1/256 px."""
+        p, r, m = lens["projection"], lens["rotation"], lens["matrix"]
+        a = [p[i - i % 3] * r[i % 3] + p[i - i % 3 + 1] * r[i % 3 + 3] + p[i - i % 3 + 2] * r[i % 3 + 6] for i in range(9)]
+        pairs = ((4, 8, 5, 7), (2, 7, 1, 8), (1, 5, 2, 4), (5, 6, 3, 8), (0, 8, 2, 6), (2, 3, 0, 5))
+        pairs += ((3, 7, 4, 6), (1, 6, 0, 7), (0, 4, 1, 3))
+        cofactors = [a[i] * a[j] - a[k] * a[n] for i, j, k, n in pairs]
+        determinant = a[0] * cofactors[0] + a[1] * cofactors[3] + a[2] * cofactors[6]
+        b = [cofactor / determinant for cofactor in cofactors]
+        k1, k2, p1, p2, k3, k4, k5, k6 = lens["distortion"]
+
+        def of(u, v):
+            x, y, w = (b[i] * u + b[i + 1] * v + b[i + 2] for i in (0, 3, 6))
+            if w <= 0.0:
+                return [-512, -512]
+            x, y = x / w, y / w
+            xx, yy, xy = x * x, y * y, x * y
+            q = xx + yy
+            radial = (1.0 + ((k3 * q + k2) * q + k1) * q) / (1.0 + ((k6 * q + k5) * q + k4) * q)
+            column = m[0] * (x * radial + 2.0 * p1 * xy + p2 * (q + 2.0 * xx)) + m[2]
+            row = m[4] * (y * radial + p1 * (q + 2.0 * yy) + 2.0 * p2 * xy) + m[5]
+            places = ((column, self.width), (row, self.height))
+            return [clamp(math.floor(256.0 * place + 0.5), -512, 256 * side) for place, side in places]
+
+        return self.over_pixels(lambda x, y: of(float(x), float(y)))
+
+    def rectify(self, lens, samples):
+        count = SAMPLES[self.case["format"]][1]
+
+        def at(x, y, i):
+            inside = self.inside(x) and 0 <= y < self.height
+            return samples[(y * self.width + x) * count + i] if inside else 0
+
+        def blend(px, py, i):
+            x, y, a, b = px >> 8, py >> 8, px & 255, py & 255
+            above = (256 - a) * at(x, y, i) + a * at(x + 1, y, i)
+            below = (256 - a) * at(x, y + 1, i) + a * at(x + 1, y + 1, i)
+            return ((256 - b) * above + b * below + 32768) >> 16
+
+        return [blend(*place, i) for row in self.positions(lens) for place in row for i in range(count)]
+
     def deep_gray(self, kind, samples):
         """The channels at the depth of the samples."""
 
@@ -566,6 +607,18 @@ class Chain:
     def confidence(self, disparities, margins):
         return self.over_pixels(lambda x, y: 0 if disparities[y][x] == INVALID else max(margins[y][x], 1))
 
+    def depth(self, disparities):
+        focal, baseline, doffs = map(float, self.case["depth"].split(","))
+        product, offset = math.floor(focal * baseline * 4096000000.0 + 0.5), math.floor(doffs * 4096.0 + 0.5)
+
+        def of(x, y):
+            divisor = 256 * disparities[y][x] + offset
+            if disparities[y][x] == INVALID or divisor <= 0 or product // divisor >= 2**32:
+                return 0
+            return product // divisor
+
+        return self.over_pixels(of)
+
     def nearest(self, disparities, x, y, directions):
         found = []
         for dx, dy in directions:
@@ -623,6 +676,12 @@ class Chain:
     def run(self, left, right):
         """All stages in the order of the chain: (name, C type, values)."""
         sides, grays = [], []
+        if "rectify" in self.case:
+            left, right = (self.rectify(lens, image) for lens, image in zip(self.case["rectify"], (left, right)))
+            self.case = {name: value for name, value in self.case.items() if name != "rectify"}
+            code = SAMPLES[self.case["format"]][0]
+            yield "rectify_left", code, left
+            yield "rectify_right", code, right
         for side, samples in (("left", left), ("right", right)):
             kind = self.case["format"]
             gray = self.gray(kind, samples)
@@ -682,6 +741,8 @@ class Chain:
         view = self.wls(view, grays[0])
         yield "wls", "h", view
         yield "confidence", "B", self.confidence(view, margins)
+        if self.case.get("depth", "off") != "off":
+            yield "depth", "I", self.depth(view)
 
 
 def flat(values):

@@ -5,8 +5,8 @@
 mod support;
 
 use gpu_stereo::{
-    Cost, DisparityMap, Fill, Image, Median, Method, Params, Paths, PixelFormat, Pixels, Prefilter, RightView,
-    Subpixel, reference,
+    Cost, DisparityMap, Fill, Image, Median, Method, Params, Paths, PixelFormat, Pixels, Prefilter, Rectification,
+    RightView, Subpixel, reference,
 };
 use rand::{Rng, SeedableRng};
 use rand_chacha::ChaCha8Rng;
@@ -93,9 +93,21 @@ fn json(image: &Image, params: &Params) -> String {
         format!("\"height\": {}", image.height()),
         format!("\"format\": \"{format}\""),
     ];
-    for (name, value) in settings(params) {
+    let camera = |c: gpu_stereo::Camera| format!("{},{},{}", c.focal, c.baseline, c.doffs);
+    for (name, value) in settings(params).into_iter().chain([("depth", params.depth.map_or("off".into(), camera))]) {
         let value = if value.parse::<i64>().is_ok() { value } else { format!("\"{value}\"") };
         fields.push(format!("\"{name}\": {value}"));
+    }
+    if let Some(rectification) = &params.rectify {
+        let lens = |lens: &gpu_stereo::Lens| {
+            let gpu_stereo::Lens { matrix, distortion, rotation, projection } = lens;
+            format!(
+                "{{\"matrix\": {matrix:?}, \"distortion\": {distortion:?}, \"rotation\": {rotation:?}, \
+                 \"projection\": {projection:?}}}"
+            )
+        };
+        let lenses = rectification.lenses().each_ref().map(lens).join(", ");
+        fields.push(format!("\"rectify\": [{lenses}]"));
     }
     format!("{{{}}}\n", fields.join(", "))
 }
@@ -118,6 +130,15 @@ fn samples(image: &Image) -> Vec<u8> {
 
 /// Every stage of the reference by the name of its file, the last one being the map.
 fn stages(left: &Image, right: &Image, params: &Params) -> Vec<(&'static str, usize, Vec<u8>)> {
+    let rectified = params.rectify.as_ref().map(|rectification| {
+        [(left, 0), (right, 1)].map(|(image, side)| reference::rectify(image, rectification, side).unwrap())
+    });
+    let [left, right] = rectified.as_ref().map_or([left, right], |pair| pair.each_ref());
+    let params = &{
+        let mut params = params.clone();
+        params.rectify = None;
+        params
+    };
     let gray = [left, right].map(|image| reference::gray(image, reference::Channel::Luma));
     let deep = [left, right].map(|image| reference::images(image, params));
     let prefiltered = [0, 1].map(|side: usize| deep[side].prefiltered(params));
@@ -127,7 +148,12 @@ fn stages(left: &Image, right: &Image, params: &Params) -> Vec<(&'static str, us
     let rows = 0..columns.height;
     let sums = rows.flat_map(|y| reference::block_sums(&columns, y, params)).flat_map(u32::to_le_bytes).collect();
     let bytes16s = |images: &reference::Images| images.channels.iter().flat_map(|c| bytes16(&c.data)).collect();
-    let mut stages = vec![
+    let mut stages = Vec::new();
+    if let Some([left, right]) = &rectified {
+        let size = left.format().bytes_per_pixel() as usize;
+        stages.extend([("rectify_left", size, samples(left)), ("rectify_right", size, samples(right))]);
+    }
+    stages.extend([
         ("gray_left", 1, gray[0].data.clone()),
         ("gray_right", 1, gray[1].data.clone()),
         ("deep_gray_left", 2, bytes16s(&deep[0])),
@@ -138,7 +164,7 @@ fn stages(left: &Image, right: &Image, params: &Params) -> Vec<(&'static str, us
         ("features_right", 1, features[1].data.clone()),
         ("cost_columns", 4, columns.data.iter().flat_map(|v| v.to_le_bytes()).collect()),
         ("block_sums", 4, sums),
-    ];
+    ]);
     if !table.is_empty() {
         stages.push(("mi_table", 1, table));
     }
@@ -213,6 +239,9 @@ fn stages(left: &Image, right: &Image, params: &Params) -> Vec<(&'static str, us
     stages.push(("wls", 2, map_bytes(&matched.map)));
     stages.push(("margins", 1, views.margins.data));
     stages.push(("confidence", 1, matched.confidence.unwrap().data));
+    if let Some(depth) = matched.depth {
+        stages.push(("depth", 4, depth.data.iter().flat_map(|v| v.to_le_bytes()).collect()));
+    }
     stages
 }
 
@@ -383,6 +412,19 @@ fn cases() -> Vec<Case> {
         (params.cost, params.prefilter, params.min_disparity) = (Cost::MutualInformation, Prefilter::None, -1);
         params.block = 2 * (seed as u32 - 300) + 1;
         let (left, right) = support::pair(35, 33, seed);
+        cases.push(Case { left, right, params });
+    }
+    // Pairs that are rectified first, in every format; lenses that look away.
+    for seed in 0..5 {
+        let mut random = ChaCha8Rng::seed_from_u64(500 + seed);
+        let mut params = Params::sgm(6);
+        let mut lenses = support::lenses(31, 14);
+        if seed == 4 {
+            lenses[1].rotation = [-1.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, -1.0];
+        }
+        params.rectify = Some(Rectification::new(31, 14, lenses).unwrap());
+        let image = if seed % 2 == 0 { noise } else { few_levels };
+        let [left, right] = [0, 1].map(|_| image(31, 14, seed as u32 % 4, &mut random));
         cases.push(Case { left, right, params });
     }
     // Luma exactly half way between two levels.

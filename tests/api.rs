@@ -8,8 +8,8 @@ use std::collections::BTreeSet;
 
 use gpu_stereo::reference::{self, Direction, Volume};
 use gpu_stereo::{
-    Cost, DisparityMap, Error, Image, Inputs, Matched, Method, Outputs, Params, Paths, PixelFormat, Pixels, StageCheck,
-    StageTime, StereoMatcher, StereoStream, StreamFrame, Wls, wgpu,
+    Camera, Cost, DepthMap, DisparityMap, Error, Image, Inputs, Matched, Method, Outputs, Params, Paths, PixelFormat,
+    Pixels, StageCheck, StageTime, StereoMatcher, StereoStream, StreamFrame, Wls, wgpu,
 };
 
 type Change = fn(&mut Params);
@@ -461,4 +461,56 @@ fn the_confidence_comes_with_the_map() {
         assert!(matcher.confidence().is_none());
         assert_eq!(matcher.compute_blocking(&left, &right).unwrap().confidence, None);
     }
+}
+
+/// The depth beside the map: the reference's, where it is asked for; other cameras need no new kernel; what is no camera is
+/// refused.
+#[test]
+fn the_depth_comes_with_the_map() {
+    let (left, right) = support::pair(61, 23, 6);
+    let mut params = Params::sgm(21);
+    params.min_disparity = -4;
+    assert_eq!(reference::compute_all(&left, &right, &params).unwrap().depth, None);
+    let camera = Camera { doffs: 0.5, ..Camera::new(1000.0, 0.1) };
+    params.depth = Some(camera);
+    let expected = reference::compute_all(&left, &right, &params).unwrap();
+    let depth = expected.depth.as_ref().unwrap();
+    let mut some = 0;
+    for (i, (&value, &depth)) in expected.map.data.iter().zip(&depth.data).enumerate() {
+        let pixels = f64::from(value) / 16.0 + 0.5;
+        if value == DisparityMap::INVALID || pixels <= 0.0 {
+            assert_eq!(depth, DepthMap::NONE, "pixel {i}");
+        } else {
+            let [x, y, z] = camera.point(i as u32 % 61, i as u32 / 61, depth);
+            assert!((z - 100.0 / pixels).abs() < 1e-6, "pixel {i}: {z} m for {pixels} px");
+            assert!((x - z * (i % 61) as f64 / 1000.0).abs() < 1e-9 && (y - z * (i / 61) as f64 / 1000.0).abs() < 1e-9);
+            some += 1;
+        }
+    }
+    assert!(some > 300, "{some}");
+    for (wrong, named) in [
+        (Camera { focal: -1.0, ..camera }, "focal"),
+        (Camera { focal: f64::NAN, ..camera }, "focal"),
+        (Camera { baseline: 0.0, ..camera }, "baseline"),
+        (Camera { baseline: -0.1, ..camera }, "baseline"),
+        (Camera { doffs: f64::INFINITY, ..camera }, "doffs"),
+        (Camera { cx: f64::NAN, ..camera }, "cx"),
+    ] {
+        let mut params = params.clone();
+        params.depth = Some(wrong);
+        assert!(matches!(params.validate(), Err(Error::Parameter { name, .. }) if name == named), "{wrong:?}");
+    }
+
+    let Some((_, device, queue)) = support::device() else { return };
+    let mut matcher = StereoMatcher::new(&device, &queue, 61, 23, left.format(), &params).unwrap();
+    assert_eq!(matcher.compute_blocking(&left, &right).unwrap(), expected);
+    assert!(matcher.depth().is_some_and(|buffer| buffer.size() >= 4 * 64 * 23));
+    params.depth = Some(Camera::new(500.0, 2.0));
+    matcher.set_params(&params).unwrap();
+    let expected = reference::compute_all(&left, &right, &params).unwrap();
+    assert_eq!(matcher.compute_blocking(&left, &right).unwrap(), expected);
+    params.depth = None;
+    matcher.set_params(&params).unwrap();
+    assert!(matcher.depth().is_none());
+    assert_eq!(matcher.compute_blocking(&left, &right).unwrap().depth, None);
 }

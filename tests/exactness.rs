@@ -3,7 +3,9 @@
 
 mod support;
 
-use gpu_stereo::{Cost, Image, Params, Paths, Prefilter, RightView, Schedule, StereoMatcher, wgpu};
+use gpu_stereo::{
+    Cost, Image, Params, Paths, Prefilter, Rectification, RightView, Schedule, StereoMatcher, reference, wgpu,
+};
 use rand::{Rng, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 
@@ -255,6 +257,27 @@ fn bands() {
             check(&setup, &left, &right, &params, seed);
         }
         for params in [Params::bm(35), ncc(35)] {
+            check(&setup, &left, &right, &params, seed);
+        }
+    }
+}
+
+/// Pairs that are rectified first: every format, with a second match and without; the picture is not the given one.
+#[test]
+fn rectified() {
+    let Some(setup) = support::device() else { return };
+    for (seed, (width, height)) in (0..).zip([(1, 1), (3, 5), (33, 17), (64, 40), (67, 13), (1, 9), (101, 37), (9, 1)])
+    {
+        let (left, right) = support::pair(width, height, seed);
+        for format in 0..4 {
+            let [left, right] = [&left, &right].map(|image| support::as_format(image, format));
+            let mut params = Params::sgm(20);
+            let rectification = Rectification::new(width, height, support::lenses(width, height)).unwrap();
+            let given = reference::rectify(&left, &rectification, 0).unwrap();
+            assert!(given != left || width < 10, "{width}x{height} in format {format}");
+            params.rectify = Some(rectification);
+            params.right_view = if seed % 2 == 0 { RightView::Match } else { RightView::Diagonal };
+            params.cost = if format == 3 { Cost::MutualInformation } else { Cost::Census };
             check(&setup, &left, &right, &params, seed);
         }
     }

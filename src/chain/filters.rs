@@ -71,6 +71,14 @@ pub(super) fn confidence(b: &mut Builder<'_>, views: &Views, map: &wgpu::Buffer)
     confidence
 }
 
+/// Stage `depth` of the final `map`.
+pub(super) fn depth(b: &mut Builder<'_>, map: &wgpu::Buffer) -> wgpu::Buffer {
+    let Frame { height, map_stride, .. } = b.sizes.frame;
+    let depth = b.buffer("depth", b.sizes.regions);
+    b.step("depth", &[Buffer(map), Buffer(&depth)], Pass::default(), map_stride / 2, height, Output::Depth);
+    depth
+}
+
 /// Stage `wls` of the map that the last step left.
 fn wls(b: &mut Builder<'_>, gray: &wgpu::TextureView, couplings: Vec<u32>) -> wgpu::Buffer {
     let Frame { width, height, map_stride, volume_stride, .. } = b.sizes.frame;

@@ -9,7 +9,7 @@ use crate::steps::Bound::{Buffer, Texture};
 use crate::steps::{Builder, Level, Output};
 
 /// All rounds but the last one, and what that one compares.
-pub(super) fn planes(b: &mut Builder<'_>, sources: &[wgpu::Texture; 2]) -> Planes {
+pub(super) fn planes(b: &mut Builder<'_>, sources: &[wgpu::TextureView; 2]) -> Planes {
     let (grays, values) = planes::values(b, sources);
     let mut pyramid = vec![values];
     while pyramid.len() <= b.levels[0].halvings as usize {

@@ -23,6 +23,8 @@ pub(crate) struct Made {
     pub(crate) right: Option<wgpu::Buffer>,
     /// The confidence of the map, if it is wanted.
     pub(crate) confidence: Option<wgpu::Buffer>,
+    /// The depth of the map, if it is wanted.
+    pub(crate) depth: Option<wgpu::Buffer>,
 }
 
 /// The maps of both views, and behind the right one, if a confidence is wanted, the margins of the left one's winners:
@@ -41,28 +43,31 @@ impl Views {
 /// All stages, from the uploaded images to the map.
 pub(crate) fn chain(b: &mut Builder<'_>) -> Made {
     let sources = planes::sources(b);
+    let views_of = |texture: &wgpu::Texture| texture.create_view(&wgpu::TextureViewDescriptor::default());
+    let images = planes::rectified(b, sources.each_ref().map(views_of));
     let views = Views::new(b);
     let mut right = None;
     if let Some(second) = b.params.second_match() {
         let params = std::mem::replace(&mut b.params, second);
         b.mirrored = true;
         b.share();
-        winners(b, &sources, &views);
+        winners(b, &images, &views);
         b.share();
         right = Some(filters::mirror(b, &views.left));
         (b.params, b.mirrored) = (params, false);
     }
-    let planes = winners(b, &sources, &views);
+    let planes = winners(b, &images, &views);
     b.share_no_more();
     let compared = Views { left: views.left.clone(), right: right.unwrap_or_else(|| views.right.clone()) };
     let output = filters::filtered(b, &compared, &planes.grays[0]);
     let confidence = b.params.confidence.then(|| filters::confidence(b, &views, &output));
+    let depth = b.params.depth.is_some().then(|| filters::depth(b, &output));
     let right = b.params.right_map.then_some(compared.right);
-    Made { sources, output, right, confidence }
+    Made { sources, output, right, confidence, depth }
 }
 
 /// From the images to the winner of both views. Returns the planes.
-fn winners(b: &mut Builder<'_>, sources: &[wgpu::Texture; 2], views: &Views) -> Planes {
+fn winners(b: &mut Builder<'_>, sources: &[wgpu::TextureView; 2], views: &Views) -> Planes {
     let planes = match b.params.cost {
         Cost::MutualInformation => mi::planes(b, sources),
         _ => planes::planes(b, sources),

@@ -55,8 +55,24 @@ pub(super) fn sources(b: &mut Builder<'_>) -> [wgpu::Texture; 2] {
     ["source.left", "source.right"].map(|name| b.texture(name, [TEXELS, rows], rows, wgpu::TextureFormat::Rgba32Uint))
 }
 
+/// Stage `rectify` of both sides, if it is wanted: the images that the chain takes.
+pub(super) fn rectified(b: &mut Builder<'_>, sources: [wgpu::TextureView; 2]) -> [wgpu::TextureView; 2] {
+    let Some(rectification) = b.params.rectify.clone() else { return sources };
+    let rows = (b.sizes.source / TEXTURE_ROW) as u32;
+    let mut side = 0;
+    sources.map(|source| {
+        let numbers = rectification.positions(side).iter().flatten().map(|&number| number as u32).collect();
+        let positions = b.table("rectify.positions", numbers);
+        let image = b.buffer("rectify", b.sizes.source);
+        let storage = [Texture(&source), Buffer(&positions), Buffer(&image)];
+        b.step("rectify", &storage, Pass::default(), TEXELS, rows, Output::Rectified { side });
+        side += 1;
+        b.copy_to_texels()
+    })
+}
+
 /// Stages `gray`, `prefilter` and `features` of both sides.
-pub(super) fn planes(b: &mut Builder<'_>, sources: &[wgpu::Texture; 2]) -> Planes {
+pub(super) fn planes(b: &mut Builder<'_>, sources: &[wgpu::TextureView; 2]) -> Planes {
     let Frame { height, .. } = b.sizes.frame;
     let buffers = [b.buffer("features.left", b.sizes.left), b.buffer("features.right", b.sizes.right)];
     let scratch = Sums::new(b);
@@ -103,8 +119,8 @@ pub(super) fn planes(b: &mut Builder<'_>, sources: &[wgpu::Texture; 2]) -> Plane
 }
 
 /// The uploaded image of a side: a pair is mirrored with its sides exchanged.
-fn source_of(b: &Builder<'_>, sources: &[wgpu::Texture; 2], side: usize) -> wgpu::TextureView {
-    sources[if b.mirrored { 1 - side } else { side }].create_view(&wgpu::TextureViewDescriptor::default())
+fn source_of(b: &Builder<'_>, sources: &[wgpu::TextureView; 2], side: usize) -> wgpu::TextureView {
+    sources[if b.mirrored { 1 - side } else { side }].clone()
 }
 
 /// Where the bytes of a side lie in its planes.
@@ -122,7 +138,7 @@ fn place_of(b: &Builder<'_>, side: usize) -> Pass {
 /// bits, laid out like those.
 pub(super) fn values(
     b: &mut Builder<'_>,
-    sources: &[wgpu::Texture; 2],
+    sources: &[wgpu::TextureView; 2],
 ) -> (Vec<wgpu::TextureView>, [wgpu::TextureView; 2]) {
     let scratch = Sums::new(b);
     let mut grays = Vec::new();

@@ -1,5 +1,7 @@
 //! Parse: the command line as it was typed, with no meaning given to it yet.
 
+use crate::calibration::{Pair, Unit};
+use crate::layout::Layout;
 use crate::output::Format;
 use clap::builder::{PossibleValue, StringValueParser, TypedValueParser};
 use clap::error::{ContextKind, ErrorKind};
@@ -15,11 +17,14 @@ gpu-stereo <LEFT> <RIGHT> --disp <N> [OPTIONS]
        gpu-stereo sweep|compare <LEFT> <RIGHT> --disp <N> [OPTIONS]
        gpu-stereo video <LEFT> <RIGHT> -o <OUT> --disp <N> [OPTIONS]
        gpu-stereo batch <LIST>|<LEFT> <RIGHT> -o <DIR> --disp <N> [OPTIONS]
+       gpu-stereo eval <ESTIMATE> <TRUTH> [OPTIONS]
+       gpu-stereo bench <DATASET> --layout <LAYOUT> [OPTIONS]
        gpu-stereo --list-adapters";
 
 const PRESET: &str = "preset";
 const OUTPUT: &str = "Output";
 const DEVICE: &str = "Device";
+const TRUTH: &str = "Truth";
 
 const EXAMPLES: &str = "\
 Examples:
@@ -31,8 +36,14 @@ Examples:
       compares every stage on the adapter with the CPU reference, bit for bit
   gpu-stereo left.png right.png --disp 64 --timings --repeat 20
       milliseconds a stage, median of 20 frames after one warm-up
+  gpu-stereo left.png right.png --disp 64 --calib calib.txt --depth depth.png --points scene.ply
+      depth in millimetres, and coloured points
+  gpu-stereo raw_left.png raw_right.png --disp 64 --rectify stereo.yml --depth depth.tif
+      rectifies the pair first
   gpu-stereo sweep left.png right.png --block 5,9,15,21 --disp 41,61,81 -o sweep.png
       one sheet of colour maps, a row for each block and a column for each range, with times
+  gpu-stereo left.png right.png --disp 64 --gt truth.pfm --error-map errors.png
+      how far the map is off, and where
   gpu-stereo video left right -o maps --disp 64
       a map of every pair of two folders
   gpu-stereo batch pairs.csv -o maps --disp 64 --resume --shard 2/8
@@ -42,9 +53,9 @@ Examples:
 Exit codes: 0 done, 1 a check found a mismatch or a frame or pair failed, 2 could not run.
 Vulkan, Metal and Direct3D 12 are searched for adapters; WGPU_BACKEND=gl in the environment searches OpenGL.";
 
-/// Dense disparity of a rectified stereo pair, on any GPU.
+/// Dense disparity of a stereo pair, on any GPU.
 ///
-/// LEFT and RIGHT are rectified images of one size, 8 or 16 bits, gray or colour (an alpha channel is ignored): PNG,
+/// LEFT and RIGHT are rectified images of one size (else see --rectify), 8 or 16 bits, gray or colour (an alpha channel is ignored): PNG,
 /// JPEG, PNM, TIFF, BMP, WebP and others. A disparity d at (x, y) says that LEFT(x, y) shows what RIGHT(x - d, y) shows.
 #[derive(Debug, Parser)]
 #[command(name = "gpu-stereo", version, override_usage = USAGE, after_help = EXAMPLES, max_term_width = 100)]
@@ -65,6 +76,10 @@ pub struct Args {
     /// The settings by name
     #[command(flatten)]
     pub settings: Settings,
+
+    /// The cameras, and what is made with them
+    #[command(flatten)]
+    pub scene: Scene,
 
     /// Where to compute
     #[command(flatten)]
@@ -91,6 +106,15 @@ pub struct Args {
     #[arg(long, value_name = "FILE", help_heading = OUTPUT)]
     pub confidence: Option<PathBuf>,
 
+    /// Score the map against this truth: 16-bit PNG of KITTI (256 a pixel), .pfm, .npy, .tif; other gray PNG or PGM with
+    /// --gt-scale
+    #[arg(long, value_name = "FILE", help_heading = TRUTH)]
+    pub gt: Option<PathBuf>,
+
+    /// What the truth is
+    #[command(flatten)]
+    pub truth: TruthOptions,
+
     /// Compare every stage with the CPU reference; on a mismatch exit with 1 and write no file
     #[arg(long, help_heading = OUTPUT)]
     pub check: bool,
@@ -110,6 +134,65 @@ pub struct Args {
     /// Print no summary
     #[arg(short, long, help_heading = OUTPUT)]
     pub quiet: bool,
+}
+
+/// The cameras of the pair, and what is made with them.
+#[derive(Debug, clap::Args)]
+#[command(next_help_heading = "Depth")]
+pub struct Scene {
+    /// The calibration of the pair: Middlebury's calib.txt, KITTI's calib files, OpenCV's YAML or XML with P1 and P2 or Q
+    /// (of stereoRectify), ROS camera_info YAML (with --calib-right); the content tells which
+    #[arg(long, value_name = "FILE", group = "cameras", conflicts_with_all = ["focal", "baseline", "cx", "cy", "doffs"])]
+    pub calib: Option<PathBuf>,
+
+    /// Rectify the pair first, with the lenses, rotations and projections of OpenCV's stereoCalibrate and stereoRectify
+    /// (M1, D1, R1, P1, M2, D2, R2, P2, or R and T for the last ones, in YAML or XML), or of ROS camera_info YAML (with --calib-right); this is the
+    /// calibration of the depth, too
+    #[arg(long, value_name = "FILE", group = "cameras", conflicts_with_all = ["focal", "baseline", "cx", "cy", "doffs"])]
+    pub rectify: Option<PathBuf>,
+
+    /// The right camera's file, where each camera has one (ROS); or the second file, where the lenses have one of their own
+    /// (intrinsics.yml and extrinsics.yml of OpenCV's sample)
+    #[arg(long, value_name = "FILE", requires = "cameras")]
+    pub calib_right: Option<PathBuf>,
+
+    /// The unit of lengths in the calibration [default: mm in Middlebury's files, else m]
+    #[arg(long, value_enum, value_name = "UNIT", requires = "cameras")]
+    pub calib_unit: Option<Unit>,
+
+    /// The cameras of a KITTI calibration that took the pair [default: color, if it has P2]
+    #[arg(long, value_enum, value_name = "PAIR", requires = "cameras")]
+    pub calib_pair: Option<Pair>,
+
+    /// Focal length in pixels, in place of a calibration
+    #[arg(long, value_name = "PX", requires = "baseline", allow_negative_numbers = true)]
+    pub focal: Option<f64>,
+
+    /// Distance between the cameras in metres
+    #[arg(long, value_name = "M", requires = "focal", allow_negative_numbers = true)]
+    pub baseline: Option<f64>,
+
+    /// Column of the left principal point [default: the middle]
+    #[arg(long, value_name = "PX", requires = "focal", allow_negative_numbers = true)]
+    pub cx: Option<f64>,
+
+    /// Row of the principal points [default: the middle]
+    #[arg(long, value_name = "PX", requires = "focal", allow_negative_numbers = true)]
+    pub cy: Option<f64>,
+
+    /// Column of the right principal point less that of the left one [default: 0]
+    #[arg(long, value_name = "PX", requires = "focal", allow_negative_numbers = true)]
+    pub doffs: Option<f64>,
+
+    /// Write the depth: .png (16 bit, millimetres, 0 without a depth and from 65.5355 m on), .pfm (+inf without a depth),
+    /// .npy, .tif (metres as 32-bit floats, NaN without a depth); may be given several times
+    #[arg(long, value_name = "FILE")]
+    pub depth: Vec<PathBuf>,
+
+    /// Write coloured points, those that have a depth: .ply or .pcd, binary; metres to the right, down and forward of the
+    /// left camera; may be given several times
+    #[arg(long, value_name = "FILE")]
+    pub points: Vec<PathBuf>,
 }
 
 /// Where to compute.
@@ -133,6 +216,12 @@ pub enum Verb {
     /// Maps of several variants on one sheet, with times
     #[command(after_help = COMPARE, max_term_width = 100)]
     Compare(Compare),
+    /// Score a map against a truth
+    #[command(after_help = EVAL, max_term_width = 100)]
+    Eval(EvalArgs),
+    /// Score every scene of a data set, with a report and files to submit
+    #[command(after_help = BENCH, max_term_width = 100)]
+    Bench(BenchArgs),
     /// Maps of all frames of a video: two folders, two printf patterns or two globs
     #[command(after_help = VIDEO, max_term_width = 100, override_usage = VIDEO_USAGE)]
     Video(VideoArgs),
@@ -142,12 +231,14 @@ pub enum Verb {
 }
 
 impl Verb {
-    /// Where it computes.
-    pub fn device(&self) -> &DeviceArgs {
+    /// Where it computes, if it does.
+    pub fn device(&self) -> Option<&DeviceArgs> {
         match self {
-            Self::Sweep(study) | Self::Compare(Compare { study, .. }) => &study.device,
-            Self::Video(video) => &video.device,
-            Self::Batch(batch) => &batch.device,
+            Self::Sweep(study) | Self::Compare(Compare { study, .. }) => Some(&study.device),
+            Self::Video(video) => Some(&video.device),
+            Self::Batch(batch) => Some(&batch.device),
+            Self::Bench(bench) => Some(&bench.device),
+            Self::Eval(_) => None,
         }
     }
 }
@@ -165,6 +256,70 @@ Several are joined by +, and override what all have in common.
 Examples:
   gpu-stereo compare left.png right.png --disp 64 --variants sad,ssd,census
   gpu-stereo compare left.png right.png --disp 64 --variants bm+block=21 census+paths=8 dense";
+
+const BENCH: &str = "\
+The disparities of a scene are the data set's own: ndisp of calib.txt, 192 for KITTI and Virtual
+KITTI, max_disp of a manifest, 128 where nothing tells; --disp N is for all. A variant is as in
+compare. A scene that fails is told, and the others go on.
+
+Examples:
+  gpu-stereo bench kitti_2015 --layout kitti2015 --report report
+  gpu-stereo bench MiddEval3 --layout middlebury --only trainingQ --variants balanced,dense --submission upload
+  gpu-stereo bench data --layout manifest --variants classic balanced \"census+paths=8\" --json
+
+Exit codes: 0 done, 1 a scene failed, 2 could not run.";
+
+/// The command line of `bench`.
+#[derive(Debug, clap::Args)]
+pub struct BenchArgs {
+    /// The data set's folder, or a manifest
+    pub dataset: PathBuf,
+
+    /// How its files lie
+    #[arg(long, value_enum)]
+    pub layout: Layout,
+
+    /// What to compute for each scene, with commas or spaces between them [default: the settings given]
+    #[arg(long, num_args = 1.., value_delimiter = ',', value_name = "VARIANT")]
+    pub variants: Vec<String>,
+
+    /// Only scenes that have this in SET/NAME; may be given several times
+    #[arg(long, value_name = "TEXT")]
+    pub only: Vec<String>,
+
+    /// What all variants have in common
+    #[command(flatten)]
+    pub settings: Settings,
+
+    /// Where to compute
+    #[command(flatten)]
+    pub device: DeviceArgs,
+
+    /// Run N frames for each map after one warm-up [default: 1 on an adapter; on the reference one, without warm-up]
+    #[arg(long, value_name = "N", allow_negative_numbers = true, help_heading = OUTPUT)]
+    pub repeat: Option<Whole>,
+
+    /// Write report.md, its pictures and results.json into this folder
+    #[arg(long, value_name = "FOLDER", help_heading = OUTPUT)]
+    pub report: Option<PathBuf>,
+
+    /// Write the files that the benchmark takes into this folder: kitti SET/disp_0/*.png (2012: SET/*.png), middlebury
+    /// SET/NAME/disp0METHOD.pfm (with holes disp0METHOD_s.pfm) and timeMETHOD.txt, eth3d low_res_two_view/NAME.pfm, .txt
+    #[arg(long, value_name = "FOLDER", help_heading = OUTPUT)]
+    pub submission: Option<PathBuf>,
+
+    /// The method's name in the files to submit
+    #[arg(long, value_name = "METHOD", default_value = "gpu-stereo", help_heading = OUTPUT)]
+    pub method_name: String,
+
+    /// Print one JSON object instead of the tables
+    #[arg(long, help_heading = OUTPUT)]
+    pub json: bool,
+
+    /// Print no table and no progress
+    #[arg(short, long, help_heading = OUTPUT)]
+    pub quiet: bool,
+}
 
 const VIDEO_USAGE: &str = "gpu-stereo video <LEFT> <RIGHT> -o <OUT> --disp <N> [OPTIONS]";
 
@@ -330,6 +485,66 @@ impl FromStr for Shard {
     }
 }
 
+const EVAL: &str = "\
+Maps are 16-bit PNG of KITTI (256 a pixel, 0 none), PFM, NumPy or TIFF (what is not finite is none),
+or other gray PNG or PGM with a scale. docs/EVALUATION.md defines what is told.
+
+Examples:
+  gpu-stereo eval disparity.png disp_occ_0/000000_10.png --error-map errors.png
+  gpu-stereo eval disparity.pfm disp0GT.pfm --gt-mask mask0nocc.png --json
+  gpu-stereo eval disparity.png disp2.png --gt-scale 4
+  gpu-stereo eval disparity.png depth_00000.png --gt-depth --focal 725.0087 --baseline 0.532725";
+
+/// The command line of `eval`.
+#[derive(Debug, clap::Args)]
+pub struct EvalArgs {
+    /// The map to score
+    pub estimate: PathBuf,
+
+    /// The true disparities
+    pub truth: PathBuf,
+
+    /// The estimate's value that stands for 1 px [default: 256 in 16-bit PNG, 1 in floats]
+    #[arg(long, value_name = "S", allow_negative_numbers = true)]
+    pub scale: Option<Positive>,
+
+    /// What the truth is
+    #[command(flatten)]
+    pub options: TruthOptions,
+
+    /// Print one JSON object instead of the table
+    #[arg(long, help_heading = OUTPUT)]
+    pub json: bool,
+}
+
+/// What a truth is, and the picture of the errors.
+#[derive(Debug, clap::Args)]
+pub struct TruthOptions {
+    /// The truth's value that stands for 1 px [default: 256 in 16-bit PNG, 1 in floats]
+    #[arg(long, value_name = "S", allow_negative_numbers = true, help_heading = TRUTH)]
+    pub gt_scale: Option<Positive>,
+
+    /// Score only where this 8-bit image is 255
+    #[arg(long, value_name = "FILE", help_heading = TRUTH)]
+    pub gt_mask: Option<PathBuf>,
+
+    /// The truth is depth, a 16-bit PNG in cm with 65535 for far as in Virtual KITTI 2; needs --focal and --baseline
+    #[arg(long, help_heading = TRUTH)]
+    pub gt_depth: bool,
+
+    /// The focal length in px
+    #[arg(long, value_name = "PX", allow_negative_numbers = true, help_heading = TRUTH)]
+    pub focal: Option<Positive>,
+
+    /// The distance of the cameras in m
+    #[arg(long, value_name = "M", allow_negative_numbers = true, help_heading = TRUTH)]
+    pub baseline: Option<Positive>,
+
+    /// Write a picture of the errors (PNG) in KITTI's colours, blue to 3 px or 5 %, red beyond
+    #[arg(long, value_name = "FILE", help_heading = TRUTH)]
+    pub error_map: Option<PathBuf>,
+}
+
 /// The command line of a study.
 #[derive(Debug, clap::Args)]
 pub struct StudyArgs {
@@ -388,7 +603,8 @@ pub fn parse() -> Result<Args, ExitCode> {
                 // Clap takes every word too many for a study.
                 Some(word) if error.kind() == ErrorKind::ArgumentConflict => {
                     format!(
-                        "error: unexpected argument '{word}' found; give two images, with sweep or compare before them"
+                        "error: unexpected argument '{word}' found; give two images, with sweep or compare before them, or \
+                         two maps after eval"
                     )
                 }
                 _ => error.render().to_string(),
@@ -510,6 +726,19 @@ impl FromStr for Whole {
         }
         let beyond = if negative { i64::MIN } else { i64::MAX };
         Ok(Self { text: text.into(), value: text.parse().unwrap_or(beyond) })
+    }
+}
+
+/// A number above 0.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Positive(pub f64);
+
+impl FromStr for Positive {
+    type Err = String;
+
+    fn from_str(text: &str) -> Result<Self, String> {
+        let number = text.parse().ok().filter(|number: &f64| *number > 0.0 && number.is_finite());
+        number.map(Self).ok_or_else(|| "a number above 0 is needed, such as 16".into())
     }
 }
 

@@ -207,7 +207,7 @@ impl Batch {
                 .with_context(|| format!("output folder {folder:?} cannot be made; check what is in its place"))
                 .map_err(Refused::Frame)?;
         }
-        output::write(&item.outputs, &matched.map, matched.confidence.as_ref(), &self.params)
+        output::write(&item.outputs, &matched.map, matched.confidence.as_ref(), None, &self.params)
             .map_err(Refused::Frame)?;
         self.done.append(&Line::new(&item.name, &self.pairs[frame.place])).map_err(Refused::All)
     }

@@ -9,11 +9,11 @@ use std::path::Path;
 
 /// The largest file, and the largest decoded image, that is taken: a header can declare any size, and a decoder would
 /// allocate it. 1 GiB is 130 megapixels of 16-bit colour.
-const MAX_BYTES: u64 = 1 << 30;
+pub const MAX_BYTES: u64 = 1 << 30;
 
 /// Reads a pair.
 pub fn read_pair(left: &Path, right: &Path) -> Result<(Image, Image)> {
-    let (left_file, right_file) = (read_file(left)?, read_file(right)?);
+    let (left_file, right_file) = (read_file(left, "an image")?, read_file(right, "an image")?);
     let left_decoder = decoder(left, &left_file)?;
     let right_decoder = decoder(right, &right_file)?;
     let (left_size, right_size) = (left_decoder.dimensions(), right_decoder.dimensions());
@@ -34,30 +34,31 @@ pub fn read_pair(left: &Path, right: &Path) -> Result<(Image, Image)> {
     Ok((to_image(left_image, colour, deep)?, to_image(right_image, colour, deep)?))
 }
 
-fn read_file(path: &Path) -> Result<Vec<u8>> {
+/// The bytes of a regular file of a sane size, which holds `what`.
+pub fn read_file(path: &Path, what: &str) -> Result<Vec<u8>> {
     let kind = match fs::metadata(path) {
         Ok(kind) => kind,
         Err(error) if error.kind() == std::io::ErrorKind::NotFound => {
-            bail!("{path:?} does not exist; give the path of an image file")
+            bail!("{path:?} does not exist; give the path of {what}")
         }
         Err(error) => {
-            return Err(error).with_context(|| format!("{path:?} cannot be read; give the path of an image file"));
+            return Err(error).with_context(|| format!("{path:?} cannot be read; give the path of {what}"));
         }
     };
-    ensure!(!kind.is_dir(), "{path:?} is a folder; give the path of an image file");
-    ensure!(kind.is_file(), "{path:?} is not a regular file; save the image to a file first");
+    ensure!(!kind.is_dir(), "{path:?} is a folder; give the path of {what}");
+    ensure!(kind.is_file(), "{path:?} is not a regular file; save {what} to a file first");
     ensure!(
         kind.len() <= MAX_BYTES,
-        "{path:?} has {} bytes, but at most {MAX_BYTES} are read; crop or scale the image",
+        "{path:?} has {} bytes, but at most {MAX_BYTES} are read; crop or scale it",
         kind.len()
     );
     let bytes = fs::read(path).with_context(|| format!("{path:?} cannot be read; check its permissions"))?;
-    ensure!(!bytes.is_empty(), "{path:?} is empty; save the image again");
+    ensure!(!bytes.is_empty(), "{path:?} is empty; save it again");
     Ok(bytes)
 }
 
 /// A decoder that has read the header; what it declares is known to be of a sane size.
-fn decoder<'a>(path: &Path, bytes: &'a [u8]) -> Result<impl ImageDecoder + use<'a>> {
+pub fn decoder<'a>(path: &Path, bytes: &'a [u8]) -> Result<impl ImageDecoder + use<'a>> {
     let reader = ImageReader::new(Cursor::new(bytes)).with_guessed_format()?;
     // The content tells the format, whatever the name says. Only TGA has no signature.
     let is_tga = || path.extension().is_some_and(|ending| ending.eq_ignore_ascii_case("tga"));
@@ -81,7 +82,8 @@ fn decoder<'a>(path: &Path, bytes: &'a [u8]) -> Result<impl ImageDecoder + use<'
     Ok(decoder)
 }
 
-fn decode(path: &Path, decoder: impl ImageDecoder) -> Result<DynamicImage> {
+/// The image of a decoder.
+pub fn decode(path: &Path, decoder: impl ImageDecoder) -> Result<DynamicImage> {
     let image = DynamicImage::from_decoder(decoder).map_err(|error| damaged(path, &error))?;
     ensure!(
         !matches!(image, DynamicImage::ImageRgb32F(_) | DynamicImage::ImageRgba32F(_)),

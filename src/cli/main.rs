@@ -1,24 +1,32 @@
 //! The command `gpu-stereo`: parse -> resolve -> run -> report. A study does so for several settings, a video and a
 //! batch for several pairs.
 //!
-//! Exit codes: 0 done, 1 a check said no or a pair failed, 2 could not run. Data goes to stdout, messages to stderr.
+//! Exit codes: 0 done, 1 a check said no, a pair or a scene failed, 2 could not run. Data goes to stdout, messages to stderr.
 #![cfg_attr(test, allow(clippy::unwrap_used))]
 
 mod adapter;
 mod args;
 mod batch;
+mod bench;
+mod calibration;
+mod depth;
+mod evaluate;
 mod film;
 mod input;
+mod layout;
 mod list;
 mod log;
+mod maps;
 mod output;
 mod pairs;
 mod pipeline;
+mod progress;
 mod record;
 mod report;
 mod resolve;
 mod run;
 mod sheet;
+mod stereo_rectify;
 mod study;
 mod video;
 
@@ -33,6 +41,7 @@ enum Outcome {
     Done,
     CheckFailed,
     FramesFailed,
+    ScenesFailed,
 }
 
 fn main() -> ExitCode {
@@ -49,8 +58,8 @@ fn main() -> ExitCode {
         Ok(args) => args,
         Err(code) => return code,
     };
-    let device = args.verb.as_ref().map_or(&args.device, Verb::device);
-    if args.list_adapters || device.backend != args::Backend::Cpu {
+    let device = args.verb.as_ref().map_or(Some(&args.device), Verb::device);
+    if args.list_adapters || device.is_some_and(|device| device.backend != args::Backend::Cpu) {
         adapter::quiet_drivers();
     }
     // Nothing that was in use when a panic struck is used again: the process ends here.
@@ -70,6 +79,11 @@ fn execute(args: args::Args) -> anyhow::Result<Outcome> {
             Verb::Compare(args) => study::resolve_compare(args)?,
             Verb::Video(args) => return video::resolve(args)?.run(),
             Verb::Batch(args) => return batch::resolve(args)?.run(),
+            Verb::Eval(args) => return evaluate::resolve(args)?.run().map(|()| Outcome::Done),
+            Verb::Bench(args) => {
+                let passed = bench::resolve(args)?.run()?;
+                return Ok(if passed { Outcome::Done } else { Outcome::ScenesFailed });
+            }
         };
         return study.print(&study.run()?).map(|()| Outcome::Done);
     }
@@ -83,7 +97,7 @@ fn execute(args: args::Args) -> anyhow::Result<Outcome> {
 fn exit_code(result: &anyhow::Result<Outcome>) -> u8 {
     match result {
         Ok(Outcome::Done) => 0,
-        Ok(Outcome::CheckFailed | Outcome::FramesFailed) => 1,
+        Ok(Outcome::CheckFailed | Outcome::FramesFailed | Outcome::ScenesFailed) => 1,
         Err(error) => {
             tell(&error_line(error));
             2

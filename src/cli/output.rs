@@ -1,10 +1,12 @@
 //! Disparity maps become files, whole or not at all.
 
+use crate::depth;
 use crate::pipeline::Pair;
 use anyhow::{Context as _, Result, bail, ensure};
 use clap::ValueEnum;
+use gpu_stereo::evaluation::FloatMap;
 use gpu_stereo::reference::{self, Channel};
-use gpu_stereo::{ConfidenceMap, DisparityMap, Image, Params};
+use gpu_stereo::{ConfidenceMap, DepthMap, DisparityMap, Image, Params};
 use image::codecs::jpeg::JpegEncoder;
 use image::codecs::png::PngEncoder;
 use image::{ExtendedColorType, ImageEncoder as _, Rgb, RgbImage};
@@ -34,6 +36,45 @@ pub enum Format {
     Mask,
     /// An 8-bit gray PNG: the confidence.
     Confidence,
+    /// A picture: the errors.
+    #[value(skip)] // a video has no truth
+    ErrorMap,
+    /// The depth.
+    #[value(skip)]
+    Depth(DepthFormat),
+}
+
+/// What a file with a depth holds.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum DepthFormat {
+    /// 16-bit gray PNG: millimetres, 0 without a depth and beyond what 16 bits hold.
+    Png,
+    /// As [`Format::Pfm`], in metres.
+    Pfm,
+    /// As [`Format::Npy`], in metres.
+    Npy,
+    /// As [`Format::Tiff`], in metres.
+    Tiff,
+    /// Coloured points.
+    Ply,
+    /// Coloured points.
+    Pcd,
+}
+
+/// What is written.
+pub struct Maps<'a> {
+    /// The disparities.
+    pub map: &'a DisparityMap,
+    /// Their confidence, if it was computed.
+    pub confidence: Option<&'a ConfidenceMap>,
+    /// Their depth, if it was computed.
+    pub depth: Option<&'a DepthMap>,
+    /// The left image, for the colours of points.
+    pub left: Option<&'a Image>,
+    /// The picture of its errors, if there is a truth.
+    pub errors: Option<&'a RgbImage>,
+    /// The settings.
+    pub params: &'a Params,
 }
 
 impl Format {
@@ -47,6 +88,13 @@ impl Format {
             Self::Color => "_color.png",
             Self::Mask => "_mask.png",
             Self::Confidence => "_confidence.png",
+            Self::Depth(DepthFormat::Png) => "_depth.png",
+            Self::Depth(DepthFormat::Pfm) => "_depth.pfm",
+            Self::Depth(DepthFormat::Npy) => "_depth.npy",
+            Self::Depth(DepthFormat::Tiff) => "_depth.tif",
+            Self::Depth(DepthFormat::Ply) => ".ply",
+            Self::Depth(DepthFormat::Pcd) => ".pcd",
+            Self::ErrorMap => "_errors.png",
         }
     }
 }
@@ -83,19 +131,18 @@ impl Output {
 pub fn resolve(
     maps: &[PathBuf],
     pictures: &[(&str, &Option<PathBuf>, Format)],
-    inputs: [&PathBuf; 2],
+    depths: &[(PathBuf, DepthFormat)],
+    inputs: &[&Path],
     params: &Params,
 ) -> Result<Vec<Output>> {
-    let mut wanted = Vec::new();
+    let depths = depths.iter().map(|(path, format)| (path.clone(), Format::Depth(*format)));
+    let mut wanted: Vec<_> = depths.collect();
     for path in maps {
         wanted.push((path.clone(), map_format(path)?));
     }
     for (option, path, format) in pictures {
         let Some(path) = path else { continue };
-        ensure!(
-            ending(path) == "png",
-            "--{option} is {path:?}, but a picture is written as .png; give a name that ends in .png"
-        );
+        ensure_png(option, path)?;
         wanted.push((path.clone(), *format));
     }
     if wanted.is_empty() {
@@ -106,8 +153,23 @@ pub fn resolve(
     places(wanted, inputs)
 }
 
+fn ensure_png(option: &str, path: &Path) -> Result<()> {
+    ensure!(
+        ending(path) == "png",
+        "--{option} is {path:?}, but a picture is written as .png; give a name that ends in .png"
+    );
+    Ok(())
+}
+
+/// The picture of errors to write, checked as [`resolve`] does.
+pub fn resolve_error_map(path: &Path, inputs: &[&Path]) -> Result<Output<SheetFormat>> {
+    ensure_png("error-map", path)?;
+    let mut places = places(vec![(path.into(), SheetFormat::Png)], inputs)?;
+    places.pop().context("there is no output")
+}
+
 /// The sheet to write, checked as [`resolve`] does.
-pub fn resolve_sheet(path: &Path, inputs: [&PathBuf; 2]) -> Result<Vec<Output<SheetFormat>>> {
+pub fn resolve_sheet(path: &Path, inputs: &[&Path]) -> Result<Vec<Output<SheetFormat>>> {
     let format = match ending(path).as_str() {
         "png" => SheetFormat::Png,
         "jpg" | "jpeg" => SheetFormat::Jpeg,
@@ -117,15 +179,12 @@ pub fn resolve_sheet(path: &Path, inputs: [&PathBuf; 2]) -> Result<Vec<Output<Sh
 }
 
 /// Where to write, each place checked.
-fn places<F>(wanted: Vec<(PathBuf, F)>, inputs: [&PathBuf; 2]) -> Result<Vec<Output<F>>> {
-    let inputs = inputs.map(|path| fs::canonicalize(path).ok());
+fn places<F>(wanted: Vec<(PathBuf, F)>, inputs: &[&Path]) -> Result<Vec<Output<F>>> {
+    let inputs: Vec<_> = inputs.iter().filter_map(|path| fs::canonicalize(path).ok()).collect();
     let mut outputs: Vec<Output<F>> = Vec::new();
     for (path, format) in wanted {
         let place = writable_place(&path)?;
-        ensure!(
-            !inputs.iter().flatten().any(|input| *input == place),
-            "output {path:?} is an input image, too; give another name"
-        );
+        ensure!(!inputs.contains(&place), "output {path:?} is an input, too; give another name");
         ensure!(
             outputs.iter().all(|other| other.place != place),
             "output {path:?} is given twice; give each output its own name"
@@ -172,6 +231,29 @@ pub fn map_format(path: &Path) -> Result<Format> {
         "" => bail!("output {path:?} has no ending, but it tells the format; add .png, .pfm, .npy, .tif or .tiff"),
         other => bail!("output {path:?} ends in .{other}, but .png, .pfm, .npy, .tif and .tiff are known; take one"),
     })
+}
+
+/// The formats of `--depth` and `--points`.
+pub fn depth_formats(depth: &[PathBuf], points: &[PathBuf]) -> Result<Vec<(PathBuf, DepthFormat)>> {
+    let mut formats = Vec::new();
+    for path in depth {
+        let format = match map_format(path)? {
+            Format::Pfm => DepthFormat::Pfm,
+            Format::Npy => DepthFormat::Npy,
+            Format::Tiff => DepthFormat::Tiff,
+            _ => DepthFormat::Png,
+        };
+        formats.push((path.clone(), format));
+    }
+    for path in points {
+        let format = match ending(path).as_str() {
+            "ply" => DepthFormat::Ply,
+            "pcd" => DepthFormat::Pcd,
+            _ => bail!("--points is {path:?}, but points are written as .ply or .pcd; give a name that ends so"),
+        };
+        formats.push((path.clone(), format));
+    }
+    Ok(formats)
 }
 
 /// Where the file will really be, once it is sure that it can be written.
@@ -272,25 +354,31 @@ pub fn temporary(folder: &Path, suffix: &str) -> std::io::Result<NamedTempFile> 
     builder.tempfile_in(folder)
 }
 
-/// Writes a map and its confidence to every file, or, if one cannot be written, to none.
+/// Writes maps to every file, or, if one cannot be written, to none.
+pub fn write_maps(outputs: &[Output], maps: &Maps<'_>) -> Result<()> {
+    put(outputs, |format| contents(format, maps))
+}
+
+/// The same of a map, its confidence and its errors.
 pub fn write(
     outputs: &[Output],
     map: &DisparityMap,
     confidence: Option<&ConfidenceMap>,
+    errors: Option<&RgbImage>,
     params: &Params,
 ) -> Result<()> {
-    put(outputs, |format| encode(format, map, confidence, params))
+    write_maps(outputs, &Maps { map, confidence, errors, depth: None, left: None, params })
 }
 
 /// Writes a sheet, or nothing.
 pub fn write_sheet(outputs: &[Output<SheetFormat>], sheet: &RgbImage) -> Result<()> {
-    put(outputs, |format| {
-        let mut bytes = Cursor::new(Vec::new());
-        match format {
-            SheetFormat::Png => sheet.write_with_encoder(PngEncoder::new(&mut bytes))?,
-            SheetFormat::Jpeg => JpegEncoder::new_with_quality(&mut bytes, 80).encode_image(sheet)?,
+    put(outputs, |format| match format {
+        SheetFormat::Png => png(sheet),
+        SheetFormat::Jpeg => {
+            let mut bytes = Cursor::new(Vec::new());
+            JpegEncoder::new_with_quality(&mut bytes, 80).encode_image(sheet)?;
+            Ok(bytes.into_inner())
         }
-        Ok(bytes.into_inner())
     })
 }
 
@@ -313,54 +401,133 @@ fn put<F: Copy>(outputs: &[Output<F>], contents: impl Fn(F) -> Result<Vec<u8>>) 
     Ok(())
 }
 
+/// A folder to write many files into is made where it is missing, and can be written.
+pub fn ensure_folder(folder: &Path) -> Result<()> {
+    let kind = fs::metadata(folder);
+    ensure!(!kind.is_ok_and(|kind| !kind.is_dir()), "output folder {folder:?} is a file; give another name");
+    let made = fs::create_dir_all(folder).and_then(|()| temporary(folder, "").map(drop));
+    made.with_context(|| {
+        format!("output folder {folder:?} cannot be written; check its permissions or give another name")
+    })
+}
+
+/// Writes a file of many, whole or not at all; its folder is made where it is missing.
+pub fn write_in_folder(path: &Path, bytes: &[u8]) -> Result<()> {
+    let folder = path.parent().unwrap_or(Path::new("."));
+    let write = || -> std::io::Result<()> {
+        fs::create_dir_all(folder)?;
+        let mut file = temporary(folder, "")?;
+        file.write_all(bytes)?;
+        file.flush()?;
+        file.persist(path).map_err(|error| error.error)?;
+        Ok(())
+    };
+    write().with_context(|| {
+        format!("output {path:?} cannot be written; check the space and the permissions of its folder")
+    })
+}
+
 fn cannot_write<F>(output: &Output<F>) -> String {
     format!("output {:?} cannot be written; check the space and the permissions of its folder", output.path)
 }
 
-/// The contents of a file.
-fn encode(format: Format, map: &DisparityMap, confidence: Option<&ConfidenceMap>, params: &Params) -> Result<Vec<u8>> {
-    let (width, height) = (map.width, map.height);
-    let floats = |invalid: f32| map.data.iter().map(move |&value| pixels(value).unwrap_or(invalid));
+/// A picture as PNG.
+pub fn png(picture: &RgbImage) -> Result<Vec<u8>> {
     let mut bytes = Cursor::new(Vec::new());
+    picture.write_with_encoder(PngEncoder::new(&mut bytes))?;
+    Ok(bytes.into_inner())
+}
+
+/// The contents of a file.
+pub fn encode(
+    format: Format,
+    map: &DisparityMap,
+    confidence: Option<&ConfidenceMap>,
+    errors: Option<&RgbImage>,
+    params: &Params,
+) -> Result<Vec<u8>> {
+    contents(format, &Maps { map, confidence, errors, depth: None, left: None, params })
+}
+
+fn contents(format: Format, maps: &Maps<'_>) -> Result<Vec<u8>> {
+    let Maps { map, confidence, params, .. } = maps;
+    let (width, height) = (map.width, map.height);
+    let floats = |invalid: f32| map.data.iter().map(|&value| pixels(value).unwrap_or(invalid)).collect::<Vec<_>>();
     match format {
-        Format::Kitti => {
-            let samples = kitti(map)?;
-            let samples: Vec<u8> = samples.into_iter().flat_map(u16::to_ne_bytes).collect();
-            PngEncoder::new(&mut bytes).write_image(&samples, width, height, ExtendedColorType::L16)?;
-        }
-        Format::Pfm => {
-            write!(bytes, "Pf\n{width} {height}\n-1.0\n")?;
-            let samples: Vec<f32> = floats(f32::INFINITY).collect();
-            for row in samples.chunks(width.max(1) as usize).rev() {
-                for sample in row {
-                    bytes.write_all(&sample.to_le_bytes())?;
-                }
-            }
-        }
-        Format::Npy => {
-            let options = npyz::WriteOptions::<f32>::new().default_dtype();
-            let mut npy = options.shape(&[height.into(), width.into()]).writer(&mut bytes).begin_nd()?;
-            npy.extend(floats(f32::NAN))?;
-            npy.finish()?;
-        }
-        Format::Tiff => {
-            let samples: Vec<f32> = floats(f32::NAN).collect();
-            let mut tiff = tiff::encoder::TiffEncoder::new(&mut bytes)?;
-            tiff.write_image::<tiff::encoder::colortype::Gray32Float>(width, height, &samples)?;
-        }
-        Format::Color => {
-            picture(map, searched(params)).write_with_encoder(PngEncoder::new(&mut bytes))?;
-        }
+        Format::Kitti => png16(width, height, kitti(map)?),
+        Format::Pfm => pfm(width, height, &floats(f32::INFINITY)),
+        Format::Npy => npy(width, height, &floats(f32::NAN)),
+        Format::Tiff => tiff(width, height, &floats(f32::NAN)),
+        Format::Color => png(&picture(map, searched(params))),
         Format::Mask => {
             let samples: Vec<u8> =
                 map.data.iter().map(|&value| if pixels(value).is_some() { 255 } else { 0 }).collect();
-            PngEncoder::new(&mut bytes).write_image(&samples, width, height, ExtendedColorType::L8)?;
+            png8(width, height, &samples)
         }
-        Format::Confidence => {
-            let confidence = confidence.context("no confidence was computed")?;
-            PngEncoder::new(&mut bytes).write_image(&confidence.data, width, height, ExtendedColorType::L8)?;
+        Format::Confidence => png8(width, height, &confidence.context("no confidence was computed")?.data),
+        Format::Depth(format) => {
+            let (Some(found), Some(camera), Some(left)) = (maps.depth, &params.depth, maps.left) else {
+                bail!("no depth was computed")
+            };
+            match format {
+                DepthFormat::Png => {
+                    let (samples, lost) = depth::millimetres(found);
+                    if lost > 0 {
+                        crate::tell(&format!(
+                            "note: {lost} pixels are 65.5355 m away or farther, which a 16-bit PNG in millimetres cannot hold: \
+                             they are 0 there; take .pfm, .npy or .tif for these"
+                        ));
+                    }
+                    png16(width, height, samples)
+                }
+                DepthFormat::Pfm => pfm(width, height, &depth::metres(found, f32::INFINITY)),
+                DepthFormat::Npy => npy(width, height, &depth::metres(found, f32::NAN)),
+                DepthFormat::Tiff => tiff(width, height, &depth::metres(found, f32::NAN)),
+                DepthFormat::Ply => depth::ply(found, camera, left),
+                DepthFormat::Pcd => depth::pcd(found, camera, left),
+            }
+        }
+        Format::ErrorMap => png(maps.errors.context("no truth was read")?),
+    }
+}
+
+fn png8(width: u32, height: u32, samples: &[u8]) -> Result<Vec<u8>> {
+    let mut bytes = Vec::new();
+    PngEncoder::new(&mut bytes).write_image(samples, width, height, ExtendedColorType::L8)?;
+    Ok(bytes)
+}
+
+fn png16(width: u32, height: u32, samples: Vec<u16>) -> Result<Vec<u8>> {
+    let mut bytes = Vec::new();
+    let samples: Vec<u8> = samples.into_iter().flat_map(u16::to_ne_bytes).collect();
+    PngEncoder::new(&mut bytes).write_image(&samples, width, height, ExtendedColorType::L16)?;
+    Ok(bytes)
+}
+
+fn pfm(width: u32, height: u32, samples: &[f32]) -> Result<Vec<u8>> {
+    let mut bytes = Vec::new();
+    write!(bytes, "Pf\n{width} {height}\n-1.0\n")?;
+    for row in samples.chunks(width.max(1) as usize).rev() {
+        for sample in row {
+            bytes.write_all(&sample.to_le_bytes())?;
         }
     }
+    Ok(bytes)
+}
+
+fn npy(width: u32, height: u32, samples: &[f32]) -> Result<Vec<u8>> {
+    let mut bytes = Vec::new();
+    let options = npyz::WriteOptions::<f32>::new().default_dtype();
+    let mut npy = options.shape(&[height.into(), width.into()]).writer(&mut bytes).begin_nd()?;
+    npy.extend(samples.iter().copied())?;
+    npy.finish()?;
+    Ok(bytes)
+}
+
+fn tiff(width: u32, height: u32, samples: &[f32]) -> Result<Vec<u8>> {
+    let mut bytes = Cursor::new(Vec::new());
+    tiff::encoder::TiffEncoder::new(&mut bytes)?
+        .write_image::<tiff::encoder::colortype::Gray32Float>(width, height, samples)?;
     Ok(bytes.into_inner())
 }
 
@@ -392,6 +559,16 @@ pub fn picture(map: &DisparityMap, (first, last): (i32, i32)) -> RgbImage {
     let colors = map.color(&(first..=last));
     let mut pixels = colors.chunks_exact(4);
     RgbImage::from_fn(map.width, map.height, |_, _| Rgb(pixels.next().map_or([0; 3], |c| [c[0], c[1], c[2]])))
+}
+
+/// A truth in the colours that [`picture`] has.
+pub fn truth_picture(map: &FloatMap, (first, last): (i32, i32)) -> RgbImage {
+    let color = |&disparity: &f32| match disparity.is_finite() {
+        false => [0; 3],
+        true => gpu_stereo::turbo((f64::from(disparity) - f64::from(first)) / f64::from((last - first).max(1))),
+    };
+    let mut values = map.data().iter();
+    RgbImage::from_fn(map.width(), map.height(), |_, _| Rgb(values.next().map_or([0; 3], color)))
 }
 
 /// An image in 8 bits a channel.
@@ -435,9 +612,8 @@ mod tests {
     fn a_disparity_that_does_not_fit_leaves_no_file() {
         let folder = tempfile::tempdir().unwrap();
         let paths = [folder.path().join("a.npy"), folder.path().join("b.png")];
-        let none = PathBuf::new();
-        let outputs = resolve(&paths, &[], [&none, &none], &Params::sgm(8)).unwrap();
-        assert!(write(&outputs, &map(&[-16]), None, &Params::sgm(8)).is_err());
+        let outputs = resolve(&paths, &[], &[], &[], &Params::sgm(8)).unwrap();
+        assert!(write(&outputs, &map(&[-16]), None, None, &Params::sgm(8)).is_err());
         assert_eq!(fs::read_dir(folder.path()).unwrap().count(), 0);
     }
 }

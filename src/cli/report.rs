@@ -1,6 +1,7 @@
 //! Report: the summary, the tables and the JSON on stdout.
 
 use crate::adapter;
+use crate::evaluate::Evaluation;
 use crate::resolve::Job;
 use anyhow::{Context as _, Result};
 use comfy_table::{CellAlignment, Table, presets};
@@ -39,6 +40,9 @@ pub struct Report {
     pub stages: Vec<StageTime>,
     /// The most device memory in use, 0 for the reference.
     pub peak_device_bytes: u64,
+    /// What the map is worth, where a truth was given.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub evaluation: Option<Evaluation>,
     /// The comparison with the reference, when asked for.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub check: Option<Vec<Check>>,
@@ -127,6 +131,9 @@ impl Report {
                 crate::tell("note: the adapter has no timestamp queries; only the total is known");
             }
             text += &self.timings_table();
+        }
+        if let Some(evaluation) = &self.evaluation {
+            text += &evaluation.table();
         }
         if let Some(check) = &self.check {
             text += &check_table(check);

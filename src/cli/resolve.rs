@@ -1,9 +1,11 @@
 //! Resolve: what was typed becomes settings that are known to be good, before an image is decoded or a device opened.
 
-use crate::args::{Args, Backend, DeviceArgs, Whole};
+use crate::args::{Args, Backend, DeviceArgs, Scene, Whole};
+use crate::calibration::{Calibration, Reading};
+use crate::evaluate::TruthFile;
 use crate::output::{Format, Output};
 use anyhow::{Result, anyhow, bail, ensure};
-use gpu_stereo::{Error, Params};
+use gpu_stereo::{Camera, Error, Params};
 use std::path::PathBuf;
 
 /// A run, ready to start.
@@ -15,8 +17,14 @@ pub struct Job {
     pub right: PathBuf,
     /// The matcher's settings, validated.
     pub params: Params,
+    /// What the calibration says.
+    pub calibration: Option<Calibration>,
+    /// Whether the principal point is to be in the middle of the image, along each axis.
+    pub middle: [bool; 2],
     /// Where to compute.
     pub device: DeviceArgs,
+    /// The truth to score the map against.
+    pub truth: Option<TruthFile>,
     /// The files to write, each known to be writable.
     pub outputs: Vec<Output>,
     /// Compare every stage.
@@ -51,17 +59,37 @@ pub fn resolve(args: Args) -> Result<Job> {
     let (Some(left), Some(right)) = (args.left, args.right) else {
         bail!("two images are needed, LEFT and RIGHT; see gpu-stereo --help");
     };
+    let calibration = calibration(&args.scene)?;
+    let depths = crate::output::depth_formats(&args.scene.depth, &args.scene.points)?;
+    match &calibration {
+        Some(calibration) if !depths.is_empty() => params.depth = Some(calibration.camera),
+        Some(Calibration { lenses: Some(_), .. }) => {}
+        Some(_) => crate::tell("note: the cameras change nothing without --depth and --points"),
+        None if depths.is_empty() => {}
+        None => bail!(
+            "--depth and --points need the cameras; give --calib FILE, --rectify FILE, or --focal PX and --baseline M"
+        ),
+    }
     let pictures = [
         ("color", &args.color, Format::Color),
         ("mask", &args.mask, Format::Mask),
         ("confidence", &args.confidence, Format::Confidence),
+        ("error-map", &args.truth.error_map, Format::ErrorMap),
     ];
-    let outputs = crate::output::resolve(&args.output, &pictures, [&left, &right], &params)?;
+    let truth = TruthFile::resolve(args.gt.as_deref(), &args.truth)?;
+    let Scene { calib, rectify, calib_right, .. } = &args.scene;
+    let calibrations = [calib, rectify, calib_right].into_iter().flatten().map(PathBuf::as_path);
+    let inputs: Vec<_> =
+        truth.iter().flat_map(TruthFile::files).chain(calibrations).chain([left.as_path(), &right]).collect();
+    let outputs = crate::output::resolve(&args.output, &pictures, &depths, &inputs, &params)?;
     Ok(Job {
         left,
         right,
         params,
+        calibration,
+        middle: [args.scene.cx, args.scene.cy].map(|given| args.scene.focal.is_some() && given.is_none()),
         device: args.device,
+        truth,
         outputs,
         check: args.check,
         timings: args.timings,
@@ -69,6 +97,20 @@ pub fn resolve(args: Args) -> Result<Job> {
         json: args.json,
         quiet: args.quiet,
     })
+}
+
+/// The cameras that the options name.
+fn calibration(scene: &Scene) -> Result<Option<Calibration>> {
+    let Scene { calib, rectify, calib_right, calib_unit, calib_pair, .. } = scene;
+    if let Some(path) = calib.as_ref().or(rectify.as_ref()) {
+        let reading = Reading { unit: *calib_unit, pair: *calib_pair, lenses: rectify.is_some() };
+        return Calibration::read(path, calib_right.as_deref(), reading).map(Some);
+    }
+    let (Some(focal), Some(baseline)) = (scene.focal, scene.baseline) else { return Ok(None) };
+    let [doffs, cx, cy] = [scene.doffs, scene.cx, scene.cy].map(Option::unwrap_or_default);
+    let camera = Camera { focal, baseline, doffs, cx, cy };
+    camera.validate().map_err(told)?;
+    Ok(Some(Calibration { camera, size: None, lenses: None }))
 }
 
 /// There is no usual number of disparities.
@@ -97,7 +139,12 @@ pub fn repeat(given: &Whole) -> Result<u32> {
 
 /// The settings that the options make.
 pub fn params<'a>(settings: impl Iterator<Item = (&'a str, &'a str)>) -> Result<Params> {
-    Params::from_options(DISPARITIES, settings).map_err(|error| match error {
+    Params::from_options(DISPARITIES, settings).map_err(told)
+}
+
+/// An error of the library by the names of the options.
+fn told(error: Error) -> anyhow::Error {
+    match error {
         Error::Parameter { name: "option", given, allowed, remedy, .. } => {
             anyhow!("{given} is no option; {allowed} is; {remedy}")
         }
@@ -105,7 +152,7 @@ pub fn params<'a>(settings: impl Iterator<Item = (&'a str, &'a str)>) -> Result<
             anyhow!("--{name} is {given}, but must be {allowed}; {remedy}")
         }
         other => other.into(),
-    })
+    }
 }
 
 /// Options that change nothing wherever they are given are told: nothing is ignored in silence.

@@ -2,11 +2,16 @@
 
 use crate::adapter::{self, Opened};
 use crate::args::{Backend, DeviceArgs};
+use crate::evaluate::Evaluation;
+use crate::output::{Format, Maps};
 use crate::report::{FrameMs, Report};
 use crate::resolve::Job;
 use crate::{input, output};
 use anyhow::{Result, bail};
-use gpu_stereo::{Error, Image, Matched, Method, Params, StageCheck, StageTime, StereoMatcher, reference};
+use gpu_stereo::evaluation::FloatMap;
+use gpu_stereo::{
+    Error, Image, Matched, Method, Params, Rectification, StageCheck, StageTime, StereoMatcher, reference,
+};
 use std::time::Instant;
 
 /// What computes.
@@ -23,28 +28,44 @@ pub struct OnAdapter {
 /// Does the job.
 pub fn run(job: &Job) -> Result<Report> {
     let (left, right) = input::read_pair(&job.left, &job.right)?;
+    let truth = job.truth.as_ref().map(|truth| truth.read((left.width(), left.height()), &job.left)).transpose()?;
 
+    let params = &params_for(job, &left)?;
     let start = Instant::now();
-    let engine = Engine::open(&job.device, job.check, &left, &job.params)?;
+    let engine = Engine::open(&job.device, job.check, &left, params)?;
     // Stage times come from the frames that are told, so that stages and transfers add up to the frame.
     let timed = job.timings || job.json;
-    let Frames { matched, first, times, stages } = engine.frames(&left, &right, &job.params, timed, job.repeat)?;
+    let Frames { matched, first, times, stages } = engine.frames(&left, &right, params, timed, job.repeat)?;
     let first_frame_ms = (first - start).as_secs_f64() * 1e3;
 
     let check = if job.check {
         // Column sums of two bytes, the cost, every direction, and an aggregate of two bytes.
-        let directions = match job.params.method {
-            Method::Sgm => job.params.paths.count().into(),
+        let directions = match params.method {
+            Method::Sgm => params.paths.count().into(),
             _ => 0,
         };
-        ensure_memory(&job.params, &left, 5 + directions)?;
+        ensure_memory(params, &left, 5 + directions)?;
         Some(engine.check(&left, &right)?)
     } else {
         None
     };
     let passed = check.iter().flatten().all(|stage| stage.mismatches == 0);
+    let mut evaluation = None;
     if passed {
-        output::write(&job.outputs, &matched.map, matched.confidence.as_ref(), &job.params)?;
+        let mut errors = None;
+        if let Some(truth) = &truth {
+            let estimate = FloatMap::from(&matched.map);
+            evaluation = Some(Evaluation::from(&truth.score(&estimate)?));
+            if job.outputs.iter().any(|output| output.format == Format::ErrorMap) {
+                errors = Some(truth.error_picture(&estimate)?);
+            }
+        }
+        let errors = errors.as_ref();
+        let Matched { map, confidence, depth, .. } = &matched;
+        let (confidence, depth) = (confidence.as_ref(), depth.as_ref());
+        let rectified = params.rectify.as_ref().map(|rectification| reference::rectify(&left, rectification, 0));
+        let left = rectified.transpose()?.unwrap_or(left);
+        output::write_maps(&job.outputs, &Maps { map, confidence, errors, depth, left: Some(&left), params })?;
     }
     let outputs = if passed { job.outputs.iter().map(|output| output.path.clone()).collect() } else { Vec::new() };
     let (adapter, backend, driver) = engine.names();
@@ -54,16 +75,35 @@ pub fn run(job: &Job) -> Result<Report> {
         driver,
         width: matched.map.width,
         height: matched.map.height,
-        min_disparity: job.params.min_disparity,
-        disparities: job.params.disparities,
+        min_disparity: params.min_disparity,
+        disparities: params.disparities,
         valid: matched.map.valid_fraction(),
         frame_ms: times,
         first_frame_ms,
         stages,
         peak_device_bytes: engine.device_bytes(),
+        evaluation,
         check: check.map(|stages| stages.into_iter().map(Into::into).collect()),
         outputs,
     })
+}
+
+/// The settings of the job for images of this size.
+fn params_for(job: &Job, image: &Image) -> Result<Params> {
+    let (width, height) = (image.width(), image.height());
+    let mut params = job.params.clone();
+    let Some(calibration) = &job.calibration else { return Ok(params) };
+    calibration.ensure_size(width, height)?;
+    if let Some(lenses) = calibration.lenses {
+        params.rectify = Some(Rectification::new(width, height, lenses)?);
+    }
+    let Some(camera) = &mut params.depth else { return Ok(params) };
+    for (is_middle, place, side) in [(job.middle[0], &mut camera.cx, width), (job.middle[1], &mut camera.cy, height)] {
+        if is_middle {
+            *place = f64::from(side - 1) / 2.0;
+        }
+    }
+    Ok(params)
 }
 
 /// What came of frames of one pair.

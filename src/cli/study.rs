@@ -1,15 +1,15 @@
 //! Study: maps of one pair with several settings, on one sheet and in one table: `sweep` and `compare`.
 
 use crate::args::{Compare, DeviceArgs, StudyArgs};
+use crate::input;
 use crate::output::{self, Output, SheetFormat};
+use crate::progress::Progress;
 use crate::report::{self, FrameMs};
 use crate::resolve;
 use crate::run::Engine;
 use crate::sheet::{Layout, Order, Sheet};
-use crate::{input, tell};
 use anyhow::{Context as _, Result, bail, ensure};
 use gpu_stereo::{Image, Params, Preset};
-use indicatif::{ProgressBar, ProgressFinish, ProgressStyle};
 use serde::{Serialize, Serializer};
 use std::path::PathBuf;
 
@@ -36,11 +36,13 @@ pub struct Study {
 }
 
 /// One of the settings that are compared.
-struct Variant {
-    label: String,
+pub struct Variant {
+    /// What is its own.
+    pub label: String,
     /// As they were given, in the order in which they count.
-    settings: Vec<(String, String)>,
-    params: Params,
+    pub settings: Vec<(String, String)>,
+    /// What they make.
+    pub params: Params,
 }
 
 /// A combination of every value of the options that were given several.
@@ -79,12 +81,18 @@ pub fn resolve_sweep(args: StudyArgs) -> Result<Study> {
 /// The variants that were named.
 pub fn resolve_compare(args: Compare) -> Result<Study> {
     let Compare { variants, study } = args;
+    let common: Vec<_> = study.settings.iter().collect();
+    let variants = named(&variants, &common)?;
+    resolve(&study, variants, told(common.into_iter()), Order::Wrapped, "compare.png")
+}
+
+/// The variants that were named, each with what all have in common.
+pub fn named(variants: &[String], common: &[(&str, &str)]) -> Result<Vec<Variant>> {
     ensure!(
         variants.len() <= MAX_MAPS,
         "--variants has {} variants, but at most {MAX_MAPS} are computed; give fewer",
         variants.len()
     );
-    let common: Vec<_> = study.settings.iter().collect();
     let variants = variants.iter().map(|text| {
         let context = || format!("--variants has {text:?}");
         let own = text.split('+').map(setting).collect::<Result<Vec<_>>>().with_context(context)?;
@@ -94,8 +102,7 @@ pub fn resolve_compare(args: Compare) -> Result<Study> {
         let params = resolve::params(settings.iter().map(|(name, value)| (name.as_str(), value.as_str())));
         Ok(Variant { label, params: params.with_context(context)?, settings })
     });
-    let variants = variants.collect::<Result<_>>()?;
-    resolve(&study, variants, told(common.into_iter()), Order::Wrapped, "compare.png")
+    variants.collect()
 }
 
 /// A part of a variant: `option=value`, or a word that tells its option.
@@ -122,7 +129,7 @@ fn setting(part: &str) -> Result<(&str, String)> {
 }
 
 /// Settings in words.
-fn told<'a>(settings: impl Iterator<Item = (&'a str, &'a str)>) -> String {
+pub fn told<'a>(settings: impl Iterator<Item = (&'a str, &'a str)>) -> String {
     settings.map(|(name, value)| format!("{name} {value}")).collect::<Vec<_>>().join(", ")
 }
 
@@ -144,7 +151,7 @@ fn resolve(args: &StudyArgs, variants: Vec<Variant>, common: String, order: Orde
         })
     });
     let tile_width = tile_width.transpose()?;
-    let outputs = output::resolve_sheet(args.output.as_deref().unwrap_or(name.as_ref()), [&args.left, &args.right])?;
+    let outputs = output::resolve_sheet(args.output.as_deref().unwrap_or(name.as_ref()), &[&args.left, &args.right])?;
     resolve::tell_unused(&given);
     Ok(Study {
         left: args.left.clone(),
@@ -188,7 +195,7 @@ struct Found {
 }
 
 /// Options and values as an object; of an option given twice the last counts.
-fn settings<S: Serializer>(settings: &[(String, String)], serializer: S) -> Result<S::Ok, S::Error> {
+pub fn settings<S: Serializer>(settings: &[(String, String)], serializer: S) -> Result<S::Ok, S::Error> {
     let map: serde_json::Map<_, _> =
         settings.iter().map(|(name, value)| (name.clone(), value.as_str().into())).collect();
     map.serialize(serializer)
@@ -244,7 +251,7 @@ impl Study {
             if let Some(sheet) = &mut sheet {
                 sheet.tile(place, &output::picture(&map, (first, last)), &found.note());
             }
-            progress.done(&found);
+            progress.done(&format!("{}: {}", found.label, found.note()));
             variants.push(found);
         }
         let (Some(engine), Some(sheet)) = (engine, sheet) else {
@@ -288,33 +295,5 @@ impl Study {
         }
         let rows = found.variants.iter().map(|v| [v.label.clone(), v.ms(), v.percent()]);
         report::to_stdout(&report::table(["settings", "ms", "valid"], rows, 1..3))
-    }
-}
-
-/// A bar on a terminal, a line for each map elsewhere, both on stderr.
-struct Progress {
-    bar: ProgressBar,
-    lines: bool,
-}
-
-impl Progress {
-    fn new(maps: usize, quiet: bool) -> Self {
-        let bar = if quiet { ProgressBar::hidden() } else { ProgressBar::new(maps as u64) };
-        let style = ProgressStyle::with_template("{bar:24} {pos}/{len}  {wide_msg}");
-        let bar = bar.with_finish(ProgressFinish::AndClear).with_style(style.unwrap_or(ProgressStyle::default_bar()));
-        let lines = bar.is_hidden() && !quiet;
-        Self { bar, lines }
-    }
-
-    fn begin(&self, label: &str) {
-        self.bar.set_message(label.to_owned());
-    }
-
-    fn done(&self, found: &Found) {
-        self.bar.inc(1);
-        if self.lines {
-            let (done, all) = (self.bar.position(), self.bar.length().unwrap_or_default());
-            tell(&format!("{done}/{all}  {}: {}", found.label, found.note()));
-        }
     }
 }

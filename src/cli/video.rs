@@ -182,7 +182,7 @@ impl Files {
             return Err(Refused::All(anyhow!("the output folder cannot be written: {error}; check its permissions")));
         }
         let matched = &frame.matched;
-        output::write(&self.outputs[frame.place], &matched.map, matched.confidence.as_ref(), params)
+        output::write(&self.outputs[frame.place], &matched.map, matched.confidence.as_ref(), None, params)
             .map_err(Refused::Frame)
     }
 }

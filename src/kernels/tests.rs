@@ -258,6 +258,9 @@ fn frame_layout() -> (Vec<(String, u32, String)>, u32) {
         speckle_window,
         speckle_range,
         fill_max_difference,
+        depth_high,
+        depth_low,
+        depth_offset,
     })
 }
 
@@ -578,6 +581,14 @@ fn wide(params: &mut Params) {
     params.block = 17;
 }
 
+fn rectify(params: &mut Params) {
+    params.rectify = Some(crate::Rectification::new(93, 41, support::lenses(93, 41)).unwrap());
+}
+
+fn depth(params: &mut Params) {
+    params.depth = Some(crate::Camera { doffs: 3.3, ..crate::Camera::new(994.978, 0.193) });
+}
+
 /// Settings that leave wrong winners in the map: those that point outside the right image by a fraction among them.
 fn any(params: &mut Params) {
     (params.p1, params.p2, params.uniqueness) = (12, 72, 0);
@@ -833,6 +844,21 @@ const MUTANTS: &[Mutant] = &[
     }),
     mutant("confidence", "frame.map_words / 4u", "0u", confidence),
     mutant("confidence", "vec4(0u), values ==", "vec4(1u), values ==", confidence),
+    mutant("rectify", "+ 32768u", "+ 32000u", rectify),
+    mutant("rectify", "x < i32(frame.width)", "x <= i32(frame.width)", rectify),
+    mutant("rectify", "at.x + 1, at.y + 1", "at.x, at.y + 1", rectify),
+    mutant("rectify", "position & vec2(255)", "position & vec2(247)", rectify),
+    mutant("depth", "depth_low >> (31u - i)", "depth_low >> i", depth),
+    mutant("depth", "256 * values", "255 * values", depth),
+    mutant("depth", "words.y, 1u)", "words.x, 1u)", depth),
+    mutant("depth", "& (values != vec4(INVALID))", "", |params| {
+        depth(params);
+        params.depth.as_mut().unwrap().doffs = 4096.0;
+    }),
+    mutant("depth", "near & (divisors", "(divisors", |params| {
+        depth(params);
+        (params.depth.as_mut().unwrap().focal, params.depth.as_mut().unwrap().baseline) = (1e6, 1000.0);
+    }),
     mutant("speckle_rows", "(bits & 4u)", "(bits & 2u)", speckle),
     mutant("speckle_rows", "vec4(p.before, p.odd.xyz)", "vec4(INVALID, p.odd.xyz)", speckle),
     mutant("speckle_link", "low = first + firstTrailingBit(rest)", "low = first", speckle),

@@ -24,6 +24,7 @@ mod block_match;
 mod block_statistics;
 mod confidence;
 mod cost_columns;
+mod depth;
 mod features;
 mod fill;
 mod gray;
@@ -36,6 +37,7 @@ mod mi_table;
 mod mirror;
 mod penalties;
 mod prefilter;
+mod rectify;
 mod sgm_aggregate;
 mod speckle;
 mod texture;
@@ -48,6 +50,7 @@ pub use block_match::{block_match, block_sums};
 pub use block_statistics::{BlockStatistics, block_statistics};
 pub use confidence::{confidence, margin};
 pub use cost_columns::{cost_columns, pixel_cost};
+pub use depth::depth;
 pub use features::{Features, features};
 pub use fill::fill;
 pub use gray::{Channel, deep_gray, depth_unit, gray};
@@ -61,6 +64,7 @@ pub use mi_table::{logarithm, mi_narrowing, mi_prior, mi_table};
 pub use mirror::{mirror, mirrored};
 pub use penalties::penalties;
 pub use prefilter::prefilter;
+pub use rectify::rectify;
 pub use sgm_aggregate::{Direction, aggregate_direction, sgm_aggregate};
 pub use speckle::speckle;
 pub use texture::texture;
@@ -139,7 +143,7 @@ pub fn compute(left: &Image, right: &Image, params: &Params) -> Result<Disparity
     Ok(compute_all(left, right, params)?.map)
 }
 
-/// As [`compute`], with the confidence if [`Params::confidence`] asks for it.
+/// As [`compute`], with all else that the settings ask for.
 ///
 /// # Errors
 /// As [`compute`].
@@ -155,6 +159,14 @@ pub fn compute_timed(left: &Image, right: &Image, params: &Params) -> Result<(Ma
     params.validate()?;
     crate::matcher::check_pair(left, right)?;
     let mut clock = Clock::new();
+    let rectified = match &params.rectify {
+        Some(rectification) => {
+            let pair = [rectify(left, rectification, 0)?, rectify(right, rectification, 1)?];
+            Some(clock.stage("rectify", pair))
+        }
+        None => None,
+    };
+    let [left, right] = rectified.as_ref().map_or([left, right], |[left, right]| [left, right]);
     let matched = match params.second_match() {
         Some(second) => Some(views(&mirrored(right)?, &mirrored(left)?, &second, &mut clock).left),
         None => None,
@@ -187,7 +199,8 @@ pub fn compute_timed(left: &Image, right: &Image, params: &Params) -> Result<(Ma
         map = clock.stage("wls", wls(&map, &luma, settings, params));
     }
     let confidence = params.confidence.then(|| clock.stage("confidence", confidence(&map, &margins)));
-    Ok((Matched { map, right: params.right_map.then_some(right), confidence }, clock.times))
+    let depth = params.depth.as_ref().map(|camera| clock.stage("depth", depth(&map, camera)));
+    Ok((Matched { map, right: params.right_map.then_some(right), confidence, depth }, clock.times))
 }
 
 /// From the images to the winner of both views.

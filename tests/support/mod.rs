@@ -172,5 +172,33 @@ pub fn random_params(random: &mut ChaCha8Rng) -> Params {
         params.block = 2 * random.random_range(1..10) + 1;
     }
     params.right_map = random.random_bool(0.2);
+    if random.random_bool(0.5) {
+        let focal = *[1.0, 994.978, 1e6].get(random.random_range(0..3)).unwrap();
+        let baseline = *[1e-6, 0.193001, 1000.0].get(random.random_range(0..3)).unwrap();
+        let doffs = if random.random() { 0.0 } else { random.random_range(-50.0..50.0) };
+        params.depth = Some(gpu_stereo::Camera { doffs, ..gpu_stereo::Camera::new(focal, baseline) });
+    }
     params
+}
+
+/// Cameras that are turned a little against each other, each with a lens of its own; the right one is a rational one.
+pub fn lenses(width: u32, height: u32) -> [gpu_stereo::Lens; 2] {
+    let (w, h) = (f64::from(width), f64::from(height));
+    let turned = |a: f64, b: f64| {
+        let ([sin_a, cos_a], [sin_b, cos_b]) = ([a.sin(), a.cos()], [b.sin(), b.cos()]);
+        [cos_a, -sin_a, 0.0, cos_b * sin_a, cos_b * cos_a, -sin_b, sin_b * sin_a, sin_b * cos_a, cos_b]
+    };
+    let matrix = |f: f64, x: f64, y: f64| [f, 0.0, x, 0.0, f, y, 0.0, 0.0, 1.0];
+    let left = gpu_stereo::Lens {
+        matrix: matrix(0.9 * w, 0.48 * w, 0.53 * h),
+        distortion: [-0.28, 0.09, 0.0011, -0.0004, 0.01, 0.0, 0.0, 0.0],
+        rotation: turned(0.011, -0.02),
+        projection: matrix(0.95 * w, 0.5 * w, 0.5 * h),
+    };
+    let right = gpu_stereo::Lens {
+        distortion: [0.31, -0.2, -0.0007, 0.0009, 0.003, 0.6, -0.1, 0.02],
+        rotation: turned(-0.008, 0.017),
+        ..left
+    };
+    [left, right]
 }

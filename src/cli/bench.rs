@@ -1,0 +1,579 @@
+//! Bench: every scene of a data set with every variant: scores, a report with pictures, files to submit.
+
+use crate::adapter;
+use crate::args::{Backend, BenchArgs, DeviceArgs};
+use crate::evaluate::{Evaluation, Truth, percent, pixels};
+use crate::layout::{Layout, Scene};
+use crate::output::{self, Format};
+use crate::progress::Progress;
+use crate::report::{self, FrameMs};
+use crate::resolve;
+use crate::run::Engine;
+use crate::study::{self, Variant};
+use crate::{input, one_line};
+use anyhow::{Result, bail, ensure};
+use gpu_stereo::evaluation::{FloatMap, Scores};
+use gpu_stereo::{DisparityMap, Image, Params};
+use image::RgbImage;
+use image::imageops::{self, FilterType};
+use serde::Serialize;
+use std::fmt::Write as _;
+use std::path::{Path, PathBuf};
+
+/// Pictures of the report are at most so wide.
+const PICTURE: u32 = 480;
+
+/// A run over a data set, ready to start.
+pub struct Bench {
+    layout: Layout,
+    scenes: Vec<Scene>,
+    variants: Vec<Variant>,
+    device: DeviceArgs,
+    repeat: Option<u32>,
+    report: Option<PathBuf>,
+    submission: Option<Submission>,
+    json: bool,
+    quiet: bool,
+}
+
+/// Where files to submit go.
+struct Submission {
+    folder: PathBuf,
+    method: String,
+}
+
+/// Finds the scenes and checks what can be checked without computing.
+pub fn resolve(args: BenchArgs) -> Result<Bench> {
+    let common: Vec<_> = args.settings.iter().collect();
+    let variants = if args.variants.is_empty() {
+        let settings = common.iter().map(|(name, value)| (String::from(*name), String::from(*value))).collect();
+        let label = match study::told(common.iter().copied()) {
+            text if text.is_empty() => "default".into(),
+            text => text,
+        };
+        vec![Variant { label, settings, params: resolve::params(common.iter().copied())? }]
+    } else {
+        study::named(&args.variants, &common)?
+    };
+    resolve::tell_unused(
+        &variants
+            .iter()
+            .map(|v| (v.settings.iter().map(|(name, _)| name.as_str()).collect(), &v.params))
+            .collect::<Vec<_>>(),
+    );
+    resolve::ensure_adapter(&args.device)?;
+    let repeat = args.repeat.as_ref().map(resolve::repeat).transpose()?;
+    let mut scenes = args.layout.scenes(&args.dataset)?;
+    let found = scenes.len();
+    scenes.retain(|scene| args.only.is_empty() || args.only.iter().any(|part| scene.label().contains(part)));
+    ensure!(
+        !scenes.is_empty(),
+        "--only is {:?}, but none of the {found} scenes has it in SET/NAME, such as {}; give a part of one",
+        args.only.join(" "),
+        args.layout.scenes(&args.dataset)?.first().map(Scene::label).unwrap_or_default()
+    );
+    let submission = args.submission.map(|folder| {
+        ensure!(
+            !matches!(args.layout, Layout::Vkitti2 | Layout::Manifest),
+            "--submission is {folder:?}, but nothing is submitted for this --layout; drop it, or take kitti2012, kitti2015, \
+             middlebury or eth3d"
+        );
+        let method = args.method_name.clone();
+        let is_plain = |c: char| c.is_ascii_alphanumeric() || "-_.".contains(c);
+        ensure!(
+            !method.is_empty() && method.chars().all(is_plain),
+            "--method-name is {method:?}, but letters, digits, - _ and . are allowed; it becomes a part of file names"
+        );
+        Ok(Submission { folder, method })
+    });
+    let submission = submission.transpose()?;
+    for folder in [args.report.as_ref(), submission.as_ref().map(|s| &s.folder)].into_iter().flatten() {
+        output::ensure_folder(folder)?;
+    }
+    Ok(Bench {
+        layout: args.layout,
+        scenes,
+        variants,
+        device: args.device,
+        repeat,
+        report: args.report,
+        submission,
+        json: args.json,
+        quiet: args.quiet,
+    })
+}
+
+/// What was found; `--json` prints it as it is.
+#[derive(Serialize)]
+struct Found {
+    adapter: String,
+    backend: String,
+    driver: String,
+    scenes: Vec<SceneFound>,
+    sets: Vec<SetFound>,
+    failures: Vec<Failure>,
+}
+
+/// A scene with a variant.
+#[derive(Serialize)]
+struct SceneFound {
+    set: String,
+    scene: String,
+    variant: String,
+    #[serde(serialize_with = "study::settings")]
+    settings: Vec<(String, String)>,
+    width: u32,
+    height: u32,
+    min_disparity: i32,
+    disparities: u32,
+    valid: f64,
+    frame_ms: FrameMs,
+    /// Of all pixels with a truth.
+    evaluation: Option<Evaluation>,
+    /// Of those that are not occluded, where that is known.
+    evaluation_noc: Option<Evaluation>,
+    #[serde(skip)]
+    scores: [Option<Scores>; 2],
+}
+
+/// A set with a variant: the mean of its scenes, and all their pixels together.
+#[derive(Serialize)]
+struct SetFound {
+    set: String,
+    variant: String,
+    region: &'static str,
+    scenes: usize,
+    mean: Evaluation,
+    pooled: Evaluation,
+    frame_ms: f64,
+}
+
+#[derive(Serialize)]
+struct Failure {
+    scene: String,
+    variant: Option<String>,
+    error: String,
+}
+
+const REGIONS: [&str; 2] = ["all", "noc"];
+
+/// A scene as it was read.
+struct Loaded {
+    left: Image,
+    right: Image,
+    disparities: u32,
+    /// The truth with all its pixels, and with those that are not occluded.
+    truth: Option<Truth>,
+    noc: Option<Truth>,
+}
+
+impl Bench {
+    /// Computes, scores and writes everything. Whether no scene failed.
+    pub fn run(&self) -> Result<bool> {
+        if self.device.backend != Backend::Cpu {
+            let names: Vec<_> = adapter::ranked().iter().map(|adapter| adapter.get_info().name).collect();
+            if let Some(wanted) = &self.device.adapter {
+                adapter::choose(&names, wanted)?;
+            }
+            ensure!(
+                self.device.backend != Backend::Gpu || !names.is_empty(),
+                "--backend is gpu, but there is no adapter; install a Vulkan driver, or take auto or cpu"
+            );
+        }
+        let progress = Progress::new(self.scenes.len() * self.variants.len(), self.quiet);
+        let (mut engine, mut names) = (None, None);
+        let mut found = Found {
+            adapter: String::new(),
+            backend: String::new(),
+            driver: String::new(),
+            scenes: vec![],
+            sets: vec![],
+            failures: vec![],
+        };
+        let mut pictures = Pictures::new(self.report.as_deref());
+        for (number, scene) in (1..).zip(&self.scenes) {
+            progress.begin(&scene.label());
+            let mut fail = |variant: Option<&Variant>, error: anyhow::Error| {
+                let (scene, variant) = (scene.label(), variant.map(|variant| variant.label.clone()));
+                let error = one_line(&format!("{error:#}"));
+                let of = variant.iter().map(|variant| format!(", {variant}")).collect::<String>();
+                progress.tell(&format!("failed: {scene}{of}: {error}"));
+                found.failures.push(Failure { scene, variant, error });
+            };
+            let loaded = match load(scene) {
+                Ok(loaded) => loaded,
+                Err(error) => {
+                    fail(None, error);
+                    self.variants.iter().for_each(|_| progress.done(&scene.label()));
+                    continue;
+                }
+            };
+            for variant in &self.variants {
+                let result = self.compute(&mut engine, scene, &loaded, variant);
+                names = names.or_else(|| engine.as_ref().map(Engine::names));
+                let told = format!("{}, {}", scene.label(), variant.label);
+                let done = result.and_then(|(params, map, mut result)| {
+                    result.score(&loaded, &(&map).into())?;
+                    if let Some(submission) = &self.submission {
+                        submission.write(self, scene, variant, &map, &result, &params)?;
+                    }
+                    pictures.add(number, &result, &loaded, &map, output::searched(&params))?;
+                    Ok(result)
+                });
+                match done {
+                    Ok(result) => {
+                        progress.done(&format!("{told}: {}", result.told()));
+                        found.scenes.push(result);
+                    }
+                    Err(error) => {
+                        fail(Some(variant), error);
+                        progress.done(&told);
+                    }
+                }
+            }
+        }
+        drop(progress);
+        (found.adapter, found.backend, found.driver) = names.unwrap_or_default();
+        found.sets = sets(&found.scenes);
+        if let Some(folder) = &self.report {
+            pictures.write_report(folder, &found)?;
+        }
+        if self.json {
+            report::to_stdout(&(serde_json::to_string(&found)? + "\n"))?;
+        } else if !self.quiet {
+            let set_table = set_table(&found.sets);
+            report::to_stdout(&format!("{}{}{set_table}", scene_table(&found.scenes), separator(&set_table)))?;
+        }
+        Ok(found.failures.is_empty())
+    }
+
+    /// The map of a scene.
+    fn compute(
+        &self,
+        engine: &mut Option<Engine>,
+        scene: &Scene,
+        loaded: &Loaded,
+        variant: &Variant,
+    ) -> Result<(Params, DisparityMap, SceneFound)> {
+        let mut settings = variant.settings.clone();
+        if !settings.iter().any(|(name, _)| name == "disp") {
+            settings.push(("disp".into(), loaded.disparities.to_string()));
+        }
+        let params = resolve::params(settings.iter().map(|(name, value)| (name.as_str(), value.as_str())))?;
+        let ready = match engine.take() {
+            None => Engine::open(&self.device, false, &loaded.left, &params)?,
+            Some(engine) => engine.again(&loaded.left, &params)?,
+        };
+        let ready = engine.insert(ready);
+        // On an adapter the first frame compiles.
+        let repeat = self.repeat.or_else(|| (ready.device_bytes() > 0).then_some(1));
+        let frames = match ready.frames(&loaded.left, &loaded.right, &params, false, repeat) {
+            Ok(frames) => frames,
+            Err(error) => {
+                *engine = None; // the device may be lost
+                return Err(error.into());
+            }
+        };
+        let map = frames.matched.map;
+        let result = SceneFound {
+            set: scene.set.clone(),
+            scene: scene.name.clone(),
+            variant: variant.label.clone(),
+            settings,
+            width: map.width,
+            height: map.height,
+            min_disparity: params.min_disparity,
+            disparities: params.disparities,
+            valid: map.valid_fraction(),
+            frame_ms: frames.times,
+            evaluation: None,
+            evaluation_noc: None,
+            scores: [None, None],
+        };
+        Ok((params, map, result))
+    }
+}
+
+fn load(scene: &Scene) -> Result<Loaded> {
+    let disparities = scene.disparities()?;
+    let (left, right) = input::read_pair(&scene.left, &scene.right)?;
+    let size = (left.width(), left.height());
+    let truth = scene.truth.as_ref().map(|truth| truth.read(size, &scene.left)).transpose()?;
+    let noc = match (&truth, &scene.non_occluded) {
+        (Some(truth), Some(non_occluded)) => {
+            Some(Truth { map: truth.map.clone(), mask: Some(non_occluded.read(size)?) })
+        }
+        _ => None,
+    };
+    Ok(Loaded { left, right, disparities, truth, noc })
+}
+
+impl SceneFound {
+    fn score(&mut self, loaded: &Loaded, estimate: &FloatMap) -> Result<()> {
+        let score = |truth: &Option<Truth>| truth.as_ref().map(|truth| truth.score(estimate)).transpose();
+        self.scores = [score(&loaded.truth)?, score(&loaded.noc)?];
+        [self.evaluation, self.evaluation_noc] = self.scores.each_ref().map(|s| s.as_ref().map(Evaluation::from));
+        Ok(())
+    }
+
+    /// The outcome in a few words.
+    fn told(&self) -> String {
+        let scores = match &self.scores[0] {
+            Some(scores) => {
+                format!("D1-all {}, bad-2 of valid {}", percent(scores.d1_all()), percent(scores.bad_of_valid(2)))
+            }
+            None => format!("{:.1} % valid, no truth", 100.0 * self.valid),
+        };
+        format!("{scores}, {:.0} ms", self.frame_ms.median)
+    }
+}
+
+/// Every set with every variant, in the order in which they came.
+fn sets(scenes: &[SceneFound]) -> Vec<SetFound> {
+    let mut keys: Vec<(&str, &str)> = Vec::new();
+    for scene in scenes {
+        let key = (scene.set.as_str(), scene.variant.as_str());
+        if !keys.contains(&key) {
+            keys.push(key);
+        }
+    }
+    let mut sets = Vec::new();
+    for (set, variant) in keys {
+        for (region, name) in REGIONS.into_iter().enumerate() {
+            let of_set = scenes.iter().filter(|scene| (scene.set.as_str(), scene.variant.as_str()) == (set, variant));
+            let scored: Vec<_> = of_set.filter_map(|scene| Some((scene, scene.scores[region].as_ref()?))).collect();
+            if scored.is_empty() {
+                continue;
+            }
+            let mut pooled = Scores::default();
+            scored.iter().for_each(|(_, scores)| pooled.add(scores));
+            let each: Vec<_> = scored.iter().map(|(_, scores)| Evaluation::from(*scores)).collect();
+            let ms = scored.iter().map(|(scene, _)| scene.frame_ms.median).sum::<f64>();
+            sets.push(SetFound {
+                set: set.into(),
+                variant: variant.into(),
+                region: name,
+                scenes: scored.len(),
+                mean: Evaluation::mean(&each),
+                pooled: Evaluation::from(&pooled),
+                frame_ms: ms / scored.len() as f64,
+            });
+        }
+    }
+    sets
+}
+
+/// Columns of an evaluation.
+const COLUMNS: [&str; 8] = ["density", "bad-1", "bad-2", "bad-2 of valid", "average", "A95", "D1-est", "D1-all"];
+
+fn columns(e: &Evaluation) -> [String; 8] {
+    [
+        percent(e.density),
+        percent(e.bad_1),
+        percent(e.bad_2),
+        percent(e.bad_2_of_valid),
+        pixels(e.average_error),
+        pixels(e.a95),
+        percent(e.d1_est),
+        percent(e.d1_all),
+    ]
+}
+
+fn scene_table(scenes: &[SceneFound]) -> String {
+    let [a, b, c, d, e, f, g, h] = COLUMNS;
+    let header = ["scene", "variant", "region", "disp", a, b, c, d, e, f, g, h, "ms"];
+    let mut rows = Vec::new();
+    for scene in scenes {
+        let name = format!("{}/{}", scene.set, scene.scene);
+        let row = |region: &str, cells: [String; 8]| {
+            let [a, b, c, d, e, f, g, h] = cells;
+            let (disp, ms) = (scene.disparities.to_string(), format!("{:.1}", scene.frame_ms.median));
+            [name.clone(), scene.variant.clone(), region.into(), disp, a, b, c, d, e, f, g, h, ms]
+        };
+        let evaluations = [&scene.evaluation, &scene.evaluation_noc];
+        let scored = REGIONS.iter().zip(evaluations).filter_map(|(region, e)| Some(row(region, columns(e.as_ref()?))));
+        let before = rows.len();
+        rows.extend(scored);
+        if rows.len() == before {
+            rows.push(row("no truth", [(); 8].map(|()| "-".into())));
+        }
+    }
+    report::table(header, rows, 3..13)
+}
+
+fn set_table(sets: &[SetFound]) -> String {
+    if sets.is_empty() {
+        return String::new();
+    }
+    let [a, b, c, d, e, f, g, h] = COLUMNS;
+    let header = ["set", "variant", "region", "scenes", a, b, c, d, e, f, g, h, "D1-all pooled", "ms"];
+    let rows = sets.iter().map(|set| {
+        let [a, b, c, d, e, f, g, h] = columns(&set.mean);
+        let (scenes, pooled, ms) = (set.scenes.to_string(), percent(set.pooled.d1_all), format!("{:.1}", set.frame_ms));
+        [set.set.clone(), set.variant.clone(), set.region.into(), scenes, a, b, c, d, e, f, g, h, pooled, ms]
+    });
+    report::table(header, rows, 3..14)
+}
+
+/// An empty line before what follows.
+fn separator(next: &str) -> &'static str {
+    if next.is_empty() { "" } else { "\n" }
+}
+
+impl Submission {
+    /// Writes the files of a scene as the benchmark wants them.
+    fn write(
+        &self,
+        bench: &Bench,
+        scene: &Scene,
+        variant: &Variant,
+        map: &DisparityMap,
+        found: &SceneFound,
+        params: &Params,
+    ) -> Result<()> {
+        let folder = match bench.variants.len() {
+            1 => self.folder.clone(),
+            _ => self.folder.join(file_name(&variant.label)),
+        };
+        let (set, method) = (folder.join(&scene.set), &self.method);
+        let seconds = found.frame_ms.median / 1e3;
+        let (path, format, time) = match bench.layout {
+            Layout::Kitti2015 => (set.join("disp_0").join(format!("{}.png", scene.name)), Format::Kitti, None),
+            Layout::Kitti2012 => (set.join(format!("{}.png", scene.name)), Format::Kitti, None),
+            Layout::Middlebury => {
+                // A map with holes has a name of its own.
+                let sparse = if map.data.contains(&DisparityMap::INVALID) { "_s" } else { "" };
+                let folder = set.join(&scene.name);
+                let time = (folder.join(format!("time{method}.txt")), format!("{seconds:.6}\n"));
+                (folder.join(format!("disp0{method}{sparse}.pfm")), Format::Pfm, Some(time))
+            }
+            Layout::Eth3d => {
+                let folder = folder.join("low_res_two_view");
+                let time = (folder.join(format!("{}.txt", scene.name)), format!("runtime {seconds:.6}\n"));
+                (folder.join(format!("{}.pfm", scene.name)), Format::Pfm, Some(time))
+            }
+            Layout::Vkitti2 | Layout::Manifest => bail!("nothing is submitted for this layout"), // refused before
+        };
+        output::write_in_folder(&path, &output::encode(format, map, None, None, params)?)?;
+        match time {
+            Some((path, text)) => output::write_in_folder(&path, text.as_bytes()),
+            None => Ok(()),
+        }
+    }
+}
+
+/// A label as a part of a file's name.
+fn file_name(label: &str) -> String {
+    label.chars().map(|c| if c.is_ascii_alphanumeric() || "-_".contains(c) { c } else { '_' }).collect()
+}
+
+/// The pictures of the report, each written when it is there, and the text that shows them.
+struct Pictures {
+    folder: Option<PathBuf>,
+    text: String,
+    scene: u32,
+    maps: u32,
+}
+
+impl Pictures {
+    fn new(report: Option<&Path>) -> Self {
+        Self { folder: report.map(|folder| folder.join("pictures")), text: String::new(), scene: 0, maps: 0 }
+    }
+
+    /// A row of the scene's table; before the first one its heading.
+    fn add(
+        &mut self,
+        scene: u32,
+        found: &SceneFound,
+        loaded: &Loaded,
+        estimate: &DisparityMap,
+        range: (i32, i32),
+    ) -> Result<()> {
+        let Some(folder) = self.folder.clone() else { return Ok(()) };
+        let put = |kind: &str, picture: &RgbImage| -> Result<String> {
+            let name = format!("{scene:04}_{}_{kind}.png", file_name(&format!("{}_{}", found.set, found.scene)));
+            output::write_in_folder(&folder.join(&name), &output::png(&scaled(picture))?)?;
+            Ok(format!("![{kind}](pictures/{name})"))
+        };
+        if self.scene != scene {
+            (self.scene, self.maps) = (scene, 0);
+            let input = put("input", &output::drawn(&loaded.left))?;
+            let truth = match &loaded.truth {
+                Some(truth) => put("truth", &output::truth_picture(&thinned(&truth.map)?, range))?,
+                None => "none".into(),
+            };
+            write!(self.text, "\n### {}/{}\n\n", escaped(&found.set), escaped(&found.scene))?;
+            let size = format!("{} x {}", found.width, found.height);
+            write!(self.text, "| input, {size} | truth |\n|---|---|\n| {input} | {truth} |\n\n")?;
+            write!(self.text, "| setting | estimate | errors |\n|---|---|---|\n")?;
+        }
+        self.maps += 1;
+        let map = put(&format!("estimate{}", self.maps), &output::picture(estimate, range))?;
+        // Occluded pixels are half as bright.
+        let errors = match loaded.noc.as_ref().or(loaded.truth.as_ref()) {
+            Some(truth) => put(&format!("errors{}", self.maps), &truth.error_picture(&estimate.into())?)?,
+            None => String::new(),
+        };
+        writeln!(self.text, "| {}: {} | {map} | {errors} |", escaped(&found.variant), found.told())?;
+        Ok(())
+    }
+
+    /// Writes report.md and results.json.
+    fn write_report(&self, folder: &Path, found: &Found) -> Result<()> {
+        let mut text = String::from("# Scores of a data set\n\n");
+        writeln!(text, "{}, {} ({}).\n", found.adapter, found.backend, found.driver)?;
+        text += "Figures are defined in docs/EVALUATION.md; ms are of a frame: upload, kernels, readback. \"noc\" is without \
+                 occluded pixels. \"pooled\" is over the pixels of all scenes together, the others are means of the scenes.\n";
+        if !found.failures.is_empty() {
+            text += "\n## Failures\n\n";
+            for Failure { scene, variant, error } in &found.failures {
+                let variant = variant.iter().map(|variant| format!(", {variant}")).collect::<String>();
+                writeln!(text, "- {}: {}", escaped(&format!("{scene}{variant}")), escaped(error))?;
+            }
+        }
+        for (title, table) in [("Sets", set_table(&found.sets)), ("Scenes", scene_table(&found.scenes))] {
+            if !table.is_empty() {
+                write!(text, "\n## {title}\n\n{table}")?;
+            }
+        }
+        text += "\n## Pictures\n\nTurbo colours over the range searched: red is near, blue is far, black is unknown or invalid. \
+                 Errors in KITTI's colours, holes filled: blue up to 3 px or 5 %, then yellow to red; half as bright where occluded.\n";
+        text += &self.text;
+        output::write_in_folder(
+            &folder.join("results.json"),
+            (serde_json::to_string_pretty(found)? + "\n").as_bytes(),
+        )?;
+        output::write_in_folder(&folder.join("report.md"), text.as_bytes())
+    }
+}
+
+/// At most [`PICTURE`] pixels wide, so that a sparse map can still be seen: each pixel takes the first value of its
+/// block.
+fn thinned(map: &FloatMap) -> Result<FloatMap> {
+    let (width, height) = (map.width() as usize, map.height() as usize);
+    let new_width = width.min(PICTURE as usize);
+    let new_height = (height * new_width / width).max(1);
+    let block = |at: usize, old: usize, new: usize| at * old / new..(at + 1) * old / new;
+    let value = |x: usize, y: usize| {
+        let rows = block(y, height, new_height);
+        let mut values = rows.flat_map(|row| &map.data()[row * width..][block(x, width, new_width)]);
+        values.find(|value| value.is_finite()).copied().unwrap_or(f32::NAN)
+    };
+    let values = (0..new_height).flat_map(|y| (0..new_width).map(move |x| (x, y))).map(|(x, y)| value(x, y)).collect();
+    Ok(FloatMap::new(new_width as u32, new_height as u32, values)?)
+}
+
+/// At most [`PICTURE`] pixels wide.
+fn scaled(picture: &RgbImage) -> RgbImage {
+    let (width, height) = picture.dimensions();
+    if width <= PICTURE {
+        return picture.clone();
+    }
+    let height = (u64::from(height) * u64::from(PICTURE) / u64::from(width)).max(1) as u32;
+    imageops::resize(picture, PICTURE, height, FilterType::Triangle)
+}
+
+/// A text in a cell of a Markdown table.
+fn escaped(text: &str) -> String {
+    text.replace('\\', "\\\\").replace('|', "\\|").replace('_', "\\_").replace('*', "\\*").replace('<', "&lt;")
+}
