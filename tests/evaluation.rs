@@ -328,7 +328,7 @@ fn depth_of_virtual_kitti_becomes_disparity() {
         ("--gt-depth --focal 700", ["--focal", "--baseline"]),
         ("--focal 700 --baseline 1", ["--gt-depth", "--focal"]),
         ("--gt-depth --baseline 1 --focal -700", ["-700", "above 0"]),
-        ("--gt-depth --baseline nan --focal 700", ["nan", "above 0"]),
+        ("--gt-depth --baseline nan --focal 700", ["NaN", "above 0"]),
     ] {
         let args = case(options);
         refuses(

@@ -81,6 +81,10 @@ pub struct Args {
     #[command(flatten)]
     pub scene: Scene,
 
+    /// The cameras in two numbers
+    #[command(flatten)]
+    pub optics: Optics,
+
     /// Where to compute
     #[command(flatten)]
     pub device: DeviceArgs,
@@ -163,14 +167,6 @@ pub struct Scene {
     /// The cameras of a KITTI calibration that took the pair [default: color, if it has P2]
     #[arg(long, value_enum, value_name = "PAIR", requires = "cameras")]
     pub calib_pair: Option<Pair>,
-
-    /// Focal length in pixels, in place of a calibration
-    #[arg(long, value_name = "PX", requires = "baseline", allow_negative_numbers = true)]
-    pub focal: Option<f64>,
-
-    /// Distance between the cameras in metres
-    #[arg(long, value_name = "M", requires = "focal", allow_negative_numbers = true)]
-    pub baseline: Option<f64>,
 
     /// Column of the left principal point [default: the middle]
     #[arg(long, value_name = "PX", requires = "focal", allow_negative_numbers = true)]
@@ -512,9 +508,42 @@ pub struct EvalArgs {
     #[command(flatten)]
     pub options: TruthOptions,
 
+    /// What makes a disparity of a depth
+    #[command(flatten)]
+    pub optics: Optics,
+
     /// Print one JSON object instead of the table
     #[arg(long, help_heading = OUTPUT)]
     pub json: bool,
+}
+
+/// What makes a depth of a disparity, and a disparity of a depth.
+#[derive(Debug, clap::Args)]
+#[command(next_help_heading = "Depth")]
+pub struct Optics {
+    /// Focal length in pixels, in place of a calibration
+    #[arg(long, value_name = "PX", allow_negative_numbers = true)]
+    pub focal: Option<f64>,
+
+    /// Distance between the cameras in metres
+    #[arg(long, value_name = "M", allow_negative_numbers = true)]
+    pub baseline: Option<f64>,
+}
+
+impl Optics {
+    /// Both, or nothing.
+    pub fn both(&self) -> anyhow::Result<Option<[f64; 2]>> {
+        for (name, value) in [("focal", self.focal), ("baseline", self.baseline)] {
+            if let Some(value) = value.filter(|&value| !(value > 0.0 && value.is_finite())) {
+                anyhow::bail!("--{name} is {value}, but must be a number above 0; give what the calibration says");
+            }
+        }
+        match (self.focal, self.baseline) {
+            (Some(focal), Some(baseline)) => Ok(Some([focal, baseline])),
+            (None, None) => Ok(None),
+            _ => anyhow::bail!("--focal PX and --baseline M are one without the other; give both"),
+        }
+    }
 }
 
 /// What a truth is, and the picture of the errors.
@@ -531,14 +560,6 @@ pub struct TruthOptions {
     /// The truth is depth, a 16-bit PNG in cm with 65535 for far as in Virtual KITTI 2; needs --focal and --baseline
     #[arg(long, help_heading = TRUTH)]
     pub gt_depth: bool,
-
-    /// The focal length in px
-    #[arg(long, value_name = "PX", allow_negative_numbers = true, help_heading = TRUTH)]
-    pub focal: Option<Positive>,
-
-    /// The distance of the cameras in m
-    #[arg(long, value_name = "M", allow_negative_numbers = true, help_heading = TRUTH)]
-    pub baseline: Option<Positive>,
 
     /// Write a picture of the errors (PNG) in KITTI's colours, blue to 3 px or 5 %, red beyond
     #[arg(long, value_name = "FILE", help_heading = TRUTH)]

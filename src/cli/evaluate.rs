@@ -31,32 +31,27 @@ pub struct Truth {
 
 impl TruthFile {
     /// What the options say; they need a truth.
-    pub fn resolve(path: Option<&Path>, options: &TruthOptions) -> Result<Option<Self>> {
-        let TruthOptions { gt_scale, gt_mask, gt_depth, focal, baseline, error_map } = options;
+    pub fn resolve(path: Option<&Path>, options: &TruthOptions, optics: Option<[f64; 2]>) -> Result<Option<Self>> {
+        let TruthOptions { gt_scale, gt_mask, gt_depth, error_map } = options;
         let Some(path) = path else {
             let given = [
                 (gt_scale.is_some(), "gt-scale"),
                 (gt_mask.is_some(), "gt-mask"),
                 (*gt_depth, "gt-depth"),
                 (error_map.is_some(), "error-map"),
-                (focal.is_some(), "focal"),
-                (baseline.is_some(), "baseline"),
             ];
             return match given.iter().find(|(given, _)| *given) {
                 Some((_, name)) => bail!("--{name} is about a truth, but none is given; add --gt FILE"),
                 None => Ok(None),
             };
         };
-        let depth = match (gt_depth, focal, baseline) {
-            (true, Some(focal), Some(baseline)) => Some(focal.0 * baseline.0),
-            (true, ..) => bail!(
+        let depth = match (gt_depth, optics) {
+            (true, Some([focal, baseline])) => Some(focal * baseline),
+            (true, None) => bail!(
                 "--gt-depth needs --focal PX and --baseline M, which make depths disparities; Virtual KITTI 2 has 725.0087 and \
                  0.532725"
             ),
-            (false, None, None) => None,
-            (false, ..) => {
-                bail!("--focal and --baseline make depths disparities, but the truth is none; add --gt-depth")
-            }
+            (false, _) => None,
         };
         let encoding = Encoding { scale: gt_scale.map(|scale| scale.0), depth };
         Ok(Some(Self { path: path.into(), mask: gt_mask.clone(), encoding }))
@@ -235,8 +230,13 @@ struct Found {
 
 /// Checks what can be checked without reading the maps.
 pub fn resolve(args: EvalArgs) -> Result<Eval> {
-    let EvalArgs { estimate, truth, scale, options, json } = args;
-    let file = TruthFile::resolve(Some(&truth), &options)?.context("a truth is needed; see gpu-stereo eval --help")?;
+    let EvalArgs { estimate, truth, scale, options, optics, json } = args;
+    let optics = optics.both()?;
+    if optics.is_some() && !options.gt_depth {
+        bail!("--focal and --baseline make depths disparities, but the truth is none; add --gt-depth");
+    }
+    let file =
+        TruthFile::resolve(Some(&truth), &options, optics)?.context("a truth is needed; see gpu-stereo eval --help")?;
     let inputs: Vec<_> = file.files().chain([estimate.as_path()]).collect();
     let error_map = match &options.error_map {
         Some(path) => vec![output::resolve_error_map(path, &inputs)?],

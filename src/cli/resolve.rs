@@ -59,11 +59,13 @@ pub fn resolve(args: Args) -> Result<Job> {
     let (Some(left), Some(right)) = (args.left, args.right) else {
         bail!("two images are needed, LEFT and RIGHT; see gpu-stereo --help");
     };
-    let calibration = calibration(&args.scene)?;
+    let optics = args.optics.both()?;
+    let calibration = calibration(&args.scene, optics)?;
     let depths = crate::output::depth_formats(&args.scene.depth, &args.scene.points)?;
     match &calibration {
         Some(calibration) if !depths.is_empty() => params.depth = Some(calibration.camera),
         Some(Calibration { lenses: Some(_), .. }) => {}
+        Some(_) if args.truth.gt_depth => {}
         Some(_) => crate::tell("note: the cameras change nothing without --depth and --points"),
         None if depths.is_empty() => {}
         None => bail!(
@@ -76,7 +78,7 @@ pub fn resolve(args: Args) -> Result<Job> {
         ("confidence", &args.confidence, Format::Confidence),
         ("error-map", &args.truth.error_map, Format::ErrorMap),
     ];
-    let truth = TruthFile::resolve(args.gt.as_deref(), &args.truth)?;
+    let truth = TruthFile::resolve(args.gt.as_deref(), &args.truth, optics)?;
     let Scene { calib, rectify, calib_right, .. } = &args.scene;
     let calibrations = [calib, rectify, calib_right].into_iter().flatten().map(PathBuf::as_path);
     let inputs: Vec<_> =
@@ -87,7 +89,7 @@ pub fn resolve(args: Args) -> Result<Job> {
         right,
         params,
         calibration,
-        middle: [args.scene.cx, args.scene.cy].map(|given| args.scene.focal.is_some() && given.is_none()),
+        middle: [args.scene.cx, args.scene.cy].map(|given| optics.is_some() && given.is_none()),
         device: args.device,
         truth,
         outputs,
@@ -100,13 +102,13 @@ pub fn resolve(args: Args) -> Result<Job> {
 }
 
 /// The cameras that the options name.
-fn calibration(scene: &Scene) -> Result<Option<Calibration>> {
+fn calibration(scene: &Scene, optics: Option<[f64; 2]>) -> Result<Option<Calibration>> {
     let Scene { calib, rectify, calib_right, calib_unit, calib_pair, .. } = scene;
     if let Some(path) = calib.as_ref().or(rectify.as_ref()) {
         let reading = Reading { unit: *calib_unit, pair: *calib_pair, lenses: rectify.is_some() };
         return Calibration::read(path, calib_right.as_deref(), reading).map(Some);
     }
-    let (Some(focal), Some(baseline)) = (scene.focal, scene.baseline) else { return Ok(None) };
+    let Some([focal, baseline]) = optics else { return Ok(None) };
     let [doffs, cx, cy] = [scene.doffs, scene.cx, scene.cy].map(Option::unwrap_or_default);
     let camera = Camera { focal, baseline, doffs, cx, cy };
     camera.validate().map_err(told)?;
