@@ -1,11 +1,12 @@
-//! The command `gpu-stereo`: parse -> resolve -> run -> report. A study does so for several settings, a video for several
-//! pairs.
+//! The command `gpu-stereo`: parse -> resolve -> run -> report. A study does so for several settings, a video and a
+//! batch for several pairs.
 //!
-//! Exit codes: 0 done, 1 a check said no, a frame or a scene failed, 2 could not run. Data goes to stdout, messages to stderr.
+//! Exit codes: 0 done, 1 a check said no, a pair or a scene failed, 2 could not run. Data goes to stdout, messages to stderr.
 #![cfg_attr(test, allow(clippy::unwrap_used))]
 
 mod adapter;
 mod args;
+mod batch;
 mod bench;
 mod calibration;
 mod depth;
@@ -14,6 +15,8 @@ mod film;
 mod input;
 mod layout;
 mod line;
+mod list;
+mod log;
 mod maps;
 mod output;
 mod pairs;
@@ -77,6 +80,7 @@ fn execute(args: args::Args) -> anyhow::Result<Outcome> {
             Verb::Sweep(args) => study::resolve_sweep(args)?,
             Verb::Compare(args) => study::resolve_compare(args)?,
             Verb::Video(args) => return video::resolve(args)?.run(),
+            Verb::Batch(args) => return batch::resolve(args)?.run(),
             Verb::Eval(args) => return evaluate::resolve(args)?.run().map(|()| Outcome::Done),
             Verb::Bench(args) => {
                 let passed = bench::resolve(args)?.run()?;

@@ -1,6 +1,7 @@
 //! Disparity maps become files, whole or not at all.
 
 use crate::depth;
+use crate::pipeline::Pair;
 use anyhow::{Context as _, Result, bail, ensure};
 use clap::ValueEnum;
 use gpu_stereo::evaluation::FloatMap;
@@ -10,6 +11,7 @@ use image::codecs::jpeg::JpegEncoder;
 use image::codecs::png::PngEncoder;
 use image::{ExtendedColorType, ImageEncoder as _, Rgb, RgbImage};
 use npyz::WriterBuilder as _;
+use std::collections::HashSet;
 use std::fs;
 use std::io::{Cursor, ErrorKind, Write as _};
 use std::path::{Path, PathBuf};
@@ -293,6 +295,51 @@ pub fn writable_place(path: &Path) -> Result<PathBuf> {
         format!("output {path:?} lies in a folder that cannot be written; check its permissions or give another path")
     })?;
     Ok(place)
+}
+
+/// The formats that were asked for, each once.
+pub fn formats(given: &[Format]) -> Result<Vec<Format>> {
+    let mut formats = Vec::new();
+    for &format in given {
+        ensure!(!formats.contains(&format), "--format has {:?} twice; give each once", format.suffix());
+        formats.push(format);
+    }
+    Ok(formats)
+}
+
+/// The folder is there and takes files. Only the last part of its path is made.
+pub fn make_folder(folder: &Path, out: &Path) -> Result<()> {
+    match fs::create_dir(folder) {
+        Err(error) if error.kind() == ErrorKind::NotFound => {
+            bail!("output {out:?} lies in a folder that does not exist; create it or give another path")
+        }
+        Err(error) if error.kind() != ErrorKind::AlreadyExists && !folder.is_dir() => {
+            return Err(error).with_context(|| format!("output folder {folder:?} cannot be made; give another path"));
+        }
+        _ => {}
+    }
+    ensure!(folder.is_dir(), "output {out:?} is a file; give a folder, a printf pattern or the name of a video");
+    temporary(folder, "")
+        .map(drop)
+        .with_context(|| format!("output folder {folder:?} cannot be written; check its permissions or give another"))
+}
+
+/// No output is an input, whatever the paths say.
+pub fn ensure_no_input<'a>(
+    outputs: impl IntoIterator<Item = &'a Path>,
+    pairs: impl IntoIterator<Item = &'a Pair>,
+) -> Result<()> {
+    let there = outputs.into_iter().filter_map(|path| Some((path, fs::canonicalize(path).ok()?)));
+    let there: Vec<_> = there.collect();
+    if there.is_empty() {
+        return Ok(()); // without a look at each input
+    }
+    let inputs = pairs.into_iter().flat_map(|pair| [&pair.left, &pair.right]);
+    let inputs: HashSet<_> = inputs.filter_map(|path| fs::canonicalize(path).ok()).collect();
+    match there.iter().find(|(_, place)| inputs.contains(place)) {
+        Some((path, _)) => bail!("output {path:?} is an input image, too; give another folder"),
+        None => Ok(()),
+    }
 }
 
 /// A file that disappears unless it is renamed, with the permissions that an ordinary new file has.

@@ -2,11 +2,11 @@
 //! device waits for no file.
 
 use crate::adapter::Opened;
-use crate::args::DeviceArgs;
-use crate::run::{Engine, OnAdapter};
+use crate::args::{DeviceArgs, Whole};
+use crate::run::{self, Engine, OnAdapter};
 use crate::{input, tell};
-use anyhow::{Result, anyhow};
-use gpu_stereo::{Error, Image, Matched, Params, StereoStream, reference};
+use anyhow::{Context as _, Result, anyhow};
+use gpu_stereo::{Error, Image, Matched, Params, PixelFormat, StereoMatcher, StereoStream, reference};
 use indicatif::{ProgressBar, ProgressFinish, ProgressStyle};
 use serde::Serialize;
 use std::collections::VecDeque;
@@ -41,6 +41,10 @@ pub struct Setup<'a> {
     pub readers: usize,
     /// Threads that write; with one, the frames come in order.
     pub writers: usize,
+    /// Whether pairs may differ in size and samples; else all must be as the first one.
+    pub mixed: bool,
+    /// What the progress counts.
+    pub unit: &'static str,
     /// No progress.
     pub quiet: bool,
 }
@@ -85,12 +89,22 @@ pub struct Ran {
 /// A frame that failed.
 #[derive(Debug, Serialize)]
 pub struct Failure {
+    /// Which pair it was.
     #[serde(skip)]
-    place: usize,
+    pub place: usize,
     /// The left image's path.
     pub frame: String,
     /// Why.
     pub error: String,
+}
+
+const MAX_IN_FLIGHT: usize = 16;
+
+/// The pairs on the device at a time.
+pub fn in_flight(given: &Whole) -> Result<usize> {
+    let in_flight = usize::try_from(given.value).ok().filter(|pairs| (1..=MAX_IN_FLIGHT).contains(pairs));
+    in_flight
+        .with_context(|| format!("--in-flight is {}, but must be from 1 to {MAX_IN_FLIGHT}; 3 is usual", given.text))
 }
 
 /// Half of the cores, at most 8: threads that read, and as many that write.
@@ -98,16 +112,17 @@ pub fn threads() -> usize {
     (thread::available_parallelism().map_or(1, usize::from) / 2).clamp(1, 8)
 }
 
-/// Matches all pairs and hands each result to `put`. What fails is told at once, and the rest goes on. Once `stop` is
-/// true, no further pair is begun.
+/// Matches all pairs and hands each result to `put`. What fails is told at once, and to `failed`, and the rest goes on.
+/// Once `stop` is true, no further pair is begun.
 pub fn run(
     pairs: &[Pair],
     setup: &Setup<'_>,
     stop: &AtomicBool,
     put: impl Fn(&Frame) -> Result<(), Refused> + Sync,
+    failed: impl Fn(usize, &str) -> Result<()> + Sync,
 ) -> Ran {
     let start = Instant::now();
-    let tally = Tally::new(pairs, setup.quiet);
+    let tally = Tally::new(pairs, setup, &failed);
     let mut flow: Option<Flow> = None;
     let ended = thread::scope(|scope| {
         // The threads take turns, so the order is kept, and no more is read ahead than the channels hold.
@@ -167,14 +182,32 @@ pub fn run(
                     continue;
                 }
             };
-            let flow = match &mut flow {
-                Some(flow) => flow,
-                none => none.insert(Flow::open(setup, &left)?),
+            let ready = match &mut flow {
+                Some(flow) => {
+                    // Streams of other samples give their results in an order of their own.
+                    while setup.mixed && flow.in_flight() > 0 && flow.format != left.format() {
+                        hand_on(flow.next()?)?;
+                    }
+                    let mut ready = flow.fit(setup, &left);
+                    if setup.mixed && flow.in_flight() > 0 && ready.as_ref().is_err_and(is_of_the_pair) {
+                        while flow.in_flight() > 0 {
+                            hand_on(flow.next()?)?;
+                        }
+                        ready = flow.fit(setup, &left);
+                    }
+                    ready
+                }
+                none => Flow::open(setup, &left).map(|opened| *none = Some(opened)),
             };
-            if let Err(error) = flow.ensure_fits(&left) {
-                tally.failed(place, &error);
-                continue;
+            match ready {
+                Ok(()) => {}
+                Err(error) if is_of_the_pair(&error) && (setup.mixed || flow.is_some()) => {
+                    tally.failed(place, &error);
+                    continue;
+                }
+                Err(error) => return Err(error),
             }
+            let Some(flow) = &mut flow else { continue };
             while flow.in_flight() >= flow.capacity() {
                 hand_on(flow.next()?)?;
             }
@@ -200,19 +233,81 @@ pub fn run(
     ran
 }
 
+/// Whether others can be matched where this happened.
+fn is_of_the_pair(error: &anyhow::Error) -> bool {
+    matches!(error.downcast_ref(), Some(Error::Image(_) | Error::TooLarge { .. } | Error::OutOfMemory))
+}
+
 /// What matches, and the pairs in it.
 struct Flow {
     matcher: Matcher,
     names: (String, String, String),
+    /// Of the first pair.
     size: (u32, u32),
-    format: gpu_stereo::PixelFormat,
+    /// Of the pairs in it.
+    format: PixelFormat,
     waiting: VecDeque<(usize, Image)>,
 }
 
 enum Matcher {
-    Stream(Box<(Opened, StereoStream)>),
+    Streams(Box<Streams>),
     /// With the result of the pair that was pushed.
     Reference(Params, Option<Matched>),
+}
+
+/// A stream for each kind of samples, so that kernels are compiled once. The last one is in use.
+struct Streams {
+    opened: Opened,
+    all: Vec<StereoStream>,
+    params: Params,
+    in_flight: usize,
+    peak_bytes: u64,
+}
+
+impl Streams {
+    fn current(&mut self) -> Result<&mut StereoStream> {
+        self.all.last_mut().ok_or_else(|| anyhow!("there is no stream"))
+    }
+
+    /// Takes pairs that are as `left` is from now on. If it is `idle`, streams may be dropped for it.
+    fn fit(&mut self, left: &Image, idle: bool) -> Result<()> {
+        let mut turned = self.turn(left);
+        if idle && matches!(turned, Err(Error::TooLarge { .. } | Error::Image(_))) {
+            turned = self.renew(left); // a wide pair and a high one need less room one after the other
+        }
+        if idle && matches!(turned, Err(Error::OutOfMemory)) {
+            self.all.clear();
+            turned = self.renew(left);
+        }
+        self.opened.fault()?;
+        turned?;
+        self.peak_bytes = self.peak_bytes.max(self.all.iter().map(|stream| stream.matcher().device_bytes()).sum());
+        Ok(())
+    }
+
+    /// By the stream for such samples.
+    fn turn(&mut self, left: &Image) -> Result<(), Error> {
+        let (width, height) = (left.width(), left.height());
+        let Some(place) = self.all.iter().position(|stream| stream.matcher().format() == left.format()) else {
+            return self.renew(left);
+        };
+        self.all[place..].rotate_left(1);
+        match self.all.last_mut() {
+            Some(stream) if stream.matcher().size() != (width, height) => stream.resize(width, height),
+            _ => Ok(()),
+        }
+    }
+
+    /// By a new stream in the place of that for such samples.
+    fn renew(&mut self, left: &Image) -> Result<(), Error> {
+        let (width, height, format) = (left.width(), left.height(), left.format());
+        let Opened { device, queue, .. } = &self.opened;
+        let matcher = StereoMatcher::new(device, queue, width, height, format, &self.params)?;
+        let stream = StereoStream::new(matcher, self.in_flight)?;
+        self.all.retain(|stream| stream.matcher().format() != format);
+        self.all.push(stream);
+        Ok(())
+    }
 }
 
 impl Flow {
@@ -220,30 +315,40 @@ impl Flow {
     fn open(setup: &Setup<'_>, left: &Image) -> Result<Self> {
         let engine = Engine::open(setup.device, false, left, setup.params)?;
         let names = engine.names();
+        let params = setup.params.clone();
         let matcher = match engine {
-            Engine::Reference => Matcher::Reference(setup.params.clone(), None),
+            Engine::Reference => Matcher::Reference(params, None),
             Engine::Adapter(on) => {
                 let OnAdapter { opened, matcher } = *on;
                 let stream = StereoStream::new(matcher, setup.in_flight);
                 opened.fault()?;
-                Matcher::Stream(Box::new((opened, stream?)))
+                let stream = stream?;
+                let peak_bytes = stream.matcher().device_bytes();
+                let in_flight = setup.in_flight;
+                Matcher::Streams(Box::new(Streams { opened, all: vec![stream], params, in_flight, peak_bytes }))
             }
         };
         let size = (left.width(), left.height());
         Ok(Self { matcher, names, size, format: left.format(), waiting: VecDeque::new() })
     }
 
-    fn ensure_fits(&self, left: &Image) -> Result<()> {
+    /// Makes sure that a pair can be pushed, which must be as the first one unless they are mixed. Those in it have the
+    /// same samples.
+    fn fit(&mut self, setup: &Setup<'_>, left: &Image) -> Result<()> {
         let (size, format) = ((left.width(), left.height()), left.format());
-        if (size, format) == (self.size, self.format) {
-            return Ok(());
+        if !setup.mixed && (size, format) != (self.size, self.format) {
+            let told = |(width, height), format| format!("{width}x{height} in {format:?}");
+            let (it, first) = (told(size, format), told(self.size, self.format));
+            return Err(
+                Error::Image(format!("it is {it}, but the first frame is {first}; give frames of one kind")).into()
+            );
         }
-        let told = |(width, height), format| format!("{width}x{height} in {format:?}");
-        Err(anyhow!(
-            "it is {}, but the first frame is {}; give frames of one kind",
-            told(size, format),
-            told(self.size, self.format)
-        ))
+        match &mut self.matcher {
+            Matcher::Streams(on) => on.fit(left, self.waiting.is_empty())?,
+            Matcher::Reference(params, _) => run::ensure_reference(params, left)?,
+        }
+        self.format = format;
+        Ok(())
     }
 
     fn in_flight(&self) -> usize {
@@ -252,14 +357,14 @@ impl Flow {
 
     fn capacity(&self) -> usize {
         match &self.matcher {
-            Matcher::Stream(on) => on.1.capacity(),
+            Matcher::Streams(on) => on.in_flight,
             Matcher::Reference(..) => 1,
         }
     }
 
     fn device_bytes(&self) -> u64 {
         match &self.matcher {
-            Matcher::Stream(on) => on.1.matcher().device_bytes(),
+            Matcher::Streams(on) => on.peak_bytes,
             Matcher::Reference(..) => 0,
         }
     }
@@ -267,10 +372,9 @@ impl Flow {
     /// Begins with a pair that fits; there is room for it.
     fn push(&mut self, place: usize, left: Image, right: &Image) -> Result<()> {
         match &mut self.matcher {
-            Matcher::Stream(on) => {
-                let (opened, stream) = on.as_mut();
-                let pushed = stream.try_push(&left, right);
-                opened.fault()?;
+            Matcher::Streams(on) => {
+                let pushed = on.current()?.try_push(&left, right);
+                on.opened.fault()?;
                 pushed?.ok_or_else(|| anyhow!("the stream is full before its time"))?;
             }
             Matcher::Reference(params, result) => {
@@ -284,10 +388,9 @@ impl Flow {
     /// The next result. What fails here is the device, so all that follows would fail, too.
     fn next(&mut self) -> Result<Option<(usize, Image, Matched)>> {
         let matched = match &mut self.matcher {
-            Matcher::Stream(on) => {
-                let (opened, stream) = on.as_mut();
-                let frame = stream.next_blocking();
-                opened.fault()?;
+            Matcher::Streams(on) => {
+                let frame = on.current()?.next_blocking();
+                on.opened.fault()?;
                 frame.map(|frame| frame.result).transpose()?
             }
             Matcher::Reference(_, result) => result.take(),
@@ -301,6 +404,8 @@ impl Flow {
 /// Counts, and shows a bar on a terminal and a line a second elsewhere, both on stderr.
 struct Tally<'a> {
     pairs: &'a [Pair],
+    unit: &'static str,
+    note: &'a (dyn Fn(usize, &str) -> Result<()> + Sync),
     bar: ProgressBar,
     lines: bool,
     start: Instant,
@@ -313,13 +418,22 @@ struct Counts {
 }
 
 impl<'a> Tally<'a> {
-    fn new(pairs: &'a [Pair], quiet: bool) -> Self {
+    fn new(pairs: &'a [Pair], setup: &Setup<'_>, note: &'a (dyn Fn(usize, &str) -> Result<()> + Sync)) -> Self {
+        let quiet = setup.quiet;
         let bar = if quiet { ProgressBar::hidden() } else { ProgressBar::new(pairs.len() as u64) };
         let style = ProgressStyle::with_template("{bar:24} {pos}/{len}  {msg}");
         let bar = bar.with_finish(ProgressFinish::AndClear).with_style(style.unwrap_or(ProgressStyle::default_bar()));
         let lines = bar.is_hidden() && !quiet;
         let start = Instant::now();
-        Self { pairs, bar, lines, start, counts: Mutex::new(Counts { ran: Ran::default(), told: start }) }
+        Self {
+            pairs,
+            unit: setup.unit,
+            note,
+            bar,
+            lines,
+            start,
+            counts: Mutex::new(Counts { ran: Ran::default(), told: start }),
+        }
     }
 
     fn counts(&self) -> MutexGuard<'_, Counts> {
@@ -337,6 +451,9 @@ impl<'a> Tally<'a> {
         let error = crate::one_line(&format!("{error:#}"));
         let mut counts = self.counts();
         self.bar.suspend(|| tell(&format!("failed: {frame}: {error}")));
+        if let Err(error) = (self.note)(place, &error) {
+            counts.ran.stopped.get_or_insert(error);
+        }
         counts.ran.failed.push(Failure { place, frame, error });
         self.show(&mut counts);
     }
@@ -353,7 +470,7 @@ impl<'a> Tally<'a> {
         let (position, all) = (counts.ran.done + counts.ran.failed.len(), self.pairs.len());
         let rate = position as f64 / self.start.elapsed().as_secs_f64().max(1e-9);
         let left = (all - position) as f64 / rate;
-        let message = format!("{rate:.1} frames a second, {} left", time(left));
+        let message = format!("{rate:.1} {} a second, {} left", self.unit, time(left));
         self.bar.set_message(message.clone());
         self.bar.set_position(position as u64);
         if self.lines && (counts.told.elapsed() >= A_LINE || position == all) {
@@ -387,7 +504,7 @@ pub fn stop_on_signals() -> &'static AtomicBool {
         if STOP.swap(true, Ordering::Relaxed) {
             std::process::exit(2);
         }
-        tell("interrupted: finishing the frames that were begun");
+        tell("interrupted: finishing what was begun");
     };
     if let Err(error) = ctrlc::set_handler(handler) {
         tell(&format!("note: signals cannot be caught ({error}), so an interrupted run may leave temporary files"));

@@ -11,6 +11,24 @@ use std::path::{Path, PathBuf};
 /// The file's name.
 const NAME: &str = "gpu-stereo.json";
 
+/// A file's bytes while nobody writes it.
+pub fn read_shared(path: &Path) -> std::io::Result<Vec<u8>> {
+    let lock = fd_lock::RwLock::new(File::open(path)?);
+    let file = lock.read()?;
+    let mut bytes = Vec::new();
+    (&*file).read_to_end(&mut bytes)?;
+    Ok(bytes)
+}
+
+/// What a folder has a record of.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Found {
+    /// Maps that were made with the same.
+    Same,
+    /// No maps.
+    Nothing,
+}
+
 /// The record of a folder.
 #[derive(Debug)]
 pub struct Record {
@@ -51,6 +69,15 @@ impl Record {
         let there: Map<String, Value> = serde_json::from_str(&text).with_context(|| {
             format!("{path:?} is damaged, so the settings of the maps are unknown; run without --resume")
         })?;
+        let differing = self.differing(&there);
+        if !differing.is_empty() {
+            bail!("--resume would mix maps: {differing} ({path:?}); run as before, or without it");
+        }
+        Ok(())
+    }
+
+    /// The settings that are not as they are `there`, in words; empty if there are none.
+    fn differing(&self, there: &Map<String, Value>) -> String {
         let told = |value: Option<&Value>| match value {
             Some(Value::String(text)) => text.clone(),
             Some(other) => other.to_string(),
@@ -61,11 +88,29 @@ impl Record {
         let differing = names
             .filter(|name| there.get(*name) != self.made_with.get(*name))
             .map(|name| format!("{name} {} there and {} now", told(there.get(name)), told(self.made_with.get(name))));
-        let differing: Vec<_> = differing.collect();
-        if !differing.is_empty() {
-            bail!("--resume would mix maps: {} ({path:?}); run as before, or without it", differing.join(", "));
+        differing.collect::<Vec<_>>().join(", ")
+    }
+
+    /// The maps of the folder, if there is a record of any, were made with the same.
+    pub fn ensure_no_other(&self) -> Result<Found> {
+        match read_shared(&self.path) {
+            Ok(bytes) => self.found(&bytes),
+            Err(error) if error.kind() == ErrorKind::NotFound => Ok(Found::Nothing),
+            Err(error) => Err(error).with_context(|| format!("{:?} cannot be read; check its permissions", self.path)),
         }
-        Ok(())
+    }
+
+    /// One that is cut short was never finished, and no map was made with it.
+    fn found(&self, bytes: &[u8]) -> Result<Found> {
+        let Ok(there) = serde_json::from_slice(bytes) else { return Ok(Found::Nothing) };
+        let differing = self.differing(&there);
+        ensure!(
+            differing.is_empty(),
+            "the output folder has maps that were made otherwise: {differing} ({:?}); run as before, or give another \
+             folder",
+            self.path
+        );
+        Ok(Found::Same)
     }
 
     /// Says that the folder's maps are made with this from now on. Maps of `outputs` that were made with anything else go,
@@ -73,26 +118,36 @@ impl Record {
     ///
     /// Other processes may do so at once: the first one locks out the rest.
     pub fn begin<'a>(&self, mut outputs: impl Iterator<Item = &'a Output>) -> Result<()> {
-        let file = OpenOptions::new().read(true).write(true).create(true).truncate(false).open(&self.path)?;
-        let mut lock = fd_lock::RwLock::new(file);
-        let mut file = lock.write().context("it cannot be locked")?;
-        if self.is_in(&mut file)? {
+        let remove = |output: &Output| match fs::remove_file(&output.path) {
+            Err(error) if error.kind() != ErrorKind::NotFound && !output.path.is_dir() => Err(error),
+            _ => Ok(()),
+        };
+        self.write(|bytes| Ok(self.found(bytes).unwrap_or(Found::Nothing)), || outputs.try_for_each(remove))
+    }
+
+    /// As [`Record::begin`], but maps that were made with anything else are an error. `first`: what to do if there are none.
+    pub fn join(&self, first: impl FnOnce() -> std::io::Result<()>) -> Result<()> {
+        self.write(|bytes| self.found(bytes), first)
+    }
+
+    fn write(
+        &self,
+        found: impl Fn(&[u8]) -> Result<Found>,
+        before: impl FnOnce() -> std::io::Result<()>,
+    ) -> Result<()> {
+        let file = OpenOptions::new().read(true).write(true).create(true).truncate(false).open(&self.path);
+        let mut lock = fd_lock::RwLock::new(file.with_context(|| format!("{:?} cannot be written", self.path))?);
+        let mut file = lock.write().with_context(|| format!("{:?} cannot be locked", self.path))?;
+        let mut bytes = Vec::new();
+        file.read_to_end(&mut bytes)?;
+        if found(&bytes)? == Found::Same {
             return Ok(());
         }
         // Empty, it vouches for nothing, should the process end here.
         file.set_len(0)?;
-        outputs.try_for_each(|output| match fs::remove_file(&output.path) {
-            Err(error) if error.kind() != ErrorKind::NotFound && !output.path.is_dir() => Err(error),
-            _ => Ok(()),
-        })?;
+        before()?;
         file.seek(SeekFrom::Start(0))?;
         file.write_all((serde_json::to_string_pretty(&self.made_with)? + "\n").as_bytes())?;
         Ok(())
-    }
-
-    fn is_in(&self, file: &mut File) -> Result<bool> {
-        let mut bytes = Vec::new();
-        file.read_to_end(&mut bytes)?;
-        Ok(serde_json::from_slice::<Map<String, Value>>(&bytes).is_ok_and(|there| there == self.made_with))
     }
 }

@@ -7,7 +7,7 @@ use crate::output::{Format, Maps};
 use crate::report::{FrameMs, Report};
 use crate::resolve::Job;
 use crate::{input, output};
-use anyhow::{Result, bail, ensure};
+use anyhow::{Result, bail};
 use gpu_stereo::evaluation::FloatMap;
 use gpu_stereo::{
     Error, Image, Matched, Method, Params, Rectification, StageCheck, StageTime, StereoMatcher, reference,
@@ -176,8 +176,7 @@ impl Engine {
 
     /// The reference, if its volumes fit.
     fn reference(image: &Image, params: &Params) -> Result<Self> {
-        // At the peak, in the aggregation: 8-bit costs, an 8-bit path and a 16-bit sum.
-        ensure_memory(params, image, 4)?;
+        ensure_reference(params, image)?;
         Ok(Self::Reference)
     }
 
@@ -265,6 +264,12 @@ impl Engine {
     }
 }
 
+/// Refuses what the reference has no memory for.
+pub fn ensure_reference(params: &Params, image: &Image) -> Result<()> {
+    // At the peak, in the aggregation: 8-bit costs, an 8-bit path and a 16-bit sum.
+    ensure_memory(params, image, 4)
+}
+
 /// Refuses what the host's memory cannot hold, volumes of `bytes` a pixel and disparity: a failed allocation inside the
 /// reference would abort the process without a word.
 fn ensure_memory(params: &Params, image: &Image, bytes: u64) -> Result<()> {
@@ -273,14 +278,16 @@ fn ensure_memory(params: &Params, image: &Image, bytes: u64) -> Result<()> {
     let mut trial = Vec::<u8>::new();
     let given = usize::try_from(needed).is_ok_and(|needed| trial.try_reserve_exact(needed).is_ok());
     std::hint::black_box(&trial); // or the compiler drops the trial and takes it for granted
-    ensure!(
-        given,
+    if given {
+        return Ok(());
+    }
+    Err(Error::Image(format!(
         "{}x{} pixels at {} disparities need {needed} bytes, but the memory allows less; lower --disp, crop or scale",
         image.width(),
         image.height(),
         params.disparities
-    );
-    Ok(())
+    ))
+    .into())
 }
 
 fn milliseconds(since: Instant) -> f64 {

@@ -10,14 +10,12 @@ use crate::{Outcome, report, resolve};
 use anyhow::{Context as _, Result, anyhow, bail, ensure};
 use gpu_stereo::Params;
 use serde::Serialize;
-use std::collections::{HashMap, HashSet};
+use std::collections::HashMap;
 use std::fmt::Write as _;
 use std::fs;
-use std::io::ErrorKind;
 use std::path::{Path, PathBuf};
 use std::sync::OnceLock;
 
-const MAX_IN_FLIGHT: usize = 16;
 const MAX_FPS: f64 = 1000.0;
 
 /// A video, ready to start.
@@ -63,10 +61,7 @@ pub fn resolve(args: VideoArgs) -> Result<Video> {
     let mut params = resolve::params(args.settings.iter())?;
     params.confidence = args.format.contains(&Format::Confidence);
     resolve::ensure_adapter(&args.device)?;
-    let in_flight = usize::try_from(args.in_flight.value).ok().filter(|frames| (1..=MAX_IN_FLIGHT).contains(frames));
-    let in_flight = in_flight.with_context(|| {
-        format!("--in-flight is {}, but must be from 1 to {MAX_IN_FLIGHT}; 3 is usual", args.in_flight.text)
-    })?;
+    let in_flight = pipeline::in_flight(&args.in_flight)?;
 
     let mut pairs = pairs::find(left, right)?;
     let mut skipped = 0;
@@ -76,7 +71,7 @@ pub fn resolve(args: VideoArgs) -> Result<Video> {
             "--format and --resume are for numbered files, but output {:?} is a video; drop them, or give a folder",
             args.output
         );
-        ensure_no_input(std::slice::from_ref(&args.output), &pairs)?;
+        output::ensure_no_input([args.output.as_path()], pairs.iter().map(|(_, pair)| pair))?;
         let fps = args.fps.as_deref().unwrap_or("10");
         ensure!(
             fps.parse().is_ok_and(|fps: f64| fps > 0.0 && fps <= MAX_FPS),
@@ -112,11 +107,7 @@ pub fn resolve(args: VideoArgs) -> Result<Video> {
 impl Files {
     fn resolve(args: &VideoArgs, pairs: &[(u64, Pair)], params: &Params, sides: [&PathBuf; 2]) -> Result<Self> {
         let out = &args.output;
-        let mut formats: Vec<Format> = Vec::new();
-        for &format in &args.format {
-            ensure!(!formats.contains(&format), "--format has {:?} twice; give each once", format.suffix());
-            formats.push(format);
-        }
+        let mut formats = output::formats(&args.format)?;
         let pattern = Pattern::parse(out).with_context(|| format!("output is {out:?}"))?;
         let (folder, names): (&Path, Vec<Vec<Output>>) = match &pattern {
             Some(pattern) => {
@@ -161,9 +152,9 @@ impl Files {
                 }
             }
         }
-        make_folder(folder, out)?;
-        let all: Vec<_> = names.iter().flatten().map(|output| output.path.clone()).collect();
-        ensure_no_input(&all, pairs)?;
+        output::make_folder(folder, out)?;
+        let all = names.iter().flatten().map(|output| output.path.as_path());
+        output::ensure_no_input(all, pairs.iter().map(|(_, pair)| pair))?;
         let record = pattern.is_none().then(|| Record::new(out, params, &[("left", sides[0]), ("right", sides[1])]));
         Ok(Self { outputs: names, skipped: Vec::new(), record, begun: OnceLock::new() })
     }
@@ -196,33 +187,6 @@ impl Files {
     }
 }
 
-/// The folder is there and takes files. Only the last part of its path is made.
-fn make_folder(folder: &Path, out: &Path) -> Result<()> {
-    match fs::create_dir(folder) {
-        Err(error) if error.kind() == ErrorKind::NotFound => {
-            bail!("output {out:?} lies in a folder that does not exist; create it or give another path")
-        }
-        Err(error) if error.kind() != ErrorKind::AlreadyExists && !folder.is_dir() => {
-            return Err(error).with_context(|| format!("output folder {folder:?} cannot be made; give another path"));
-        }
-        _ => {}
-    }
-    ensure!(folder.is_dir(), "output {out:?} is a file; give a folder, a printf pattern or the name of a video");
-    output::temporary(folder, "")
-        .map(drop)
-        .with_context(|| format!("output folder {folder:?} cannot be written; check its permissions or give another"))
-}
-
-/// No output is an input, whatever the paths say.
-fn ensure_no_input(outputs: &[PathBuf], pairs: &[(u64, Pair)]) -> Result<()> {
-    let inputs = pairs.iter().flat_map(|(_, pair)| [&pair.left, &pair.right]);
-    let inputs: HashSet<_> = inputs.filter_map(|path| fs::canonicalize(path).ok()).collect();
-    match outputs.iter().find(|path| fs::canonicalize(path).is_ok_and(|path| inputs.contains(&path))) {
-        Some(path) => bail!("output {path:?} is an input image, too; give another folder"),
-        None => Ok(()),
-    }
-}
-
 impl Video {
     /// Computes all frames and prints the summary.
     pub fn run(self) -> Result<Outcome> {
@@ -234,12 +198,15 @@ impl Video {
             in_flight: self.in_flight,
             readers: threads,
             writers: if let Sink::Film(_) = self.sink { 1 } else { threads },
+            mixed: false,
+            unit: "frames",
             quiet: self.quiet,
         };
-        let mut ran = pipeline::run(&self.pairs, &setup, stop, |frame| match &self.sink {
+        let put = |frame: &Frame| match &self.sink {
             Sink::Files(files) => files.put(frame, &self.params),
             Sink::Film(film) => film.put(frame),
-        });
+        };
+        let mut ran = pipeline::run(&self.pairs, &setup, stop, put, |_, _| Ok(()));
         let (frames, done, stopped) = (self.pairs.len(), ran.done, ran.stopped.take());
         let kept = match self.sink {
             Sink::Files(files) => files.record.map_or("were written", |_| "were written: --resume computes the rest"),
