@@ -332,12 +332,11 @@ fn lenses(left: &Source, right: Option<&Source>) -> Result<[Lens; 2]> {
         bail!("it has no lenses, since its pairs are rectified; --calib takes it without --rectify");
     };
     let of = |side: usize| {
-        let (tree, names): (&Tree, fn(&Names, usize) -> &'static [&'static str]) = match (side, right) {
-            (1, Some(Source::Tree(right))) => (right, |names, _| names.1),
-            (_, Some(_)) => (left, |names, _| names.1),
-            _ => (left, |names, side| names.0[side]),
+        let tree = match right {
+            Some(Source::Tree(right)) if side == 1 => right,
+            _ => left,
         };
-        lens(tree, |of| names(of, side))
+        lens(tree, |names| if right.is_some() { names.1 } else { names.0[side] })
     };
     Ok([of(0)?, of(1)?])
 }

@@ -252,7 +252,7 @@ struct Flow {
 enum Matcher {
     Streams(Box<Streams>),
     /// With the result of the pair that was pushed.
-    Reference(Params, Option<Matched>),
+    Reference(Box<Params>, Option<Matched>),
 }
 
 /// A stream for each kind of samples, so that kernels are compiled once. The last one is in use.
@@ -317,7 +317,7 @@ impl Flow {
         let names = engine.names();
         let params = setup.params.clone();
         let matcher = match engine {
-            Engine::Reference => Matcher::Reference(params, None),
+            Engine::Reference => Matcher::Reference(Box::new(params), None),
             Engine::Adapter(on) => {
                 let OnAdapter { opened, matcher } = *on;
                 let stream = StereoStream::new(matcher, setup.in_flight);
