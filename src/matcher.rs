@@ -442,7 +442,8 @@ impl StereoMatcher {
         match [left, right].into_iter().find(|i| (i.width(), i.height(), i.format()) != (width, height, format)) {
             None => Ok(()),
             Some(image) => Err(Error::Image(format!(
-                "an image is {}x{} in {:?}, but the matcher was made for {width}x{height} in {format:?}; make another one,                  or resize this one",
+                "an image is {}x{} in {:?}, but the matcher was made for {width}x{height} in {format:?}; resize \
+                 it, or make another one",
                 image.width(),
                 image.height(),
                 image.format(),

@@ -324,8 +324,8 @@ LEFT and RIGHT are each
   a folder: its images in natural order (frame2 before frame10);
   a printf pattern such as img_%06d.png: from the first number that exists to the first that does not; or
   a glob such as 'left/*.png', in quotes, in natural order.
-All pairs have one size. What fails is told, the rest goes on, and the exit code is 1. Without --resume, files that are
-there are replaced, as those of a single run are.
+All pairs have one size. What fails is told, the rest goes on, and the exit code is 1.
+Without --resume, files that are there are replaced, as those of a single run are.
 
 Examples:
   gpu-stereo video left right -o maps --disp 64

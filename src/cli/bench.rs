@@ -17,6 +17,7 @@ use gpu_stereo::{DisparityMap, Image, Params};
 use image::RgbImage;
 use image::imageops::{self, FilterType};
 use serde::Serialize;
+use std::collections::BTreeSet;
 use std::fmt::Write as _;
 use std::path::{Path, PathBuf};
 
@@ -55,6 +56,15 @@ pub fn resolve(args: BenchArgs) -> Result<Bench> {
     } else {
         study::named(&args.variants, &common)?
     };
+    for (i, variant) in variants.iter().enumerate() {
+        if let Some(other) = variants[..i].iter().find(|other| other.params == variant.params) {
+            bail!(
+                "--variants has {:?} and {:?}, which are the same settings; name them once",
+                other.label,
+                variant.label
+            );
+        }
+    }
     resolve::tell_unused(
         &variants
             .iter()
@@ -64,6 +74,10 @@ pub fn resolve(args: BenchArgs) -> Result<Bench> {
     resolve::ensure_adapter(&args.device)?;
     let repeat = args.repeat.as_ref().map(resolve::repeat).transpose()?;
     let mut scenes = args.layout.scenes(&args.dataset)?;
+    let mut labels = BTreeSet::new();
+    if let Some(label) = scenes.iter().map(Scene::label).find(|label| !labels.insert(label.clone())) {
+        bail!("the data set has the scene {label:?} twice; each SET/NAME may be there once");
+    }
     let found = scenes.len();
     scenes.retain(|scene| args.only.is_empty() || args.only.iter().any(|part| scene.label().contains(part)));
     ensure!(

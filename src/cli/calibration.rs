@@ -153,6 +153,9 @@ impl Source {
         if text.lines().any(projection) {
             return kitti_lines(text).map(Self::Kitti);
         }
+        if let Some(values) = kitti_unnamed(text) {
+            return Ok(Self::Kitti(values));
+        }
         yaml(text).map(Self::Tree)
     }
 
@@ -239,6 +242,17 @@ fn middlebury(values: &BTreeMap<String, String>, reading: Reading) -> Result<Cal
         _ => None,
     };
     Ok(Calibration { camera, size, lenses: None })
+}
+
+/// Nothing but lines of 12 numbers: the matrices from P0 on, without their names.
+fn kitti_unnamed(text: &str) -> Option<BTreeMap<String, Vec<f64>>> {
+    let matrix = |line: &str| {
+        let numbers: Vec<f64> = line.split_whitespace().map(|word| number(word).ok()).collect::<Option<_>>()?;
+        (numbers.len() == 12).then_some(numbers)
+    };
+    let lines: Vec<_> = text.lines().filter(|line| !line.trim().is_empty()).map(matrix).collect::<Option<_>>()?;
+    let named = lines.into_iter().enumerate().map(|(camera, numbers)| (format!("P{camera}"), numbers));
+    Some(named.collect())
 }
 
 fn kitti_lines(text: &str) -> Result<BTreeMap<String, Vec<f64>>> {
@@ -434,6 +448,11 @@ fn is_camera_info(tree: &Tree) -> bool {
     PROJECTION.1.iter().any(|name| tree.contains_key(*name) || tree.contains_key(&format!("{name}.data")))
 }
 
+/// The size of an image in words.
+fn pixels_of(size: Option<[u32; 2]>) -> String {
+    size.map_or("no size".into(), |[width, height]| format!("{width}x{height} pixels"))
+}
+
 /// Two files of ROS: `projection_matrix`, or `P`.
 fn pair_of_files(left: &Source, right: &Source, reading: Reading) -> Result<Calibration> {
     let (Source::Tree(left), Source::Tree(right)) = (left, right) else {
@@ -442,7 +461,9 @@ fn pair_of_files(left: &Source, right: &Source, reading: Reading) -> Result<Cali
     let [left_size, right_size] = [size_of(left)?, size_of(right)?];
     ensure!(
         left_size == right_size,
-        "the left camera has {left_size:?} pixels and the right one {right_size:?}; take two calibrations of one size"
+        "the left camera has {} and the right one {}; take two calibrations of one size",
+        pixels_of(left_size),
+        pixels_of(right_size)
     );
     let projection = |tree| {
         matrix(tree, PROJECTION.1, &[(3, 4)])?
@@ -589,6 +610,15 @@ mod tests {
         "image_width: 67\nimage_height: 31\nprojection_matrix:\n  rows: 3\n  cols: 4\n  data: [100.0, 0.0, 33, 0, 0.0, 100.0, \
          15.5, 0.0, 0.0, 0.0, 1.0, 0.0]\n",
     ];
+
+    /// KITTI's matrices as some pass them on, without their names.
+    #[test]
+    fn lines_of_twelve_numbers_are_p0_and_p1() {
+        let text = "1e2 0 33 0 0 1e2 15.5 0 0 0 1 0\n1e2 0 33 -45 0 1e2 15.5 0 0 0 1 0";
+        let camera = Source::parse(text.as_bytes()).unwrap().calibration(Reading::default()).unwrap().camera;
+        assert_eq!((camera.focal, camera.baseline, camera.cx, camera.cy), (100.0, 0.45, 33.0, 15.5));
+        assert!(Source::parse(b"1e2 0 33 0 0 1e2 15.5 0 0 0 1\n").is_err());
+    }
 
     #[test]
     fn nested_namespaces_are_refused_at_once() {

@@ -4,12 +4,16 @@ use crate::output::Output;
 use anyhow::{Context as _, Result, bail, ensure};
 use gpu_stereo::Params;
 use serde_json::{Map, Value};
+use std::collections::BTreeSet;
 use std::fs::{self, File, OpenOptions};
 use std::io::{ErrorKind, Read as _, Seek as _, SeekFrom, Write as _};
 use std::path::{Path, PathBuf};
 
 /// The file's name.
 const NAME: &str = "gpu-stereo.json";
+
+/// Where it lists the names of the files that go when others are made in the folder.
+const FILES: &str = "files";
 
 /// A file's bytes while nobody writes it.
 pub fn read_shared(path: &Path) -> std::io::Result<Vec<u8>> {
@@ -83,7 +87,7 @@ impl Record {
             Some(other) => other.to_string(),
             None => "not known".into(),
         };
-        let others = there.keys().filter(|name| !self.made_with.contains_key(*name));
+        let others = there.keys().filter(|name| !self.made_with.contains_key(*name) && *name != FILES);
         let names = self.made_with.keys().chain(others);
         let differing = names
             .filter(|name| there.get(*name) != self.made_with.get(*name))
@@ -113,41 +117,68 @@ impl Record {
         Ok(Found::Same)
     }
 
-    /// Says that the folder's maps are made with this from now on. Maps of `outputs` that were made with anything else go,
-    /// or an interrupted run would leave both kinds.
+    /// Says that the folder's maps are made with this from now on, `outputs` among them. Maps that were made with anything
+    /// else go, those that the record lists and those of `outputs`: or an interrupted run would leave both kinds.
     ///
     /// Other processes may do so at once: the first one locks out the rest.
-    pub fn begin<'a>(&self, mut outputs: impl Iterator<Item = &'a Output>) -> Result<()> {
-        let remove = |output: &Output| match fs::remove_file(&output.path) {
-            Err(error) if error.kind() != ErrorKind::NotFound && !output.path.is_dir() => Err(error),
-            _ => Ok(()),
+    pub fn begin<'a>(&self, outputs: impl Iterator<Item = &'a Output>) -> Result<()> {
+        let name = |output: &Output| output.path.file_name().map(|name| name.to_string_lossy().into_owned());
+        let names: BTreeSet<String> = outputs.filter_map(name).collect();
+        let folder = self.path.parent().unwrap_or(Path::new(""));
+        let remove = |name: &String| {
+            let path = folder.join(name);
+            match fs::remove_file(&path) {
+                Err(error) if error.kind() != ErrorKind::NotFound && !path.is_dir() => Err(error),
+                _ => Ok(()),
+            }
         };
-        self.write(|bytes| Ok(self.found(bytes).unwrap_or(Found::Nothing)), || outputs.try_for_each(remove))
+        let found = |bytes: &[u8]| Ok(self.found(bytes).unwrap_or(Found::Nothing));
+        self.write(found, |listed| listed.union(&names).try_for_each(remove), &names)
     }
 
-    /// As [`Record::begin`], but maps that were made with anything else are an error. `first`: what to do if there are none.
+    /// As [`Record::begin`], but maps that were made with anything else are an error, and none are listed. `first`: what to do
+    /// if there are none.
     pub fn join(&self, first: impl FnOnce() -> std::io::Result<()>) -> Result<()> {
-        self.write(|bytes| self.found(bytes), first)
+        self.write(|bytes| self.found(bytes), |_| first(), &BTreeSet::new())
     }
 
     fn write(
         &self,
         found: impl Fn(&[u8]) -> Result<Found>,
-        before: impl FnOnce() -> std::io::Result<()>,
+        before: impl FnOnce(&BTreeSet<String>) -> std::io::Result<()>,
+        names: &BTreeSet<String>,
     ) -> Result<()> {
         let file = OpenOptions::new().read(true).write(true).create(true).truncate(false).open(&self.path);
         let mut lock = fd_lock::RwLock::new(file.with_context(|| format!("{:?} cannot be written", self.path))?);
         let mut file = lock.write().with_context(|| format!("{:?} cannot be locked", self.path))?;
         let mut bytes = Vec::new();
         file.read_to_end(&mut bytes)?;
-        if found(&bytes)? == Found::Same {
+        let mut listed = listed(&bytes);
+        let same = found(&bytes)? == Found::Same;
+        if same && names.is_subset(&listed) {
             return Ok(());
         }
         // Empty, it vouches for nothing, should the process end here.
         file.set_len(0)?;
-        before()?;
+        if !same {
+            before(&listed)?;
+            listed.clear();
+        }
+        listed.extend(names.iter().cloned());
+        let mut record = self.made_with.clone();
+        if !listed.is_empty() {
+            record.insert(FILES.into(), listed.into_iter().collect());
+        }
         file.seek(SeekFrom::Start(0))?;
-        file.write_all((serde_json::to_string_pretty(&self.made_with)? + "\n").as_bytes())?;
+        file.write_all((serde_json::to_string_pretty(&record)? + "\n").as_bytes())?;
         Ok(())
     }
+}
+
+/// The files that a record lists: plain names, or somebody else wrote it.
+fn listed(record: &[u8]) -> BTreeSet<String> {
+    let record: Map<String, Value> = serde_json::from_slice(record).unwrap_or_default();
+    let names = record.get(FILES).and_then(Value::as_array).into_iter().flatten().filter_map(Value::as_str);
+    let plain = |name: &&str| Path::new(name).file_name().is_some_and(|last| last == *name);
+    names.filter(plain).map(Into::into).collect()
 }

@@ -48,6 +48,9 @@ struct Files {
     begun: OnceLock<Result<(), String>>,
 }
 
+/// Endings of videos that are not written.
+const OTHER_FILMS: [&str; 9] = ["avi", "mov", "gif", "m4v", "mpg", "mpeg", "wmv", "flv", "ogv"];
+
 /// Checks everything that can be checked without reading an image or opening a device.
 pub fn resolve(args: VideoArgs) -> Result<Video> {
     let [left, right] = &args.sides[..] else {
@@ -79,6 +82,11 @@ pub fn resolve(args: VideoArgs) -> Result<Video> {
         );
         Sink::Film(Film::new(&args.output, fps, output::searched(&params))?)
     } else {
+        ensure!(
+            !OTHER_FILMS.contains(&output::ending(&args.output).as_str()) || args.output.is_dir(),
+            "output {:?} looks like a video, but .mp4, .mkv and .webm are written; take one of these, or a folder",
+            args.output
+        );
         ensure!(
             args.fps.is_none(),
             "--fps is for a video, but output {:?} is none; drop it, or give a name that ends in .mp4, .mkv or .webm",
