@@ -305,9 +305,9 @@ fn what_is_there_is_kept_only_if_it_was_made_with_the_same_settings() {
 fn maps_of_another_source_go_too() {
     let folder = frames(&NATURAL);
     let at = |name: &str| folder.path().join(name);
-    for side in ["left", "right"] {
+    for (side, name) in [("left", "f1.png"), ("right", "a_1.png")] {
         fs::create_dir(at(&format!("other_{side}"))).unwrap();
-        fs::copy(at(&format!("{side}/f1.png")), at(&format!("other_{side}/f1.png"))).unwrap();
+        fs::copy(at(side).join(name), at(&format!("other_{side}")).join(name)).unwrap();
     }
     succeeds(folder.path(), &video("maps", &[]));
     succeeds(folder.path(), &of("other_left", "other_right", "maps", &[]));

@@ -202,6 +202,7 @@ fn program() -> PathBuf {
 
 fn command(display: &str, arguments: &[&str]) -> Command {
     let mut command = Command::new(program());
+    command.env("NODEVICE_SELECT", "1"); // Mesa's layer writes on stderr where there is no desktop session
     command.args(arguments).env("DISPLAY", display).env_remove("WAYLAND_DISPLAY").env_remove("WAYLAND_SOCKET");
     command.stdin(Stdio::null()).stdout(Stdio::piped()).stderr(Stdio::piped());
     command
