@@ -845,7 +845,7 @@ const MUTANTS: &[Mutant] = &[
     mutant("confidence", "frame.map_words / 4u", "0u", confidence),
     mutant("confidence", "vec4(0u), values ==", "vec4(1u), values ==", confidence),
     mutant("rectify", "+ 32768u", "+ 32000u", rectify),
-    mutant("rectify", "x < i32(frame.width)", "x <= i32(frame.width)", rectify),
+    mutant("rectify", "x < i32(frame.width)", "x < i32(frame.width) - 9", rectify),
     mutant("rectify", "at.x + 1, at.y + 1", "at.x, at.y + 1", rectify),
     mutant("rectify", "position & vec2(255)", "position & vec2(247)", rectify),
     mutant("depth", "depth_low >> (31u - i)", "depth_low >> i", depth),
