@@ -51,16 +51,7 @@ fn a_frame_after_the_first_makes_nothing() {
     let mut params = Params::sgm(16);
     params.confidence = true;
     let texture = |format, usage| {
-        let texture = device.create_texture(&wgpu::TextureDescriptor {
-            label: None,
-            size: wgpu::Extent3d { width, height, depth_or_array_layers: 1 },
-            mip_level_count: 1,
-            sample_count: 1,
-            dimension: wgpu::TextureDimension::D2,
-            format,
-            usage,
-            view_formats: &[],
-        });
+        let texture = support::texture(&device, (width, height), format, usage);
         texture.create_view(&wgpu::TextureViewDescriptor::default())
     };
     // Three pairs in turn, as the pictures of a camera come.

@@ -31,18 +31,8 @@ fn devices() -> Vec<Gpu> {
 }
 
 impl Gpu {
-    fn texture(&self, (width, height): (u32, u32), format: TextureFormat, usage: TextureUsages) -> wgpu::Texture {
-        let view_formats = [format.add_srgb_suffix(), format.remove_srgb_suffix()];
-        self.device.create_texture(&wgpu::TextureDescriptor {
-            label: None,
-            size: wgpu::Extent3d { width, height, depth_or_array_layers: 1 },
-            mip_level_count: 1,
-            sample_count: 1,
-            dimension: wgpu::TextureDimension::D2,
-            format,
-            usage,
-            view_formats: &view_formats,
-        })
+    fn texture(&self, size: (u32, u32), format: TextureFormat, usage: TextureUsages) -> wgpu::Texture {
+        support::texture(&self.device, size, format, usage)
     }
 
     /// A texture of an image's bytes.

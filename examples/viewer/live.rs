@@ -9,6 +9,7 @@ use std::time::Instant;
 use gpu_stereo::{Error, Inputs, Matched, Outputs, Params, Reading, StereoMatcher, wgpu};
 
 use crate::files::{self, Pair, Paths};
+use crate::points;
 
 /// What is to be matched.
 #[derive(Clone, PartialEq)]
@@ -223,17 +224,7 @@ impl Textures {
             return Err(Error::Image(told));
         }
         let texture = |label, format, more| {
-            let descriptor = wgpu::TextureDescriptor {
-                label: Some(label),
-                size: wgpu::Extent3d { width, height, depth_or_array_layers: 1 },
-                mip_level_count: 1,
-                sample_count: 1,
-                dimension: wgpu::TextureDimension::D2,
-                format,
-                usage: wgpu::TextureUsages::TEXTURE_BINDING | more,
-                view_formats: &[],
-            };
-            device.create_texture(&descriptor).create_view(&wgpu::TextureViewDescriptor::default())
+            points::texture(device, label, [width, height], format, wgpu::TextureUsages::TEXTURE_BINDING | more)
         };
         use wgpu::{TextureFormat as Format, TextureUsages as Usage};
         Ok(Self {

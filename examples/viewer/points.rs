@@ -115,10 +115,9 @@ impl Points {
         }
         let (colour, depth) = self.target.get_or_insert_with(|| {
             use wgpu::{TextureFormat as Format, TextureUsages as Usage};
-            (
-                target(device, scene.picture, Format::Rgba8Unorm, Usage::TEXTURE_BINDING),
-                target(device, scene.picture, DEPTH, Usage::empty()),
-            )
+            let target =
+                |format, more| texture(device, "viewer.points", scene.picture, format, Usage::RENDER_ATTACHMENT | more);
+            (target(Format::Rgba8Unorm, Usage::TEXTURE_BINDING), target(DEPTH, Usage::empty()))
         });
         if again {
             queue.write_buffer(&self.view, 0, &uniform(&scene));
@@ -169,20 +168,22 @@ impl Points {
     }
 }
 
-fn target(
+/// A view of a texture of the viewer's own.
+pub fn texture(
     device: &wgpu::Device,
+    label: &str,
     [width, height]: [u32; 2],
     format: wgpu::TextureFormat,
-    more: wgpu::TextureUsages,
+    usage: wgpu::TextureUsages,
 ) -> wgpu::TextureView {
     let texture = device.create_texture(&wgpu::TextureDescriptor {
-        label: Some("viewer.points"),
+        label: Some(label),
         size: wgpu::Extent3d { width, height, depth_or_array_layers: 1 },
         mip_level_count: 1,
         sample_count: 1,
         dimension: wgpu::TextureDimension::D2,
         format,
-        usage: wgpu::TextureUsages::RENDER_ATTACHMENT | more,
+        usage,
         view_formats: &[],
     });
     texture.create_view(&wgpu::TextureViewDescriptor::default())

@@ -202,3 +202,22 @@ pub fn lenses(width: u32, height: u32) -> [gpu_stereo::Lens; 2] {
     };
     [left, right]
 }
+
+/// A texture of the caller's, whose views may be with sRGB or without.
+pub fn texture(
+    device: &wgpu::Device,
+    (width, height): (u32, u32),
+    format: wgpu::TextureFormat,
+    usage: wgpu::TextureUsages,
+) -> wgpu::Texture {
+    device.create_texture(&wgpu::TextureDescriptor {
+        label: None,
+        size: wgpu::Extent3d { width, height, depth_or_array_layers: 1 },
+        mip_level_count: 1,
+        sample_count: 1,
+        dimension: wgpu::TextureDimension::D2,
+        format,
+        usage,
+        view_formats: &[format.add_srgb_suffix(), format.remove_srgb_suffix()],
+    })
+}
