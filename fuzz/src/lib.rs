@@ -26,14 +26,14 @@ pub use rectification::{Lens, Rectification};
 pub mod calibration;
 #[path = "../../src/cli/input.rs"]
 pub mod input;
-#[path = "../../src/cli/line.rs"]
-mod line;
 #[path = "../../src/cli/list.rs"]
 pub mod list;
 #[path = "../../src/cli/maps.rs"]
 pub mod maps;
 #[path = "../../src/cli/stereo_rectify.rs"]
 mod stereo_rectify;
+#[path = "../../src/cli/terminal/text.rs"]
+mod text;
 
 use calibration::{Calibration, Pair, Reading, Source, Unit};
 use evaluation::FloatMap;
@@ -44,9 +44,9 @@ use std::path::{Component, Path};
 
 /// The command prints an error in one line, whatever text is in the file.
 fn told(error: &anyhow::Error) {
-    let text = line::one_line(&format!("{error:#}"));
+    let text = text::one_line(&format!("{error:#}"));
     assert!(!text.trim().is_empty());
-    assert!(text.chars().count() <= line::MOST && !text.contains(char::is_control), "{text:?}");
+    assert!(text.chars().count() <= text::MOST && !text.contains(text::is_obeyed), "{text:?}");
 }
 
 /// A file that begins as one of `kinds`, as a map. The first byte selects the kind and what is asked beside the file.

@@ -1,5 +1,6 @@
 //! Adapters: which there are, which is meant, and a device on one.
 
+use crate::plain;
 use anyhow::{Result, bail};
 use gpu_stereo::wgpu::{self, AdapterInfo, Backends, DeviceType};
 use gpu_stereo::{Error, StereoMatcher};
@@ -84,7 +85,7 @@ pub fn choose(names: &[String], wanted: &str) -> Result<usize> {
     if names.is_empty() {
         bail!("--adapter is {wanted:?}, but there is no adapter; install a Vulkan driver, or take --backend cpu");
     }
-    let known: Vec<_> = names.iter().enumerate().map(|(index, name)| format!("{index} ({name})")).collect();
+    let known: Vec<_> = names.iter().enumerate().map(|(index, name)| format!("{index} ({})", plain(name))).collect();
     bail!("--adapter is {wanted:?}, but the adapters are {}; take one of these, by index or name", known.join(", "))
 }
 
@@ -109,7 +110,7 @@ pub fn open(adapter: &wgpu::Adapter) -> Result<Opened, Error> {
         ..Default::default()
     };
     let (device, queue) = pollster::block_on(adapter.request_device(&descriptor))
-        .map_err(|error| Error::Adapter(format!("{} cannot be opened: {error}", adapter.get_info().name)))?;
+        .map_err(|error| Error::Adapter(format!("{} cannot be opened: {error}", plain(&adapter.get_info().name))))?;
     let fault = Arc::new(Mutex::new(None));
     let note = |fault: &Arc<Mutex<Option<String>>>| {
         let fault = Arc::clone(fault);

@@ -6,6 +6,7 @@ use crate::log::{Line, Log};
 use crate::output::{self, Output};
 use crate::pipeline::{self, Frame, Pair, Ran, Refused, Setup};
 use crate::record::{Found, Record};
+use crate::terminal::{self, name, plain};
 use crate::{Outcome, pairs, report, resolve};
 use anyhow::{Context as _, Result, anyhow, bail};
 use gpu_stereo::Params;
@@ -187,9 +188,9 @@ impl Batch {
         let any_failed = !ran.failed.is_empty();
         let summary = self.summary(ran);
         if self.json {
-            report::to_stdout(&(serde_json::to_string(&summary)? + "\n"))?;
+            terminal::print_json(&summary)?;
         } else if !self.quiet {
-            report::to_stdout(&self.text(&summary)?)?;
+            terminal::print(&self.text(&summary)?)?;
         }
         Ok(if any_failed { Outcome::FramesFailed } else { Outcome::Done })
     }
@@ -234,14 +235,14 @@ impl Batch {
             pairs_per_second: round(ran.done as f64 / ran.seconds.max(1e-9)),
             peak_device_bytes: ran.device_bytes,
             failures: failed.collect(),
-            output: self.output.to_string_lossy().into_owned(),
+            output: self.output.clone(),
         }
     }
 
     fn text(&self, summary: &Summary) -> Result<String> {
         let mut text = String::new();
         if let (Some(adapter), Some(backend), Some(driver)) = (&summary.adapter, &summary.backend, &summary.driver) {
-            writeln!(text, "adapter  {adapter} ({backend}, {driver})")?;
+            writeln!(text, "adapter  {}", plain(&format!("{adapter} ({backend}, {driver})")))?;
         }
         let (first, last) = output::searched(&self.params);
         writeln!(text, "range    {} disparities, {first} to {last} px", summary.disparities)?;
@@ -250,9 +251,12 @@ impl Batch {
         }
         writeln!(text, "pairs    {} done, {} failed, {} there already", summary.done, summary.failed, summary.skipped)?;
         writeln!(text, "time     {:.1} s, {:.1} pairs a second", summary.seconds, summary.pairs_per_second)?;
-        writeln!(text, "written  {}", if summary.done == 0 { "nothing" } else { &summary.output })?;
+        match summary.done {
+            0 => text += "written  nothing\n",
+            _ => writeln!(text, "written  {}", name(&summary.output))?,
+        }
         if summary.failed > 0 {
-            writeln!(text, "failed   {}", self.failures.path.display())?;
+            writeln!(text, "failed   {}", name(&self.failures.path))?;
         }
         Ok(text)
     }
@@ -278,5 +282,6 @@ struct Summary {
     pairs_per_second: f64,
     peak_device_bytes: u64,
     failures: Vec<Line>,
-    output: String,
+    #[serde(serialize_with = "report::path")]
+    output: PathBuf,
 }

@@ -3,6 +3,7 @@
 use crate::adapter;
 use crate::args::{Backend, BenchArgs, DeviceArgs};
 use crate::evaluate::{Evaluation, Truth, percent, pixels};
+use crate::input;
 use crate::layout::{Layout, Scene};
 use crate::output::{self, Format};
 use crate::progress::Progress;
@@ -10,7 +11,7 @@ use crate::report::{self, FrameMs};
 use crate::resolve;
 use crate::run::Engine;
 use crate::study::{self, Variant};
-use crate::{input, one_line};
+use crate::terminal::{self, name, one_line, plain};
 use anyhow::{Result, bail, ensure};
 use gpu_stereo::evaluation::{FloatMap, Scores};
 use gpu_stereo::{DisparityMap, Image, Params};
@@ -76,7 +77,7 @@ pub fn resolve(args: BenchArgs) -> Result<Bench> {
     let mut scenes = args.layout.scenes(&args.dataset)?;
     let mut labels = BTreeSet::new();
     if let Some(label) = scenes.iter().map(Scene::label).find(|label| !labels.insert(label.clone())) {
-        bail!("the data set has the scene {label:?} twice; each SET/NAME may be there once");
+        bail!("the data set has the scene {:?} twice; each SET/NAME may be there once", name(&label));
     }
     let found = scenes.len();
     scenes.retain(|scene| args.only.is_empty() || args.only.iter().any(|part| scene.label().contains(part)));
@@ -84,7 +85,7 @@ pub fn resolve(args: BenchArgs) -> Result<Bench> {
         !scenes.is_empty(),
         "--only is {:?}, but none of the {found} scenes has it in SET/NAME, such as {}; give a part of one",
         args.only.join(" "),
-        args.layout.scenes(&args.dataset)?.first().map(Scene::label).unwrap_or_default()
+        name(&args.layout.scenes(&args.dataset)?.first().map(Scene::label).unwrap_or_default())
     );
     let submission = args.submission.map(|folder| {
         ensure!(
@@ -211,21 +212,21 @@ impl Bench {
                 let (scene, variant) = (scene.label(), variant.map(|variant| variant.label.clone()));
                 let error = one_line(&format!("{error:#}"));
                 let of = variant.iter().map(|variant| format!(", {variant}")).collect::<String>();
-                progress.tell(&format!("failed: {scene}{of}: {error}"));
+                progress.tell(&format!("failed: {}{}: {error}", name(&scene), plain(&of)));
                 found.failures.push(Failure { scene, variant, error });
             };
             let loaded = match load(scene) {
                 Ok(loaded) => loaded,
                 Err(error) => {
                     fail(None, error);
-                    self.variants.iter().for_each(|_| progress.done(&scene.label()));
+                    self.variants.iter().for_each(|_| progress.done(&name(&scene.label()).to_string()));
                     continue;
                 }
             };
             for variant in &self.variants {
                 let result = self.compute(&mut engine, scene, &loaded, variant);
                 names = names.or_else(|| engine.as_ref().map(Engine::names));
-                let told = format!("{}, {}", scene.label(), variant.label);
+                let told = format!("{}, {}", name(&scene.label()), plain(&variant.label));
                 let done = result.and_then(|(params, map, mut result)| {
                     result.score(&loaded, &(&map).into())?;
                     if let Some(submission) = &self.submission {
@@ -253,10 +254,10 @@ impl Bench {
             pictures.write_report(folder, &found)?;
         }
         if self.json {
-            report::to_stdout(&(serde_json::to_string(&found)? + "\n"))?;
+            terminal::print_json(&found)?;
         } else if !self.quiet {
             let set_table = set_table(&found.sets);
-            report::to_stdout(&format!("{}{}{set_table}", scene_table(&found.scenes), separator(&set_table)))?;
+            terminal::print(&format!("{}{}{set_table}", scene_table(&found.scenes), separator(&set_table)))?;
         }
         Ok(found.failures.is_empty())
     }
@@ -535,7 +536,7 @@ impl Pictures {
     /// Writes report.md and results.json.
     fn write_report(&self, folder: &Path, found: &Found) -> Result<()> {
         let mut text = String::from("# Scores of a data set\n\n");
-        writeln!(text, "{}, {} ({}).\n", found.adapter, found.backend, found.driver)?;
+        writeln!(text, "{}\n", escaped(&format!("{}, {} ({}).", found.adapter, found.backend, found.driver)))?;
         text += "Figures are defined in docs/EVALUATION.md; ms are of a frame: upload, kernels, readback. \"noc\" is without \
                  occluded pixels. \"pooled\" is over the pixels of all scenes together, the others are means of the scenes.\n";
         if !found.failures.is_empty() {
@@ -553,10 +554,7 @@ impl Pictures {
         text += "\n## Pictures\n\nTurbo colours over the range searched: red is near, blue is far, black is unknown or invalid. \
                  Errors in KITTI's colours, holes filled: blue up to 3 px or 5 %, then yellow to red; half as bright where occluded.\n";
         text += &self.text;
-        output::write_in_folder(
-            &folder.join("results.json"),
-            (serde_json::to_string_pretty(found)? + "\n").as_bytes(),
-        )?;
+        output::write_in_folder(&folder.join("results.json"), terminal::pretty_json(found)?.as_bytes())?;
         output::write_in_folder(&folder.join("report.md"), text.as_bytes())
     }
 }
@@ -587,7 +585,20 @@ fn scaled(picture: &RgbImage) -> RgbImage {
     imageops::resize(picture, PICTURE, height, FilterType::Triangle)
 }
 
-/// A text in a cell of a Markdown table.
+/// A text in a line or a cell of Markdown, as it is.
 fn escaped(text: &str) -> String {
-    text.replace('\\', "\\\\").replace('|', "\\|").replace('_', "\\_").replace('*', "\\*").replace('<', "&lt;")
+    let mut escaped = String::new();
+    for c in plain(text).chars() {
+        match c {
+            '&' => escaped += "&amp;",
+            '<' => escaped += "&lt;",
+            _ => {
+                if "\\`*_[]|#".contains(c) {
+                    escaped.push('\\');
+                }
+                escaped.push(c);
+            }
+        }
+    }
+    escaped
 }

@@ -3,7 +3,7 @@
 use crate::args::{EvalArgs, TruthOptions};
 use crate::maps::{self, Encoding};
 use crate::output::{self, Output, SheetFormat};
-use crate::report;
+use crate::{report, terminal};
 use anyhow::{Context as _, Result, bail, ensure};
 use gpu_stereo::evaluation::{self, FloatMap, Scores};
 use image::{Rgb, RgbImage};
@@ -255,10 +255,10 @@ impl Eval {
             output::write_sheet(&self.error_map, &truth.error_picture(&estimate)?)?;
         }
         if !self.json {
-            return report::to_stdout(&evaluation.table());
+            return terminal::print(&evaluation.table());
         }
         let outputs = self.error_map.iter().map(|output| output.path.clone()).collect();
         let found = Found { width: estimate.width(), height: estimate.height(), evaluation, outputs };
-        report::to_stdout(&(serde_json::to_string(&found)? + "\n"))
+        terminal::print_json(&found)
     }
 }

@@ -269,7 +269,8 @@ fn manifest(dataset: &Path) -> Result<Vec<Scene>> {
         serde_json::from_slice(&bytes).with_context(|| format!("{path:?} is no list of scenes; mend it"))?;
     let mut scenes = Vec::new();
     for entry in entries {
-        let name = format!("{}/{}", entry.set, entry.scene);
+        let label = format!("{}/{}", entry.set, entry.scene);
+        let name = crate::name(&label);
         if let Some(scale) = entry.gt_scale
             && !(scale > 0.0 && scale.is_finite())
         {

@@ -3,6 +3,7 @@
 use crate::list::absolute;
 use crate::pipeline::Pair;
 use crate::record::read_shared;
+use crate::terminal;
 use anyhow::{Context as _, Result};
 use serde::{Deserialize, Serialize};
 use std::fs::{self, OpenOptions};
@@ -42,7 +43,7 @@ impl Log {
     /// Adds a whole line.
     pub fn append(&self, line: &Line) -> Result<()> {
         let add = || -> Result<()> {
-            let mut text = serde_json::to_string(line)? + "\n";
+            let mut text = terminal::json(line)? + "\n";
             let file = OpenOptions::new().read(true).append(true).create(true).open(&self.path)?;
             let mut lock = fd_lock::RwLock::new(file);
             let mut file = lock.write()?;

@@ -14,7 +14,6 @@ mod evaluate;
 mod film;
 mod input;
 mod layout;
-mod line;
 mod list;
 mod log;
 mod maps;
@@ -29,13 +28,13 @@ mod run;
 mod sheet;
 mod stereo_rectify;
 mod study;
+mod terminal;
 mod video;
 
 use args::Verb;
-use line::one_line;
-use std::io::Write as _;
 use std::panic::{AssertUnwindSafe, catch_unwind, set_hook};
 use std::process::ExitCode;
+use terminal::{name, one_line, plain, tell};
 
 /// How a run that did not fail ended.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -54,7 +53,7 @@ fn main() -> ExitCode {
         let text = payload.downcast_ref::<&str>().copied();
         let text = text.or_else(|| payload.downcast_ref::<String>().map(String::as_str));
         let text = text.unwrap_or("something that should not happen did");
-        tell(&format!("error: {}{place}; this is a bug, please report it", one_line(text)));
+        tell(&format!("error: {text}{place}; this is a bug, please report it"));
     }));
     let args = match args::parse() {
         Ok(args) => args,
@@ -110,11 +109,6 @@ fn exit_code(result: &anyhow::Result<Outcome>) -> u8 {
 /// An error with all its causes in one line.
 fn error_line(error: &anyhow::Error) -> String {
     format!("error: {}", one_line(&format!("{error:#}")))
-}
-
-/// A message on stderr. That stderr is closed is no reason to stop.
-fn tell(message: &str) {
-    let _ = writeln!(std::io::stderr(), "{message}");
 }
 
 #[cfg(test)]

@@ -4,7 +4,7 @@
 use crate::adapter::Opened;
 use crate::args::{DeviceArgs, Whole};
 use crate::run::{self, Engine, OnAdapter};
-use crate::{input, tell};
+use crate::{input, name, tell};
 use anyhow::{Context as _, Result, anyhow};
 use gpu_stereo::{Error, Image, Matched, Params, PixelFormat, StereoMatcher, StereoStream, reference};
 use indicatif::{ProgressBar, ProgressFinish, ProgressStyle};
@@ -450,7 +450,7 @@ impl<'a> Tally<'a> {
         let frame = self.pairs[place].left.to_string_lossy().into_owned();
         let error = crate::one_line(&format!("{error:#}"));
         let mut counts = self.counts();
-        self.bar.suspend(|| tell(&format!("failed: {frame}: {error}")));
+        self.bar.suspend(|| tell(&format!("failed: {}: {error}", name(&self.pairs[place].left))));
         if let Err(error) = (self.note)(place, &error) {
             counts.ran.stopped.get_or_insert(error);
         }

@@ -1,6 +1,6 @@
 //! Progress: a bar on a terminal, a line for each piece of work elsewhere, both on stderr.
 
-use crate::tell;
+use crate::{plain, tell};
 use indicatif::{ProgressBar, ProgressFinish, ProgressStyle};
 
 /// How far a run is.
@@ -21,7 +21,7 @@ impl Progress {
 
     /// A piece begins.
     pub fn begin(&self, label: &str) {
-        self.bar.set_message(label.to_owned());
+        self.bar.set_message(plain(label));
     }
 
     /// The piece is done, and `told` is what came of it.

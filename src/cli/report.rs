@@ -3,13 +3,13 @@
 use crate::adapter;
 use crate::evaluate::Evaluation;
 use crate::resolve::Job;
-use anyhow::{Context as _, Result};
+use crate::terminal::{self, name, plain};
+use anyhow::Result;
 use comfy_table::{CellAlignment, Table, presets};
 use gpu_stereo::{StageCheck, StageTime, wgpu};
 use serde::{Serialize, Serializer};
 use std::fmt::Write as _;
-use std::io::{ErrorKind, Write as _};
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
 /// What a run found; `--json` prints it as it is.
 #[derive(Serialize)]
@@ -107,6 +107,11 @@ fn stages<S: Serializer>(stages: &[StageTime], serializer: S) -> Result<S::Ok, S
 }
 
 /// Paths need not be Unicode, JSON must.
+pub fn path<S: Serializer>(path: &Path, serializer: S) -> Result<S::Ok, S::Error> {
+    serializer.serialize_str(&path.to_string_lossy())
+}
+
+/// As [`path`].
 pub fn paths<S: Serializer>(paths: &[PathBuf], serializer: S) -> Result<S::Ok, S::Error> {
     serializer.collect_seq(paths.iter().map(|path| path.to_string_lossy()))
 }
@@ -120,7 +125,7 @@ impl Report {
     /// Prints what the job asked for.
     pub fn print(&self, job: &Job) -> Result<()> {
         if job.json {
-            return to_stdout(&(serde_json::to_string(self)? + "\n"));
+            return terminal::print_json(self);
         }
         let mut text = String::new();
         if !job.quiet {
@@ -141,18 +146,18 @@ impl Report {
         if !self.check_passed() {
             crate::tell("check failed: the adapter and the CPU reference differ; no file was written");
         }
-        to_stdout(&text)
+        terminal::print(&text)
     }
 
     fn summary(&self) -> Result<String> {
         let mut text = String::new();
-        writeln!(text, "adapter  {} ({}, {})", self.adapter, self.backend, self.driver)?;
+        writeln!(text, "adapter  {}", plain(&format!("{} ({}, {})", self.adapter, self.backend, self.driver)))?;
         writeln!(text, "size     {} x {}", self.width, self.height)?;
         let last = i64::from(self.min_disparity) + i64::from(self.disparities) - 1;
         writeln!(text, "range    {} disparities, {} to {last} px", self.disparities, self.min_disparity)?;
         writeln!(text, "valid    {:.1} %", 100.0 * self.valid)?;
         writeln!(text, "frame    {:.1} ms (first {:.1} ms)", self.frame_ms.median, self.first_frame_ms)?;
-        let outputs: Vec<_> = self.outputs.iter().map(|path| path.to_string_lossy()).collect();
+        let outputs: Vec<_> = self.outputs.iter().map(|path| name(path).to_string()).collect();
         writeln!(text, "written  {}", if outputs.is_empty() { "nothing".into() } else { outputs.join(", ") })?;
         Ok(text)
     }
@@ -212,10 +217,10 @@ pub fn list_adapters(adapters: &[wgpu::Adapter], json: bool) -> Result<()> {
         crate::tell("note: there is no adapter; install a Vulkan driver, or compute with --backend cpu");
     }
     if json {
-        return to_stdout(&(serde_json::to_string(&listed)? + "\n"));
+        return terminal::print_json(&listed);
     }
     let rows = listed.into_iter().map(|a| [a.index.to_string(), a.name, a.backend, a.driver, a.kind.to_owned()]);
-    to_stdout(&table(["index", "name", "backend", "driver", "kind"], rows, 0..0))
+    terminal::print(&table(["index", "name", "backend", "driver", "kind"], rows, 0..0))
 }
 
 /// A table whose columns in `numbers` are aligned to the right.
@@ -227,7 +232,7 @@ pub fn table<const N: usize>(
     let mut table = Table::new();
     table.load_style(presets::ASCII_MARKDOWN).set_header(header);
     for row in rows {
-        table.add_row(row);
+        table.add_row(row.map(|cell| plain(&cell)));
     }
     for column in numbers {
         if let Some(column) = table.column_mut(column) {
@@ -235,15 +240,4 @@ pub fn table<const N: usize>(
         }
     }
     format!("{table}\n")
-}
-
-/// Prints. A reader that has seen enough, such as `head`, is no error.
-pub fn to_stdout(text: &str) -> Result<()> {
-    let mut stdout = std::io::stdout().lock();
-    match stdout.write_all(text.as_bytes()).and_then(|()| stdout.flush()) {
-        Err(error) if error.kind() != ErrorKind::BrokenPipe => {
-            Err(error).context("stdout cannot be written; give it a file or a pipe with room")
-        }
-        _ => Ok(()),
-    }
 }

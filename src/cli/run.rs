@@ -137,7 +137,7 @@ impl Engine {
                 Ok(engine) => return Ok(engine),
                 // An adapter that cannot run the kernels at all is passed over, but not in silence.
                 Err(error @ (Error::Adapter(_) | Error::Device(_))) if !only => {
-                    crate::tell(&crate::one_line(&format!("note: {}: {error}", adapter.get_info().name)));
+                    crate::tell(&format!("note: {}: {error}", crate::plain(&adapter.get_info().name)));
                 }
                 Err(error) => return Err(error.into()),
             }

@@ -8,6 +8,7 @@ use crate::report::{self, FrameMs};
 use crate::resolve;
 use crate::run::Engine;
 use crate::sheet::{Layout, Order, Sheet};
+use crate::terminal;
 use anyhow::{Context as _, Result, bail, ensure};
 use gpu_stereo::{Image, Params, Preset};
 use serde::{Serialize, Serializer};
@@ -288,12 +289,12 @@ impl Study {
     /// Prints what was found.
     pub fn print(&self, found: &StudyReport) -> Result<()> {
         if self.json {
-            return report::to_stdout(&(serde_json::to_string(found)? + "\n"));
+            return terminal::print_json(found);
         }
         if self.quiet {
             return Ok(());
         }
         let rows = found.variants.iter().map(|v| [v.label.clone(), v.ms(), v.percent()]);
-        report::to_stdout(&report::table(["settings", "ms", "valid"], rows, 1..3))
+        terminal::print(&report::table(["settings", "ms", "valid"], rows, 1..3))
     }
 }

@@ -6,6 +6,7 @@ use crate::output::{self, Format, Output};
 use crate::pairs::{self, Pattern};
 use crate::pipeline::{self, Failure, Frame, Pair, Ran, Refused, Setup};
 use crate::record::Record;
+use crate::terminal::{self, name, plain};
 use crate::{Outcome, report, resolve};
 use anyhow::{Context as _, Result, anyhow, bail, ensure};
 use gpu_stereo::Params;
@@ -235,9 +236,9 @@ impl Video {
         let failed = !ran.failed.is_empty();
         let summary = Summary::new(ran, self.skipped, &self.params, &self.output);
         if self.json {
-            report::to_stdout(&(serde_json::to_string(&summary)? + "\n"))?;
+            terminal::print_json(&summary)?;
         } else if !self.quiet {
-            report::to_stdout(&summary.text()?)?;
+            terminal::print(&summary.text()?)?;
         }
         Ok(if failed { Outcome::FramesFailed } else { Outcome::Done })
     }
@@ -264,7 +265,8 @@ struct Summary {
     frames_per_second: f64,
     peak_device_bytes: u64,
     failures: Vec<Failure>,
-    output: String,
+    #[serde(serialize_with = "report::path")]
+    output: PathBuf,
 }
 
 impl Summary {
@@ -287,14 +289,14 @@ impl Summary {
             frames_per_second: round(ran.done as f64 / ran.seconds.max(1e-9)),
             peak_device_bytes: ran.device_bytes,
             failures: ran.failed,
-            output: output.to_string_lossy().into_owned(),
+            output: output.into(),
         }
     }
 
     fn text(&self) -> Result<String> {
         let mut text = String::new();
         if let (Some(adapter), Some(backend), Some(driver)) = (&self.adapter, &self.backend, &self.driver) {
-            writeln!(text, "adapter  {adapter} ({backend}, {driver})")?;
+            writeln!(text, "adapter  {}", plain(&format!("{adapter} ({backend}, {driver})")))?;
         }
         if let (Some(width), Some(height)) = (self.width, self.height) {
             writeln!(text, "size     {width} x {height}")?;
@@ -303,7 +305,10 @@ impl Summary {
         writeln!(text, "range    {} disparities, {} to {last} px", self.disparities, self.min_disparity)?;
         writeln!(text, "frames   {} done, {} failed, {} there already", self.done, self.failed, self.skipped)?;
         writeln!(text, "time     {:.1} s, {:.1} frames a second", self.seconds, self.frames_per_second)?;
-        writeln!(text, "written  {}", if self.done == 0 { "nothing" } else { &self.output })?;
+        match self.done {
+            0 => text += "written  nothing\n",
+            _ => writeln!(text, "written  {}", name(&self.output))?,
+        }
         Ok(text)
     }
 }
