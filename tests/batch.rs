@@ -400,7 +400,7 @@ fn failures_are_told_and_logged_and_the_log_is_a_list() {
     let expected = json!({
         "adapter": "CPU reference", "backend": "cpu", "driver": concat!("gpu-stereo ", env!("CARGO_PKG_VERSION")),
         "min_disparity": 0, "disparities": 16, "shard": null, "pairs": 5, "done": 2, "failed": 3, "skipped": 0,
-        "seconds": 0, "pairs_per_second": 0, "peak_device_bytes": 0, "failures": null, "output": "maps",
+        "seconds": 0, "pairs_per_second": 0, "peak_device_bytes": 0, "failures": null, "warnings": [], "output": "maps",
     });
     assert_eq!(told_of, expected);
     let mut logged = log(&folder, "failures.jsonl");

@@ -694,7 +694,7 @@ fn a_comparison_of_variants_and_its_json() {
     let output = succeeds(folder.path(), &study("compare", &[&variants[..], &["--json", "--repeat", "2"]].concat()));
     let told: Value = serde_json::from_slice(&output.stdout).unwrap();
     let fields: Vec<_> = told.as_object().unwrap().keys().map(String::as_str).collect();
-    assert_eq!(fields, ["adapter", "backend", "driver", "width", "height", "variants", "outputs"]);
+    assert_eq!(fields, ["adapter", "backend", "driver", "width", "height", "variants", "warnings", "outputs"]);
     assert_eq!((&told["backend"], &told["outputs"]), (&"cpu".into(), &serde_json::json!(["compare.png"])));
     let variants = told["variants"].as_array().unwrap();
     let labels: Vec<_> = variants.iter().map(|variant| variant["label"].as_str().unwrap()).collect();
@@ -808,6 +808,7 @@ fn json_has_exactly_the_promised_fields() {
             "first_frame_ms",
             "stages",
             "peak_device_bytes",
+            "warnings",
             "outputs"
         ]
     );
@@ -816,6 +817,7 @@ fn json_has_exactly_the_promised_fields() {
     assert_eq!((&told["width"], &told["height"]), (&48.into(), &30.into()));
     assert_eq!((&told["min_disparity"], &told["disparities"]), (&(-2).into(), &16.into()));
     assert_eq!(told["peak_device_bytes"], 0);
+    assert_eq!(told["warnings"], serde_json::json!([]));
     assert_eq!(told["outputs"], serde_json::json!(["d.npy"]));
     let map = read_npy(&folder.path().join("d.npy"), 48, 30);
     let valid = map.iter().filter(|v| !v.is_nan()).count() as f64 / map.len() as f64;

@@ -192,7 +192,7 @@ fn json_has_exactly_the_promised_fields() {
         "adapter": "CPU reference", "backend": "cpu", "driver": concat!("gpu-stereo ", env!("CARGO_PKG_VERSION")),
         "width": 49, "height": 31, "min_disparity": 0, "disparities": 16,
         "frames": 4, "done": 3, "failed": 1, "skipped": 0, "seconds": 0, "frames_per_second": 0,
-        "peak_device_bytes": 0, "failures": [{"frame": "left/f2.png", "error": null}], "output": "maps",
+        "peak_device_bytes": 0, "failures": [{"frame": "left/f2.png", "error": null}], "warnings": [], "output": "maps",
     });
     assert_eq!(told, expected);
 }

@@ -7,7 +7,7 @@ use crate::output::{self, Output};
 use crate::pipeline::{self, Frame, Pair, Ran, Refused, Setup};
 use crate::record::{Found, Record};
 use crate::terminal::{self, name, plain};
-use crate::{Outcome, pairs, report, resolve};
+use crate::{Outcome, pairs, report, resolve, warnings};
 use anyhow::{Context as _, Result, anyhow, bail};
 use gpu_stereo::Params;
 use serde::Serialize;
@@ -235,6 +235,7 @@ impl Batch {
             pairs_per_second: round(ran.done as f64 / ran.seconds.max(1e-9)),
             peak_device_bytes: ran.device_bytes,
             failures: failed.collect(),
+            warnings: warnings::all(),
             output: self.output.clone(),
         }
     }
@@ -282,6 +283,8 @@ struct Summary {
     pairs_per_second: f64,
     peak_device_bytes: u64,
     failures: Vec<Line>,
+    /// Why maps are doubtful.
+    warnings: Vec<String>,
     #[serde(serialize_with = "report::path")]
     output: PathBuf,
 }

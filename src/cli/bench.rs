@@ -12,6 +12,7 @@ use crate::resolve;
 use crate::run::Engine;
 use crate::study::{self, Variant};
 use crate::terminal::{self, name, one_line, plain};
+use crate::warnings;
 use anyhow::{Result, bail, ensure};
 use gpu_stereo::evaluation::{FloatMap, Scores};
 use gpu_stereo::{DisparityMap, Image, Params};
@@ -127,6 +128,7 @@ struct Found {
     scenes: Vec<SceneFound>,
     sets: Vec<SetFound>,
     failures: Vec<Failure>,
+    warnings: Vec<String>,
 }
 
 /// A scene with a variant.
@@ -204,6 +206,7 @@ impl Bench {
             scenes: vec![],
             sets: vec![],
             failures: vec![],
+            warnings: vec![],
         };
         let mut pictures = Pictures::new(self.report.as_deref());
         for (number, scene) in (1..).zip(&self.scenes) {
@@ -250,6 +253,7 @@ impl Bench {
         drop(progress);
         (found.adapter, found.backend, found.driver) = names.unwrap_or_default();
         found.sets = sets(&found.scenes);
+        found.warnings = warnings::all();
         if let Some(folder) = &self.report {
             pictures.write_report(folder, &found)?;
         }

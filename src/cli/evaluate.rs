@@ -3,7 +3,7 @@
 use crate::args::{EvalArgs, TruthOptions};
 use crate::maps::{self, Encoding};
 use crate::output::{self, Output, SheetFormat};
-use crate::{report, terminal};
+use crate::{report, terminal, warnings};
 use anyhow::{Context as _, Result, bail, ensure};
 use gpu_stereo::evaluation::{self, FloatMap, Scores};
 use image::{Rgb, RgbImage};
@@ -224,6 +224,7 @@ struct Found {
     width: u32,
     height: u32,
     evaluation: Evaluation,
+    warnings: Vec<String>,
     #[serde(serialize_with = "report::paths")]
     outputs: Vec<PathBuf>,
 }
@@ -258,7 +259,8 @@ impl Eval {
             return terminal::print(&evaluation.table());
         }
         let outputs = self.error_map.iter().map(|output| output.path.clone()).collect();
-        let found = Found { width: estimate.width(), height: estimate.height(), evaluation, outputs };
+        let (width, height) = (estimate.width(), estimate.height());
+        let found = Found { width, height, evaluation, warnings: warnings::all(), outputs };
         terminal::print_json(&found)
     }
 }

@@ -30,6 +30,7 @@ mod stereo_rectify;
 mod study;
 mod terminal;
 mod video;
+mod warnings;
 
 use args::Verb;
 use std::panic::{AssertUnwindSafe, catch_unwind, set_hook};

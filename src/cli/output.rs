@@ -473,8 +473,8 @@ fn contents(format: Format, maps: &Maps<'_>) -> Result<Vec<u8>> {
                 DepthFormat::Png => {
                     let (samples, lost) = depth::millimetres(found);
                     if lost > 0 {
-                        crate::tell(&format!(
-                            "note: {lost} pixels are 65.5355 m away or farther, which a 16-bit PNG in millimetres cannot hold: \
+                        crate::warnings::warn(&format!(
+                            "{lost} pixels are 65.5355 m away or farther, which a 16-bit PNG in millimetres cannot hold: \
                              they are 0 there; take .pfm, .npy or .tif for these"
                         ));
                     }

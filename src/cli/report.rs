@@ -46,6 +46,8 @@ pub struct Report {
     /// The comparison with the reference, when asked for.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub check: Option<Vec<Check>>,
+    /// Why the map is doubtful.
+    pub warnings: Vec<String>,
     /// The files that were written.
     #[serde(serialize_with = "paths")]
     pub outputs: Vec<PathBuf>,

@@ -6,7 +6,7 @@ use crate::evaluate::Evaluation;
 use crate::output::{Format, Maps};
 use crate::report::{FrameMs, Report};
 use crate::resolve::Job;
-use crate::{input, output};
+use crate::{input, output, warnings};
 use anyhow::{Result, bail};
 use gpu_stereo::evaluation::FloatMap;
 use gpu_stereo::{
@@ -84,6 +84,7 @@ pub fn run(job: &Job) -> Result<Report> {
         peak_device_bytes: engine.device_bytes(),
         evaluation,
         check: check.map(|stages| stages.into_iter().map(Into::into).collect()),
+        warnings: warnings::all(),
         outputs,
     })
 }

@@ -8,7 +8,7 @@ use crate::report::{self, FrameMs};
 use crate::resolve;
 use crate::run::Engine;
 use crate::sheet::{Layout, Order, Sheet};
-use crate::terminal;
+use crate::{terminal, warnings};
 use anyhow::{Context as _, Result, bail, ensure};
 use gpu_stereo::{Image, Params, Preset};
 use serde::{Serialize, Serializer};
@@ -178,6 +178,7 @@ pub struct StudyReport {
     width: u32,
     height: u32,
     variants: Vec<Found>,
+    warnings: Vec<String>,
     #[serde(serialize_with = "report::paths")]
     outputs: Vec<PathBuf>,
 }
@@ -261,7 +262,8 @@ impl Study {
         output::write_sheet(&self.outputs, &sheet.finish())?;
         let (adapter, backend, driver) = engine.names();
         let outputs = self.outputs.iter().map(|output| output.path.clone()).collect();
-        Ok(StudyReport { adapter, backend, driver, width: left.width(), height: left.height(), variants, outputs })
+        let (width, height, warnings) = (left.width(), left.height(), warnings::all());
+        Ok(StudyReport { adapter, backend, driver, width, height, variants, warnings, outputs })
     }
 
     /// The range of colours: every disparity that any variant searches.

@@ -7,7 +7,7 @@ use crate::pairs::{self, Pattern};
 use crate::pipeline::{self, Failure, Frame, Pair, Ran, Refused, Setup};
 use crate::record::Record;
 use crate::terminal::{self, name, plain};
-use crate::{Outcome, report, resolve};
+use crate::{Outcome, report, resolve, warnings};
 use anyhow::{Context as _, Result, anyhow, bail, ensure};
 use gpu_stereo::Params;
 use serde::Serialize;
@@ -265,6 +265,8 @@ struct Summary {
     frames_per_second: f64,
     peak_device_bytes: u64,
     failures: Vec<Failure>,
+    /// Why maps are doubtful.
+    warnings: Vec<String>,
     #[serde(serialize_with = "report::path")]
     output: PathBuf,
 }
@@ -289,6 +291,7 @@ impl Summary {
             frames_per_second: round(ran.done as f64 / ran.seconds.max(1e-9)),
             peak_device_bytes: ran.device_bytes,
             failures: ran.failed,
+            warnings: warnings::all(),
             output: output.into(),
         }
     }
