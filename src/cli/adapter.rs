@@ -1,8 +1,8 @@
 //! Adapters: which there are, which is meant, and a device on one.
 
-use crate::plain;
+use crate::{environment, plain};
 use anyhow::{Result, bail};
-use gpu_stereo::wgpu::{self, AdapterInfo, Backends, DeviceType};
+use gpu_stereo::wgpu::{self, AdapterInfo, DeviceType};
 use gpu_stereo::{Error, StereoMatcher};
 use std::sync::{Arc, Mutex, PoisonError};
 
@@ -27,16 +27,13 @@ pub fn quiet_drivers() {
 }
 
 /// All adapters, the best first.
-pub fn ranked() -> Vec<wgpu::Adapter> {
-    let mut descriptor = wgpu::InstanceDescriptor::new_without_display_handle();
-    // OpenGL only if WGPU_BACKEND asks for it: it would list most adapters a second time, with smaller limits.
-    descriptor.backends = Backends::PRIMARY;
-    let descriptor = descriptor.with_env();
+pub fn ranked() -> Result<Vec<wgpu::Adapter>> {
+    let descriptor = environment::descriptor()?;
     let backends = descriptor.backends;
     let instance = wgpu::Instance::new(descriptor);
     let mut adapters = pollster::block_on(instance.enumerate_adapters(backends));
     adapters.sort_by_key(|adapter| rank(adapter.get_info().device_type)); // stable: the driver's order within a kind
-    adapters
+    Ok(adapters)
 }
 
 fn rank(kind: DeviceType) -> u8 {
@@ -83,7 +80,8 @@ pub fn choose(names: &[String], wanted: &str) -> Result<usize> {
         return Ok(index);
     }
     if names.is_empty() {
-        bail!("--adapter is {wanted:?}, but there is no adapter; install a Vulkan driver, or take --backend cpu");
+        let why = environment::why_none();
+        bail!("--adapter is {wanted:?}, but there is no adapter{why}; install a Vulkan driver, or take --backend cpu");
     }
     let known: Vec<_> = names.iter().enumerate().map(|(index, name)| format!("{index} ({})", plain(name))).collect();
     bail!("--adapter is {wanted:?}, but the adapters are {}; take one of these, by index or name", known.join(", "))

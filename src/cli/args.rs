@@ -4,7 +4,6 @@ use crate::calibration::{Pair, Unit};
 use crate::layout::Layout;
 use crate::output::Format;
 use clap::builder::{PossibleValue, StringValueParser, TypedValueParser};
-use clap::error::{ContextKind, ErrorKind};
 use clap::{Arg, ArgMatches, Command, FromArgMatches, Parser, Subcommand, ValueEnum};
 use gpu_stereo::{Params, Preset};
 use std::ffi::OsStr;
@@ -620,31 +619,14 @@ pub struct Compare {
 pub fn parse() -> Result<Args, ExitCode> {
     Args::try_parse().map_err(|error| {
         if error.use_stderr() {
-            let text = match error.get(ContextKind::InvalidSubcommand) {
-                // Clap takes every word too many for a study.
-                Some(word) if error.kind() == ErrorKind::ArgumentConflict => {
-                    format!(
-                        "error: unexpected argument '{word}' found; give two images, with sweep or compare before them, or \
-                         two maps after eval"
-                    )
-                }
-                _ => error.render().to_string(),
-            };
-            crate::tell(&one_line_error(&text));
+            let args: Vec<_> = std::env::args_os().skip(1).collect();
+            crate::tell(&crate::tips::error_line(error, &args));
             ExitCode::from(2)
         } else {
             let _ = error.print(); // help or version, perhaps into a pipe that is closed
             ExitCode::SUCCESS
         }
     })
-}
-
-/// Clap's error without its usage, in one line.
-fn one_line_error(text: &str) -> String {
-    let is_advice = |line: &str| line.starts_with("Usage:") || line.starts_with("For more information");
-    let lines = text.lines().map(str::trim).filter(|line| !line.is_empty());
-    let told: Vec<_> = lines.take_while(|line| !is_advice(line)).collect();
-    format!("{}; see gpu-stereo --help", told.join(" "))
 }
 
 /// The options of [`Params::OPTIONS`] and `preset` that were given, as they were typed.

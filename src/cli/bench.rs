@@ -1,6 +1,5 @@
 //! Bench: every scene of a data set with every variant: scores, a report with pictures, files to submit.
 
-use crate::adapter;
 use crate::args::{Backend, BenchArgs, DeviceArgs};
 use crate::evaluate::{Evaluation, Truth, percent, pixels};
 use crate::input;
@@ -13,6 +12,7 @@ use crate::run::Engine;
 use crate::study::{self, Variant};
 use crate::terminal::{self, name, one_line, plain};
 use crate::warnings;
+use crate::{adapter, environment, places};
 use anyhow::{Result, bail, ensure};
 use gpu_stereo::evaluation::{FloatMap, Scores};
 use gpu_stereo::{DisparityMap, Image, Params};
@@ -25,6 +25,11 @@ use std::path::{Path, PathBuf};
 
 /// Pictures of the report are at most so wide.
 const PICTURE: u32 = 480;
+
+/// What is in its folder.
+const REPORT: &str = "report.md";
+const RESULTS: &str = "results.json";
+const PICTURES: &str = "pictures";
 
 /// A run over a data set, ready to start.
 pub struct Bench {
@@ -106,7 +111,7 @@ pub fn resolve(args: BenchArgs) -> Result<Bench> {
     for folder in [args.report.as_ref(), submission.as_ref().map(|s| &s.folder)].into_iter().flatten() {
         output::ensure_folder(folder)?;
     }
-    Ok(Bench {
+    let bench = Bench {
         layout: args.layout,
         scenes,
         variants,
@@ -116,7 +121,9 @@ pub fn resolve(args: BenchArgs) -> Result<Bench> {
         submission,
         json: args.json,
         quiet: args.quiet,
-    })
+    };
+    bench.ensure_outputs()?;
+    Ok(bench)
 }
 
 /// What was found; `--json` prints it as it is.
@@ -185,16 +192,49 @@ struct Loaded {
 }
 
 impl Bench {
+    /// Every file can be written and can hold what it is to hold, and none is one of the data set's.
+    fn ensure_outputs(&self) -> Result<()> {
+        let mut outputs = Vec::new();
+        if let Some(folder) = &self.report {
+            for name in [REPORT, RESULTS] {
+                output::writable_place(&folder.join(name))?;
+                outputs.push(folder.join(name));
+            }
+            output::make_folder(&folder.join(PICTURES), &folder.join(PICTURES))?;
+        }
+        if let Some(submission) = &self.submission {
+            let mut folders = BTreeSet::new();
+            for variant in &self.variants {
+                ensure!(
+                    folders.insert(submission.folder_of(self, variant)),
+                    "--variants has {:?} and another whose folder would have the same name; run them one by one",
+                    variant.label
+                );
+                for scene in &self.scenes {
+                    let files = [false, true].map(|sparse| submission.files(self, scene, variant, sparse));
+                    if files[0].format == Format::Kitti {
+                        let (_, params) = settings(variant, scene.disparities()?)?;
+                        output::ensure_range(Format::Kitti, &files[0].map, &params)?;
+                    }
+                    outputs.extend(files.into_iter().flat_map(|files| [Some(files.map), files.time]).flatten());
+                }
+            }
+        }
+        let inputs = self.scenes.iter().flat_map(Scene::files);
+        places::ensure_apart(outputs.iter().map(PathBuf::as_path), inputs)
+    }
+
     /// Computes, scores and writes everything. Whether no scene failed.
     pub fn run(&self) -> Result<bool> {
         if self.device.backend != Backend::Cpu {
-            let names: Vec<_> = adapter::ranked().iter().map(|adapter| adapter.get_info().name).collect();
+            let names: Vec<_> = adapter::ranked()?.iter().map(|adapter| adapter.get_info().name).collect();
             if let Some(wanted) = &self.device.adapter {
                 adapter::choose(&names, wanted)?;
             }
             ensure!(
                 self.device.backend != Backend::Gpu || !names.is_empty(),
-                "--backend is gpu, but there is no adapter; install a Vulkan driver, or take auto or cpu"
+                "--backend is gpu, but there is no adapter{}; install a Vulkan driver, or take auto or cpu",
+                environment::why_none()
             );
         }
         let progress = Progress::new(self.scenes.len() * self.variants.len(), self.quiet);
@@ -274,11 +314,7 @@ impl Bench {
         loaded: &Loaded,
         variant: &Variant,
     ) -> Result<(Params, DisparityMap, SceneFound)> {
-        let mut settings = variant.settings.clone();
-        if !settings.iter().any(|(name, _)| name == "disp") {
-            settings.push(("disp".into(), loaded.disparities.to_string()));
-        }
-        let params = resolve::params(settings.iter().map(|(name, value)| (name.as_str(), value.as_str())))?;
+        let (settings, params) = settings(variant, loaded.disparities)?;
         let ready = match engine.take() {
             None => Engine::open(&self.device, false, &loaded.left, &params)?,
             Some(engine) => engine.again(&loaded.left, &params)?,
@@ -311,6 +347,16 @@ impl Bench {
         };
         Ok((params, map, result))
     }
+}
+
+/// The settings of a variant for a scene of so many disparities.
+fn settings(variant: &Variant, disparities: u32) -> Result<(Vec<(String, String)>, Params)> {
+    let mut settings = variant.settings.clone();
+    if !settings.iter().any(|(name, _)| name == "disp") {
+        settings.push(("disp".into(), disparities.to_string()));
+    }
+    let params = resolve::params(settings.iter().map(|(name, value)| (name.as_str(), value.as_str())))?;
+    Ok((settings, params))
 }
 
 fn load(scene: &Scene) -> Result<Loaded> {
@@ -439,8 +485,46 @@ fn separator(next: &str) -> &'static str {
     if next.is_empty() { "" } else { "\n" }
 }
 
+/// What is submitted of a scene.
+struct Files {
+    map: PathBuf,
+    format: Format,
+    time: Option<PathBuf>,
+}
+
 impl Submission {
-    /// Writes the files of a scene as the benchmark wants them.
+    /// The folder of a variant, one of its own if there are several.
+    fn folder_of(&self, bench: &Bench, variant: &Variant) -> PathBuf {
+        match bench.variants.len() {
+            1 => self.folder.clone(),
+            _ => self.folder.join(file_name(&variant.label)),
+        }
+    }
+
+    /// The files of a scene as the benchmark wants them; `sparse`: whether its map has holes.
+    fn files(&self, bench: &Bench, scene: &Scene, variant: &Variant, sparse: bool) -> Files {
+        let folder = self.folder_of(bench, variant);
+        let (set, method) = (folder.join(&scene.set), &self.method);
+        let kitti = |map| Files { map, format: Format::Kitti, time: None };
+        let with_time = |map, time| Files { map, format: Format::Pfm, time: Some(time) };
+        match bench.layout {
+            Layout::Kitti2015 => kitti(set.join("disp_0").join(format!("{}.png", scene.name))),
+            Layout::Kitti2012 => kitti(set.join(format!("{}.png", scene.name))),
+            Layout::Middlebury => {
+                // A map with holes has a name of its own.
+                let suffix = if sparse { "_s" } else { "" };
+                let folder = set.join(&scene.name);
+                with_time(folder.join(format!("disp0{method}{suffix}.pfm")), folder.join(format!("time{method}.txt")))
+            }
+            // For the other layouts it was refused.
+            Layout::Eth3d | Layout::Vkitti2 | Layout::Manifest => {
+                let folder = folder.join("low_res_two_view");
+                with_time(folder.join(format!("{}.pfm", scene.name)), folder.join(format!("{}.txt", scene.name)))
+            }
+        }
+    }
+
+    /// Writes them.
     fn write(
         &self,
         bench: &Bench,
@@ -450,34 +534,15 @@ impl Submission {
         found: &SceneFound,
         params: &Params,
     ) -> Result<()> {
-        let folder = match bench.variants.len() {
-            1 => self.folder.clone(),
-            _ => self.folder.join(file_name(&variant.label)),
-        };
-        let (set, method) = (folder.join(&scene.set), &self.method);
+        let files = self.files(bench, scene, variant, map.data.contains(&DisparityMap::INVALID));
+        output::write_in_folder(&files.map, &output::encode(files.format, map, None, None, params)?)?;
+        let Some(time) = files.time else { return Ok(()) };
         let seconds = found.frame_ms.median / 1e3;
-        let (path, format, time) = match bench.layout {
-            Layout::Kitti2015 => (set.join("disp_0").join(format!("{}.png", scene.name)), Format::Kitti, None),
-            Layout::Kitti2012 => (set.join(format!("{}.png", scene.name)), Format::Kitti, None),
-            Layout::Middlebury => {
-                // A map with holes has a name of its own.
-                let sparse = if map.data.contains(&DisparityMap::INVALID) { "_s" } else { "" };
-                let folder = set.join(&scene.name);
-                let time = (folder.join(format!("time{method}.txt")), format!("{seconds:.6}\n"));
-                (folder.join(format!("disp0{method}{sparse}.pfm")), Format::Pfm, Some(time))
-            }
-            Layout::Eth3d => {
-                let folder = folder.join("low_res_two_view");
-                let time = (folder.join(format!("{}.txt", scene.name)), format!("runtime {seconds:.6}\n"));
-                (folder.join(format!("{}.pfm", scene.name)), Format::Pfm, Some(time))
-            }
-            Layout::Vkitti2 | Layout::Manifest => bail!("nothing is submitted for this layout"), // refused before
+        let text = match bench.layout {
+            Layout::Eth3d => format!("runtime {seconds:.6}\n"),
+            _ => format!("{seconds:.6}\n"),
         };
-        output::write_in_folder(&path, &output::encode(format, map, None, None, params)?)?;
-        match time {
-            Some((path, text)) => output::write_in_folder(&path, text.as_bytes()),
-            None => Ok(()),
-        }
+        output::write_in_folder(&time, text.as_bytes())
     }
 }
 
@@ -496,7 +561,7 @@ struct Pictures {
 
 impl Pictures {
     fn new(report: Option<&Path>) -> Self {
-        Self { folder: report.map(|folder| folder.join("pictures")), text: String::new(), scene: 0, maps: 0 }
+        Self { folder: report.map(|folder| folder.join(PICTURES)), text: String::new(), scene: 0, maps: 0 }
     }
 
     /// A row of the scene's table; before the first one its heading.
@@ -558,8 +623,8 @@ impl Pictures {
         text += "\n## Pictures\n\nTurbo colours over the range searched: red is near, blue is far, black is unknown or invalid. \
                  Errors in KITTI's colours, holes filled: blue up to 3 px or 5 %, then yellow to red; half as bright where occluded.\n";
         text += &self.text;
-        output::write_in_folder(&folder.join("results.json"), terminal::pretty_json(found)?.as_bytes())?;
-        output::write_in_folder(&folder.join("report.md"), text.as_bytes())
+        output::write_in_folder(&folder.join(RESULTS), terminal::pretty_json(found)?.as_bytes())?;
+        output::write_in_folder(&folder.join(REPORT), text.as_bytes())
     }
 }
 

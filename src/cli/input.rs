@@ -34,12 +34,23 @@ pub fn read_pair(left: &Path, right: &Path) -> Result<(Image, Image)> {
     Ok((to_image(left_image, colour, deep)?, to_image(right_image, colour, deep)?))
 }
 
+/// What is wrong with a path that leads nowhere, if its form tells; for the end of a sentence.
+pub fn hint(path: &Path) -> &'static str {
+    let text = path.to_string_lossy();
+    match () {
+        () if text.contains("://") => ", not an address: download it first, or leave out file://",
+        () if text.starts_with('~') => "; the shell takes ~ for the home folder only where it is not in quotes",
+        () if cfg!(not(windows)) && text.contains('\\') => ", in which / and not \\ parts the folders",
+        () => "",
+    }
+}
+
 /// The bytes of a regular file of a sane size, which holds `what`.
 pub fn read_file(path: &Path, what: &str) -> Result<Vec<u8>> {
     let kind = match fs::metadata(path) {
         Ok(kind) => kind,
         Err(error) if error.kind() == std::io::ErrorKind::NotFound => {
-            bail!("{path:?} does not exist; give the path of {what}")
+            bail!("{path:?} does not exist; give the path of {what}{}", hint(path))
         }
         Err(error) => {
             return Err(error).with_context(|| format!("{path:?} cannot be read; give the path of {what}"));

@@ -106,6 +106,18 @@ impl Scene {
         format!("{}/{}", self.set, self.name)
     }
 
+    /// The files that are read.
+    pub fn files(&self) -> impl Iterator<Item = &Path> {
+        let non_occluded =
+            self.non_occluded.as_ref().map(|(NonOccluded::Mask(path) | NonOccluded::Truth(path))| path.as_path());
+        let range = match &self.range {
+            Range::Calibration(path) => Some(path.as_path()),
+            _ => None,
+        };
+        let truth = self.truth.iter().flat_map(TruthFile::files);
+        [self.left.as_path(), &self.right].into_iter().chain(truth).chain(non_occluded).chain(range)
+    }
+
     /// Disparities to search.
     pub fn disparities(&self) -> Result<u32> {
         match &self.range {

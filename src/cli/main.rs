@@ -10,6 +10,7 @@ mod batch;
 mod bench;
 mod calibration;
 mod depth;
+mod environment;
 mod evaluate;
 mod film;
 mod input;
@@ -20,6 +21,7 @@ mod maps;
 mod output;
 mod pairs;
 mod pipeline;
+mod places;
 mod progress;
 mod record;
 mod report;
@@ -29,9 +31,11 @@ mod sheet;
 mod stereo_rectify;
 mod study;
 mod terminal;
+mod tips;
 mod video;
 mod warnings;
 
+use anyhow::Context as _;
 use args::Verb;
 use std::panic::{AssertUnwindSafe, catch_unwind, set_hook};
 use std::process::ExitCode;
@@ -73,8 +77,13 @@ fn main() -> ExitCode {
 
 fn execute(args: args::Args) -> anyhow::Result<Outcome> {
     if args.list_adapters {
-        return report::list_adapters(&adapter::ranked(), args.json).map(|()| Outcome::Done);
+        environment::ensure_known()?;
+        return report::list_adapters(&adapter::ranked()?, args.json).map(|()| Outcome::Done);
     }
+    // What computes and what reads spread their work over threads, and without them would end in a panic.
+    rayon::ThreadPoolBuilder::new().build_global().context(
+        "the threads for the work cannot be started; allow more processes (ulimit -u), or set RAYON_NUM_THREADS=1",
+    )?;
     if let Some(verb) = args.verb {
         let study = match verb {
             Verb::Sweep(args) => study::resolve_sweep(args)?,
@@ -91,7 +100,10 @@ fn execute(args: args::Args) -> anyhow::Result<Outcome> {
     }
     let job = resolve::resolve(args)?;
     let report = run::run(&job)?;
-    report.print(&job)?;
+    report.print(&job).map_err(|error| match report.outputs.is_empty() {
+        true => error,
+        false => error.context("the files were written, but not the report"),
+    })?;
     Ok(if report.check_passed() { Outcome::Done } else { Outcome::CheckFailed })
 }
 

@@ -1,7 +1,7 @@
 //! Disparity maps become files, whole or not at all.
 
-use crate::depth;
-use crate::pipeline::Pair;
+pub use crate::places::{ensure_folder, ensure_no_input, make_folder, writable_place};
+use crate::{depth, places};
 use anyhow::{Context as _, Result, bail, ensure};
 use clap::ValueEnum;
 use gpu_stereo::evaluation::FloatMap;
@@ -11,9 +11,8 @@ use image::codecs::jpeg::JpegEncoder;
 use image::codecs::png::PngEncoder;
 use image::{ExtendedColorType, ImageEncoder as _, Rgb, RgbImage};
 use npyz::WriterBuilder as _;
-use std::collections::HashSet;
 use std::fs;
-use std::io::{Cursor, ErrorKind, Write as _};
+use std::io::{Cursor, Write as _};
 use std::path::{Path, PathBuf};
 use tempfile::NamedTempFile;
 
@@ -138,7 +137,9 @@ pub fn resolve(
     let depths = depths.iter().map(|(path, format)| (path.clone(), Format::Depth(*format)));
     let mut wanted: Vec<_> = depths.collect();
     for path in maps {
-        wanted.push((path.clone(), map_format(path)?));
+        let format = map_format(path)?;
+        ensure_range(format, path, params)?;
+        wanted.push((path.clone(), format));
     }
     for (option, path, format) in pictures {
         let Some(path) = path else { continue };
@@ -180,18 +181,31 @@ pub fn resolve_sheet(path: &Path, inputs: &[&Path]) -> Result<Vec<Output<SheetFo
 
 /// Where to write, each place checked.
 fn places<F>(wanted: Vec<(PathBuf, F)>, inputs: &[&Path]) -> Result<Vec<Output<F>>> {
-    let inputs: Vec<_> = inputs.iter().filter_map(|path| fs::canonicalize(path).ok()).collect();
-    let mut outputs: Vec<Output<F>> = Vec::new();
-    for (path, format) in wanted {
-        let place = writable_place(&path)?;
-        ensure!(!inputs.contains(&place), "output {path:?} is an input, too; give another name");
-        ensure!(
-            outputs.iter().all(|other| other.place != place),
-            "output {path:?} is given twice; give each output its own name"
-        );
-        outputs.push(Output { path, format, place });
+    let places = places::places(wanted.iter().map(|(path, _)| path.as_path()), inputs)?;
+    Ok(wanted.into_iter().zip(places).map(|((path, format), place)| Output { path, format, place }).collect())
+}
+
+/// A 16-bit PNG holds what is searched: found out only in the end, all the work would be lost.
+pub fn ensure_range(format: Format, path: &Path, params: &Params) -> Result<()> {
+    let (first, last) = searched(params);
+    ensure!(
+        format != Format::Kitti || (first >= 0 && last <= 255),
+        "output {path:?} is a 16-bit PNG, which holds 0 to 255.9375 px, but disparities from {first} to {last} px are \
+         searched; take .pfm, .npy or .tif, or search another range"
+    );
+    Ok(())
+}
+
+/// A TIFF has at most 4 GiB.
+pub fn ensure_size(outputs: &[Output], width: u32, height: u32) -> Result<()> {
+    let too_large = 4 * u64::from(width) * u64::from(height) >= (1 << 32) - (1 << 20);
+    let of_tiff = |output: &&Output| matches!(output.format, Format::Tiff | Format::Depth(DepthFormat::Tiff));
+    match outputs.iter().find(of_tiff).filter(|_| too_large) {
+        Some(Output { path, .. }) => {
+            bail!("output {path:?} is a TIFF, which cannot hold {width}x{height} floats; take .pfm or .npy")
+        }
+        None => Ok(()),
     }
-    Ok(outputs)
 }
 
 fn default_map(params: &Params) -> (PathBuf, Format) {
@@ -256,47 +270,6 @@ pub fn depth_formats(depth: &[PathBuf], points: &[PathBuf]) -> Result<Vec<(PathB
     Ok(formats)
 }
 
-/// Where the file will really be, once it is sure that it can be written.
-pub fn writable_place(path: &Path) -> Result<PathBuf> {
-    let folder = match path.parent() {
-        Some(parent) if parent != Path::new("") => parent,
-        _ => Path::new("."),
-    };
-    match fs::metadata(folder) {
-        Ok(kind) => ensure!(kind.is_dir(), "output {path:?} lies in {folder:?}, which is no folder; give another path"),
-        Err(error) if error.kind() == ErrorKind::NotFound => {
-            bail!("output {path:?} lies in {folder:?}, which does not exist; create the folder or give another path")
-        }
-        Err(error) => {
-            return Err(error).with_context(|| format!("output {path:?} cannot be written"));
-        }
-    }
-    let place = match fs::metadata(path) {
-        Ok(kind) => {
-            ensure!(!kind.is_dir(), "output {path:?} is a folder; give the name of a file");
-            ensure!(kind.is_file(), "output {path:?} is not a regular file; give another name");
-            ensure!(
-                !kind.permissions().readonly(),
-                "output {path:?} is read-only; make it writable or give another name"
-            );
-            fs::canonicalize(path)
-        }
-        Err(error) if error.kind() == ErrorKind::NotFound => {
-            fs::canonicalize(folder).map(|folder| folder.join(path.file_name().unwrap_or_default()))
-        }
-        Err(error) => Err(error),
-    };
-    let place = place.with_context(|| format!("output {path:?} cannot be written; give another path"))?;
-    let folder = place.parent().unwrap_or(Path::new("/"));
-    // The superuser can write where nobody was meant to. (On Windows a folder's flag means something else.)
-    let read_only = cfg!(unix) && fs::metadata(folder).is_ok_and(|kind| kind.permissions().readonly());
-    ensure!(!read_only, "output {path:?} lies in a read-only folder; make the folder writable or give another path");
-    temporary(folder, "").with_context(|| {
-        format!("output {path:?} lies in a folder that cannot be written; check its permissions or give another path")
-    })?;
-    Ok(place)
-}
-
 /// The formats that were asked for, each once.
 pub fn formats(given: &[Format]) -> Result<Vec<Format>> {
     let mut formats = Vec::new();
@@ -305,41 +278,6 @@ pub fn formats(given: &[Format]) -> Result<Vec<Format>> {
         formats.push(format);
     }
     Ok(formats)
-}
-
-/// The folder is there and takes files. Only the last part of its path is made.
-pub fn make_folder(folder: &Path, out: &Path) -> Result<()> {
-    match fs::create_dir(folder) {
-        Err(error) if error.kind() == ErrorKind::NotFound => {
-            bail!("output {out:?} lies in a folder that does not exist; create it or give another path")
-        }
-        Err(error) if error.kind() != ErrorKind::AlreadyExists && !folder.is_dir() => {
-            return Err(error).with_context(|| format!("output folder {folder:?} cannot be made; give another path"));
-        }
-        _ => {}
-    }
-    ensure!(folder.is_dir(), "output {out:?} is a file; give a folder, a printf pattern or the name of a video");
-    temporary(folder, "")
-        .map(drop)
-        .with_context(|| format!("output folder {folder:?} cannot be written; check its permissions or give another"))
-}
-
-/// No output is an input, whatever the paths say.
-pub fn ensure_no_input<'a>(
-    outputs: impl IntoIterator<Item = &'a Path>,
-    pairs: impl IntoIterator<Item = &'a Pair>,
-) -> Result<()> {
-    let there = outputs.into_iter().filter_map(|path| Some((path, fs::canonicalize(path).ok()?)));
-    let there: Vec<_> = there.collect();
-    if there.is_empty() {
-        return Ok(()); // without a look at each input
-    }
-    let inputs = pairs.into_iter().flat_map(|pair| [&pair.left, &pair.right]);
-    let inputs: HashSet<_> = inputs.filter_map(|path| fs::canonicalize(path).ok()).collect();
-    match there.iter().find(|(_, place)| inputs.contains(place)) {
-        Some((path, _)) => bail!("output {path:?} is an input image, too; give another folder"),
-        None => Ok(()),
-    }
 }
 
 /// A file that disappears unless it is renamed, with the permissions that an ordinary new file has.
@@ -399,16 +337,6 @@ fn put<F: Copy>(outputs: &[Output<F>], contents: impl Fn(F) -> Result<Vec<u8>>) 
         file.persist(&output.place).map_err(|error| error.error).with_context(|| cannot_write(output))?;
     }
     Ok(())
-}
-
-/// A folder to write many files into is made where it is missing, and can be written.
-pub fn ensure_folder(folder: &Path) -> Result<()> {
-    let kind = fs::metadata(folder);
-    ensure!(!kind.is_ok_and(|kind| !kind.is_dir()), "output folder {folder:?} is a file; give another name");
-    let made = fs::create_dir_all(folder).and_then(|()| temporary(folder, "").map(drop));
-    made.with_context(|| {
-        format!("output folder {folder:?} cannot be written; check its permissions or give another name")
-    })
 }
 
 /// Writes a file of many, whole or not at all; its folder is made where it is missing.

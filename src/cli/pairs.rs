@@ -41,22 +41,58 @@ impl Side {
             );
             return Ok(side(paths));
         }
+        // What is there by its name is no pattern, whatever the name holds.
+        if given.is_file() {
+            return Ok(side(vec![given.into()]));
+        }
         if let Some(pattern) = Pattern::parse(given).with_context(|| format!("{name} is {given:?}"))? {
             return numbered(name, given, &pattern);
         }
-        let text = given.to_str().with_context(|| format!("{name} is {given:?}, but a glob must be Unicode"))?;
-        let matches = glob::glob(text).with_context(|| format!("{name} is {given:?}, which is no glob"))?;
+        let text = glob_of(given).with_context(|| format!("{name} is {given:?}, but a glob must be Unicode"))?;
+        let matches = glob::glob(&text).with_context(|| format!("{name} is {given:?}, which is no glob"))?;
         let mut paths = matches
             .filter(|path| path.as_ref().map_or(true, |path| path.is_file()))
             .collect::<Result<Vec<_>, _>>()
             .with_context(|| format!("{name} is {given:?}, but a folder cannot be read"))?;
         ensure!(
             !paths.is_empty(),
-            "{name} is {given:?}, but there is neither such a folder nor a file that this matches; give a folder, a \
-             printf pattern such as img_%06d.png or a glob such as 'left/*.png'"
+            "{name} is {given:?}, but there is neither such a folder nor a file that this matches{}; give a folder, a \
+             printf pattern such as img_%06d.png or a glob such as 'left/*.png'{}",
+            matched_so_far(given),
+            if text.contains('[') { ", in which [[] stands for [" } else { crate::input::hint(given) }
         );
         sort(&mut paths);
         Ok(side(paths))
+    }
+}
+
+/// The folders at the beginning of a glob that are there by their names, and the rest.
+fn literal_folders(given: &Path) -> (PathBuf, PathBuf) {
+    let parts: Vec<_> = given.components().collect();
+    let there = |count: &usize| parts[..*count].iter().collect::<PathBuf>().is_dir();
+    let count = (1..parts.len()).take_while(there).last().unwrap_or(0);
+    (parts[..count].iter().collect(), parts[count..].iter().collect())
+}
+
+/// A glob in which the folders that are there by their names stand for nothing else.
+fn glob_of(given: &Path) -> Option<String> {
+    let (folder, rest) = literal_folders(given);
+    let escaped = PathBuf::from(glob::Pattern::escape(folder.to_str()?));
+    escaped.join(rest).to_str().map(Into::into)
+}
+
+/// How far a glob that matches nothing leads.
+fn matched_so_far(given: &Path) -> String {
+    let (folder, rest) = literal_folders(given);
+    let here = if folder == Path::new("") { Path::new(".") } else { &folder };
+    let Ok(entries) = fs::read_dir(here) else { return String::new() };
+    let first = entries.flatten().map(|entry| entry.file_name()).min();
+    match first {
+        Some(first) if folder != Path::new("") => {
+            format!(": the folder {folder:?} has {first:?} for one, but nothing like {rest:?}")
+        }
+        None if folder != Path::new("") => format!(": the folder {folder:?} is empty"),
+        _ => String::new(),
     }
 }
 
@@ -121,7 +157,10 @@ impl Pattern {
             "a pattern has one number, %d or such as %06d, and that in the file's name; %% is a per cent sign";
         let name = path.file_name().and_then(|name| name.to_str()).context(ALLOWED)?;
         let folder = path.parent().unwrap_or(Path::new(""));
-        ensure!(!folder.to_string_lossy().contains('%'), ALLOWED);
+        let folder = literal(folder).context(ALLOWED)?;
+        if !name.contains('%') {
+            return Ok(None);
+        }
         let (mut texts, mut digits) = (vec![String::new()], 0);
         let mut rest = name;
         while let Some((before, after)) = rest.split_once('%') {
@@ -142,7 +181,7 @@ impl Pattern {
         }
         texts.last_mut().context(ALLOWED)?.push_str(rest);
         match <[String; 2]>::try_from(texts) {
-            Ok([before, after]) => Ok(Some(Self { folder: folder.into(), before, digits, after })),
+            Ok([before, after]) => Ok(Some(Self { folder, before, digits, after })),
             Err(_) => bail!(ALLOWED),
         }
     }
@@ -164,6 +203,16 @@ impl Pattern {
         let number = digits.parse().ok().filter(|&number| number < u64::MAX)?;
         (self.path(number).file_name()? == name).then_some(number)
     }
+}
+
+/// A folder that is written with `%`: by its name, if it is there, else with `%%` for each.
+fn literal(folder: &Path) -> Option<PathBuf> {
+    let text = folder.to_string_lossy();
+    if !text.contains('%') || folder.is_dir() {
+        return Some(folder.into());
+    }
+    let plain = PathBuf::from(text.replace("%%", "%"));
+    (!text.replace("%%", "").contains('%') && plain.is_dir()).then_some(plain)
 }
 
 /// Both sides have as many frames, and none is paired with another's partner.
@@ -252,6 +301,54 @@ mod tests {
             assert_eq!(number("img_%03d.png", name), None, "{name}");
         }
         assert_eq!(number("aa%da.png", "aa.png"), None);
+    }
+
+    #[test]
+    fn what_is_there_by_its_name_is_no_pattern() {
+        let folder = tempfile::tempdir().unwrap();
+        let at = |name: &str| folder.path().join(name);
+        for name in ["l [0]", "l 0", "100%_a", "{x}*", "l [0]/in [1]"] {
+            fs::create_dir(at(name)).unwrap();
+        }
+        for name in ["l [0]/1.png", "l [0]/10.png", "l 0/other.png", "100%_a/f_1.png", "a[1].png", "a1.png", "50%d.png"]
+        {
+            fs::write(at(name), "").unwrap();
+        }
+        fs::write(at("{x}*/1.png"), "").unwrap();
+        fs::write(at("l [0]/in [1]/2.png"), "").unwrap();
+        let found = |given: &str| {
+            let side = Side::find("LEFT", &at(given)).map_err(|error| format!("{error:#}"))?;
+            let below =
+                side.paths.iter().map(|path| path.strip_prefix(folder.path()).unwrap().to_str().unwrap().into());
+            Ok::<Vec<String>, String>(below.collect())
+        };
+        for (given, expected) in [
+            ("l [0]/*.png", &["l [0]/1.png", "l [0]/10.png"][..]),
+            ("l [0]/%d.png", &["l [0]/1.png"]),
+            ("l [0]", &["l [0]/1.png", "l [0]/10.png"]),
+            ("l [0]/in [1]/?.png", &["l [0]/in [1]/2.png"]),
+            ("l [0]/*/2.png", &["l [0]/in [1]/2.png"]),
+            ("l [[]0]/1*.png", &["l [0]/1.png", "l [0]/10.png"]),
+            ("100%_a/f_%d.png", &["100%_a/f_1.png"]),
+            ("100%_a/*.png", &["100%_a/f_1.png"]),
+            ("100%%_a/*.png", &[]),
+            ("100%%_a/f_%d.png", &["100%_a/f_1.png"]),
+            ("{x}*/*.png", &["{x}*/1.png"]),
+            ("a[1].png", &["a[1].png"]),
+            ("a[0-9].png", &["a1.png"]),
+            ("50%d.png", &["50%d.png"]),
+        ] {
+            match found(given) {
+                Ok(found) => assert_eq!(found, expected, "{given}"),
+                Err(error) => assert!(expected.is_empty(), "{given}: {error}"),
+            }
+        }
+        let error = found("l [0]/*.jpg").unwrap_err();
+        assert!(
+            error.contains("has \"1.png\" for one, but nothing like \"*.jpg\"") && error.contains("[[]"),
+            "{error}"
+        );
+        assert!(found("l [1]/*.png").is_err());
     }
 
     #[test]

@@ -216,7 +216,10 @@ pub fn list_adapters(adapters: &[wgpu::Adapter], json: bool) -> Result<()> {
         })
         .collect();
     if listed.is_empty() {
-        crate::tell("note: there is no adapter; install a Vulkan driver, or compute with --backend cpu");
+        crate::tell(&format!(
+            "note: there is no adapter{}; install a Vulkan driver, or compute with --backend cpu",
+            crate::environment::why_none()
+        ));
     }
     if json {
         return terminal::print_json(&listed);

@@ -4,6 +4,7 @@ use crate::args::{Args, Backend, DeviceArgs, Scene, Whole};
 use crate::calibration::{Calibration, Reading};
 use crate::evaluate::TruthFile;
 use crate::output::{Format, Output};
+use crate::{environment, tips};
 use anyhow::{Result, anyhow, bail, ensure};
 use gpu_stereo::{Camera, Error, Params};
 use std::path::PathBuf;
@@ -121,8 +122,11 @@ pub fn ensure_disparities(given: &[&str]) -> Result<()> {
     Ok(())
 }
 
-/// An adapter that was asked for is used.
+/// An adapter that was asked for is used, and what the environment says of adapters is understood.
 pub fn ensure_adapter(device: &DeviceArgs) -> Result<()> {
+    if device.backend != Backend::Cpu {
+        environment::ensure_known()?;
+    }
     match &device.adapter {
         Some(adapter) if device.backend == Backend::Cpu => {
             bail!("--adapter is {adapter:?}, but --backend cpu uses none; drop one of the two")
@@ -148,10 +152,13 @@ pub fn params<'a>(settings: impl Iterator<Item = (&'a str, &'a str)>) -> Result<
 fn told(error: Error) -> anyhow::Error {
     match error {
         Error::Parameter { name: "option", given, allowed, remedy, .. } => {
-            anyhow!("{given} is no option; {allowed} is; {remedy}")
+            let meant =
+                tips::setting(given.trim_matches('"')).map(|meant| format!("take {meant}; ")).unwrap_or_default();
+            anyhow!("{given} is no option; {allowed} is; {meant}{remedy}")
         }
         Error::Parameter { name, given, allowed, remedy, .. } => {
-            anyhow!("--{name} is {given}, but must be {allowed}; {remedy}")
+            let meant = tips::value(name, &given).map(|meant| format!("take {meant}; ")).unwrap_or_default();
+            anyhow!("--{name} is {given}, but must be {allowed}; {meant}{remedy}")
         }
         other => other.into(),
     }

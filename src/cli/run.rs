@@ -6,7 +6,7 @@ use crate::evaluate::Evaluation;
 use crate::output::{Format, Maps};
 use crate::report::{FrameMs, Report};
 use crate::resolve::Job;
-use crate::{input, output, warnings};
+use crate::{environment, input, output, warnings};
 use anyhow::{Result, bail};
 use gpu_stereo::evaluation::FloatMap;
 use gpu_stereo::{
@@ -28,6 +28,7 @@ pub struct OnAdapter {
 /// Does the job.
 pub fn run(job: &Job) -> Result<Report> {
     let (left, right) = input::read_pair(&job.left, &job.right)?;
+    output::ensure_size(&job.outputs, left.width(), left.height())?;
     let truth = job.truth.as_ref().map(|truth| truth.read((left.width(), left.height()), &job.left)).transpose()?;
 
     let params = &params_for(job, &left)?;
@@ -126,7 +127,7 @@ impl Engine {
         if backend == Backend::Cpu {
             return Self::reference(image, params);
         }
-        let mut adapters = adapter::ranked();
+        let mut adapters = adapter::ranked()?;
         if let Some(wanted) = wanted {
             let names: Vec<_> = adapters.iter().map(|adapter| adapter.get_info().name).collect();
             adapters = vec![adapters.swap_remove(adapter::choose(&names, wanted)?)];
@@ -143,15 +144,18 @@ impl Engine {
                 Err(error) => return Err(error.into()),
             }
         }
+        let why = environment::why_none();
         if backend == Backend::Gpu {
-            bail!("--backend is gpu, but there is no usable adapter; install a Vulkan driver, or take auto or cpu");
+            bail!(
+                "--backend is gpu, but there is no usable adapter{why}; install a Vulkan driver, or take auto or cpu"
+            );
         }
         if check {
             bail!(
-                "--check compares an adapter with the CPU reference, but there is no usable adapter; install a Vulkan driver"
+                "--check compares an adapter with the CPU reference, but there is no usable adapter{why}; install a Vulkan driver"
             );
         }
-        crate::tell("note: no usable GPU or CPU adapter; computing with the CPU reference");
+        crate::tell(&format!("note: no usable GPU or CPU adapter{why}; computing with the CPU reference"));
         Self::reference(image, params)
     }
 

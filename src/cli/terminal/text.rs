@@ -23,7 +23,7 @@ fn show(c: char, f: &mut impl fmt::Write) -> fmt::Result {
 }
 
 /// The name of a file, an adapter or anything else that others chose, for a message or a table: the one way in which names
-/// are printed. Whatever a terminal would obey is escaped (`\n`, `\u{1b}`), and so is what is no Unicode (`\xff`).
+/// are printed. Whatever a terminal would obey is escaped (`\n`, `\u{1b}`), and so is what is no Unicode (`\xFF`).
 ///
 /// `{:?}` is in quotes always, `{}` only where it would not stand out without them.
 pub fn name<N: AsRef<OsStr> + ?Sized>(name: &N) -> Name<'_> {
@@ -44,7 +44,7 @@ impl Debug for Name<'_> {
                     c => show(c, f)?,
                 }
             }
-            chunk.invalid().iter().try_for_each(|byte| write!(f, "\\x{byte:02x}"))?;
+            chunk.invalid().iter().try_for_each(|byte| write!(f, "\\x{byte:02X}"))?;
         }
         f.write_char('"')
     }
@@ -140,7 +140,7 @@ mod tests {
         #[cfg(unix)]
         {
             use std::os::unix::ffi::OsStrExt as _;
-            assert_eq!(format!("{}", name(OsStr::from_bytes(b"a\xff\xc3"))), "\"a\\xff\\xc3\"");
+            assert_eq!(format!("{}", name(OsStr::from_bytes(b"a\xff\xc3"))), "\"a\\xFF\\xC3\"");
             assert_eq!(shown("a\\xff").0, "\"a\\\\xff\"");
         }
     }
