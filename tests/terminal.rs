@@ -485,6 +485,10 @@ fn a_search_that_the_environment_leads_nowhere_says_so() {
         command.env("VK_DRIVER_FILES", "/nonexistent").env_remove("VK_ICD_FILENAMES").env_remove("WGPU_BACKEND");
         command.args(args).output().unwrap()
     };
+    let mut disabled = command(folder.path());
+    disabled.args(["left.png", "right.png", "--disp", "16", "--backend", "gpu"]).env("VK_LOADER_DRIVERS_DISABLE", "*");
+    let output = disabled.env("VK_DRIVER_FILES", "/nonexistent").output().unwrap();
+    is_one_line_error(&output, &["VK_LOADER_DRIVERS_DISABLE=\"*\" and VK_DRIVER_FILES"]);
     let words = "VK_DRIVER_FILES=\"/nonexistent\", where no file is";
     is_one_line_error(
         &none(&["left.png", "right.png", "--disp", "16", "--backend", "gpu"]),

@@ -31,6 +31,9 @@ const UNREAD: [&str; 2] = ["WGPU_ADAPTER_NAME", "WGPU_POWER_PREF"];
 /// Where the loader of Vulkan looks for drivers: lists of files and folders.
 const DRIVERS: [&str; 2] = ["VK_DRIVER_FILES", "VK_ICD_FILENAMES"];
 
+/// Which of these the loader takes.
+const FILTERS: [&str; 2] = ["VK_LOADER_DRIVERS_SELECT", "VK_LOADER_DRIVERS_DISABLE"];
+
 /// Refuses values that mean nothing, and says which variables change nothing.
 pub fn ensure_known() -> Result<()> {
     backends(env::var_os(BACKEND).as_deref())?;
@@ -97,8 +100,10 @@ pub fn descriptor() -> Result<InstanceDescriptor> {
 /// What in the environment can be why there is no adapter, for the end of a sentence; empty if there is nothing.
 pub fn why_none() -> String {
     let mut told = Vec::new();
-    if let Some(value) = env::var_os(BACKEND).filter(|value| !value.is_empty()) {
-        told.push(format!("{BACKEND}={:?}", name(&value)));
+    for variable in [BACKEND].into_iter().chain(FILTERS) {
+        if let Some(value) = env::var_os(variable).filter(|value| !value.is_empty()) {
+            told.push(format!("{variable}={:?}", name(&value)));
+        }
     }
     for variable in DRIVERS {
         let Some(value) = env::var_os(variable) else { continue };

@@ -35,7 +35,6 @@ mod tips;
 mod video;
 mod warnings;
 
-use anyhow::Context as _;
 use args::Verb;
 use std::panic::{AssertUnwindSafe, catch_unwind, set_hook};
 use std::process::ExitCode;
@@ -81,9 +80,12 @@ fn execute(args: args::Args) -> anyhow::Result<Outcome> {
         return report::list_adapters(&adapter::ranked()?, args.json).map(|()| Outcome::Done);
     }
     // What computes and what reads spread their work over threads, and without them would end in a panic.
-    rayon::ThreadPoolBuilder::new().build_global().context(
-        "the threads for the work cannot be started; allow more processes (ulimit -u), or set RAYON_NUM_THREADS=1",
-    )?;
+    rayon::ThreadPoolBuilder::new().build_global().map_err(|error| {
+        anyhow::anyhow!(
+            "the threads for the work cannot be started ({error}); allow more processes (ulimit -u), or set \
+             RAYON_NUM_THREADS=1"
+        )
+    })?;
     if let Some(verb) = args.verb {
         let study = match verb {
             Verb::Sweep(args) => study::resolve_sweep(args)?,

@@ -188,7 +188,7 @@ fn ensure_free(path: &Path) -> Result<()> {
     for part in path.iter().map(|part| part.as_encoded_bytes().len()) {
         ensure!(
             part <= MAX_NAME,
-            "output {path:?} has a name of {part} bytes, but at most {MAX_NAME} are possible; shorten it"
+            "output {path:?} has a name of {part} bytes, but at most {MAX_NAME} are possible; give a shorter one"
         );
     }
     match fs::symlink_metadata(path) {

@@ -60,6 +60,8 @@ const FOREIGN: &[(&str, &str)] = &[
     ("resume", "continue skipexisting"),
     ("fps", "framerate rate"),
     ("quiet", "silent noprogress"),
+    ("json", "jsonoutput asjson"),
+    ("check", "verify validate selftest"),
 ];
 
 /// What others call the values of options.
