@@ -130,7 +130,11 @@ pub fn main() -> Result<(), Box<dyn std::error::Error>> {
     let mut encoder = device.create_command_encoder(&wgpu::CommandEncoderDescriptor::default());
     draw(&device, &mut encoder, "left_view", &[], &left);
     draw(&device, &mut encoder, "right_view", &[], &right);
-    matcher.record(&mut encoder, &Inputs::textures(&left, &right), &Outputs::default().disparity(&disparity))?;
+    matcher.record(
+        &mut encoder,
+        &Inputs::textures(&textures[0], &textures[1]),
+        &Outputs::default().disparity(&textures[2]),
+    )?;
     draw(&device, &mut encoder, "fog", &[&left, &disparity], &fogged);
     let picture = device.create_buffer(&wgpu::BufferDescriptor {
         label: Some("picture"),

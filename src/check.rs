@@ -4,7 +4,7 @@ use crate::buffers::{Frame, Rows};
 use crate::matcher::{confidence_of, depth_of, map_of};
 use crate::reference::{self, BlockStatistics, Channel, Direction, Features, Images, Plane, Round, Views, Volume};
 use crate::steps::{Level, Output, Step};
-use crate::{Cost, DisparityMap, Error, Image, Method, Params, StereoMatcher, readback};
+use crate::{Cost, DisparityMap, Error, Image, Method, Params, StereoMatcher, readback, scopes};
 
 /// The first element of a stage that differs from the reference.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -198,21 +198,30 @@ fn each_row(rows: Rows, bytes: &[u8], stride: u64) -> impl Iterator<Item = (usiz
     (rows.first as usize..).zip(bytes.chunks_exact(stride as usize)).take(rows.count as usize)
 }
 
-#[cfg(not(target_arch = "wasm32"))]
 impl StereoMatcher {
     /// Computes a pair step by step and compares what each step left with the reference, element by element.
     ///
     /// Before a step its buffer is filled with a pattern, so that an element that is never written is found. The host
     /// needs memory for the reference's volumes: a byte a pixel and disparity for the cost and for each direction, and
-    /// two for the column sums and for the aggregate.
+    /// two for the column sums and for the aggregate. The reference is computed where the future is polled.
     ///
     /// # Errors
-    /// As [`StereoMatcher::compute_blocking`].
+    /// As [`StereoMatcher::compute`].
+    pub async fn check(&self, left: &Image, right: &Image) -> Result<Vec<StageCheck>, Error> {
+        self.check_spoiled(left, right, &mut |_, _| {}).await
+    }
+
+    /// As [`StereoMatcher::check`]; blocks until all is compared.
+    ///
+    /// # Errors
+    /// As [`StereoMatcher::compute`].
+    #[cfg(not(target_arch = "wasm32"))]
     pub fn check_blocking(&self, left: &Image, right: &Image) -> Result<Vec<StageCheck>, Error> {
-        self.check_with(left, right, |_, _| {})
+        readback::block_on(self.check(left, right))
     }
 
     /// As [`StereoMatcher::check_blocking`], with a chance to spoil the bytes read back from a step: the test of the test.
+    #[cfg(not(target_arch = "wasm32"))]
     #[doc(hidden)]
     pub fn check_with(
         &self,
@@ -220,7 +229,19 @@ impl StereoMatcher {
         right: &Image,
         mut spoil: impl FnMut(&str, &mut [u8]),
     ) -> Result<Vec<StageCheck>, Error> {
-        readback::guarded(&self.device, || self.upload(left, right))??;
+        readback::block_on(self.check_spoiled(left, right, &mut spoil))
+    }
+
+    async fn check_spoiled(
+        &self,
+        left: &Image,
+        right: &Image,
+        spoil: &mut impl FnMut(&str, &mut [u8]),
+    ) -> Result<Vec<StageCheck>, Error> {
+        self.accepts(left, right)?;
+        self.pulse.check()?;
+        let ((), verdict) = scopes::watched(&self.device, || self.write_sources(left, right));
+        self.settled(verdict.await)?;
         let rectified = match &self.params.rectify {
             Some(rectification) => {
                 Some([reference::rectify(left, rectification, 0)?, reference::rectify(right, rectification, 1)?])
@@ -257,7 +278,7 @@ impl StereoMatcher {
                 Output::Features { first, .. } => *first == 0,
                 _ => true,
             };
-            readback::guarded(&self.device, || {
+            let ((), verdict) = scopes::watched(&self.device, || {
                 if fresh {
                     self.fill(&step.buffer, step.bytes);
                     if let Output::Views { right, .. } = &step.output {
@@ -267,14 +288,16 @@ impl StereoMatcher {
                 let mut encoder = self.device.create_command_encoder(&wgpu::CommandEncoderDescriptor::default());
                 self.record_steps(&mut encoder, step.stage(), std::slice::from_ref(step), None);
                 self.queue.submit([encoder.finish()]);
-            })?;
+            });
+            self.settled(verdict.await)?;
             if stages.iter().all(|stage| stage.stage != step.stage()) {
                 let stage = step.stage().to_string();
                 stages.push(StageCheck { stage, elements: 0, mismatches: 0, first: None });
             }
             let Some(stage) = stages.iter_mut().find(|stage| stage.stage == step.stage()) else { continue };
-            self.compare(step, &mut expected, stage, &mut spoil)?;
+            self.compare(step, &mut expected, stage, spoil).await?;
         }
+        self.has_computed();
         Ok(stages)
     }
 
@@ -283,19 +306,20 @@ impl StereoMatcher {
         self.queue.write_buffer(buffer, 0, &pattern);
     }
 
-    fn fetch(
+    async fn fetch(
         &self,
         step: &Step,
         buffer: &wgpu::Buffer,
         bytes: u64,
         spoil: &mut impl FnMut(&str, &mut [u8]),
     ) -> Result<Vec<u8>, Error> {
-        let mut bytes = readback::copy(&self.device, &self.queue, buffer, bytes)?;
+        let copied = readback::copy(&self.device, &self.queue, &self.waiter, buffer, bytes).await;
+        let mut bytes = copied.map_err(|error| self.pulse.cause(error))?;
         spoil(step.stage(), &mut bytes);
         Ok(bytes)
     }
 
-    fn compare(
+    async fn compare(
         &self,
         step: &Step,
         expected: &mut Expected,
@@ -323,7 +347,7 @@ impl StereoMatcher {
         ) {
             expected.enter(step.level);
         }
-        let bytes = self.fetch(step, &step.buffer, step.bytes, spoil)?;
+        let bytes = self.fetch(step, &step.buffer, step.bytes, spoil).await?;
         match &step.output {
             Output::Rectified { side } => {
                 let Some(images) = &expected.rectified else { return Ok(()) };
@@ -477,7 +501,7 @@ impl StereoMatcher {
             }
             Output::Views { right, .. } => {
                 let left = map_of(&sizes.frame, &bytes);
-                let behind = self.fetch(step, right, sizes.right_map, spoil)?;
+                let behind = self.fetch(step, right, sizes.right_map, spoil).await?;
                 let right = map_of(&sizes.frame, &behind);
                 let wanted = expected.params.confidence;
                 let views = expected.views();

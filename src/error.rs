@@ -41,9 +41,12 @@ pub enum Error {
         "the device lacks what the kernels need: {0}; request it when the device is created, or take another adapter"
     )]
     Device(String),
-    /// The device was lost or refused work while a frame was computed.
-    #[error("the device failed while computing: {0}; run again, or take another adapter")]
+    /// The device is lost, or refused work that is right.
+    #[error("the device failed: {0}")]
     Lost(String),
+    /// A call that does not fit those before it, or what it was given.
+    #[error("{0}")]
+    Misuse(String),
     /// A pair of a stream came while as many as may be were in flight.
     #[error(
         "the frame was dropped: {in_flight} frames were in flight already; take results sooner, or allow more in flight"

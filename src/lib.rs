@@ -32,12 +32,12 @@
 //! ```no_run
 //! use gpu_stereo::{Error, Inputs, Outputs, Params, PixelFormat, StereoMatcher, wgpu};
 //!
-//! /// Views of textures of 1280x720: `left` and `right` in Rgba8Unorm with the usage TEXTURE_BINDING, `disparity` in
-//! /// R32Float with RENDER_ATTACHMENT.
+//! /// Textures of 1280x720: `left` and `right` in Rgba8Unorm with the usage TEXTURE_BINDING, `disparity` in R32Float
+//! /// with RENDER_ATTACHMENT.
 //! fn program(
 //!     device: &wgpu::Device,
 //!     queue: &wgpu::Queue,
-//!     [left, right, disparity]: [&wgpu::TextureView; 3],
+//!     [left, right, disparity]: [&wgpu::Texture; 3],
 //! ) -> Result<(), Error> {
 //!     let matcher = StereoMatcher::new(device, queue, 1280, 720, PixelFormat::Rgba8, &Params::sgm(64))?; // once
 //!
@@ -68,7 +68,11 @@
 //! # Browsers
 //!
 //! The library builds for `wasm32-unknown-unknown`, with wgpu's backend WebGPU. Nothing can block there: what has
-//! `blocking` in its name does not exist. [`mod@reference`] works, on one thread.
+//! `blocking` in its name does not exist. What a device objects to is known only when the browser gets to it: in place of
+//! `new`, `resize` and `set_params`, which do not exist there, are [`StereoMatcher::new_async`],
+//! [`StereoMatcher::resize_async`] and [`StereoMatcher::set_params_async`], and [`StereoMatcher::compute`],
+//! [`StereoMatcher::read`], [`StereoMatcher::check`] and the results of a [`StereoStream`] come with it.
+//! [`mod@reference`] works, on one thread.
 #![cfg_attr(test, allow(clippy::unwrap_used))]
 #![cfg_attr(target_arch = "wasm32", allow(dead_code, unused_imports))] // what only blocking functions use
 
@@ -80,6 +84,7 @@ mod camera;
 mod chain;
 mod check;
 mod color;
+mod device;
 mod error;
 pub mod evaluation;
 mod image;
@@ -91,9 +96,11 @@ mod readback;
 mod rectification;
 pub mod reference;
 mod schedule;
+mod scopes;
 mod steps;
 mod stream;
 mod surfaces;
+mod uploads;
 
 pub use camera::Camera;
 pub use check::{Mismatch, StageCheck};
@@ -106,5 +113,5 @@ pub use params::{Census, Cost, Fill, Median, Method, Params, Paths, Prefilter, P
 pub use rectification::{Lens, Rectification};
 pub use schedule::Schedule;
 pub use stream::{StereoStream, StreamFrame};
-pub use surfaces::{Inputs, Outputs, PixelBuffer, TypedView};
+pub use surfaces::{Inputs, Outputs, PixelBuffer, TextureLayer};
 pub use wgpu;

@@ -1,16 +1,20 @@
 //! The matcher: images in, maps out, on the caller's device.
 
 use std::pin::Pin;
+use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::{Arc, Mutex, OnceLock, PoisonError};
-use std::task::{Context, Poll};
+use std::task::{Context, Poll, Waker};
 
 use crate::buffers::{Frame, Sizes, TEXELS, TEXTURE_ROW, source_bytes};
 use crate::chain::{Made, chain};
+use crate::device::Pulse;
 use crate::readback::{Mapping, Waiter};
 use crate::reference::{self, Round};
 use crate::schedule::Plan;
+use crate::scopes::{self, Verdict};
 use crate::steps::{Builder, Level, Pool, Step, row_bytes};
-use crate::surfaces::{Middle, Surfaces};
+use crate::surfaces::{Middle, Spots, Surfaces};
+use crate::uploads::Uploads;
 use crate::{
     ConfidenceMap, DepthMap, DisparityMap, Error, Image, Inputs, Matched, Outputs, Params, PixelFormat, kernels,
     readback,
@@ -37,6 +41,7 @@ pub struct StageTime {
 pub struct StereoMatcher {
     pub(crate) device: wgpu::Device,
     pub(crate) queue: wgpu::Queue,
+    pub(crate) pulse: Pulse,
     pub(crate) params: Params,
     pub(crate) format: PixelFormat,
     /// Columns and rows of the largest pair that all is made for.
@@ -54,6 +59,25 @@ pub struct StereoMatcher {
     pub(crate) waiter: Arc<Waiter>,
     timer: OnceLock<Timer>,
     surfaces: Surfaces,
+    uploads: Uploads,
+    /// Held by what was recorded into encoders of the caller's, until it is done or dropped.
+    recorded: Arc<()>,
+    /// Whether there may be a map of this size and these settings.
+    computed: AtomicBool,
+}
+
+/// What follows from a size and settings.
+struct Rebuilt {
+    largest: [u32; 2],
+    room: u64,
+    levels: Vec<Level>,
+    steps: Vec<Step>,
+    made: Made,
+    pool: Pool,
+    /// Readback buffers.
+    spare: Vec<wgpu::Buffer>,
+    /// Whether nothing of before is used, since it belongs to what was recorded.
+    fresh: bool,
 }
 
 #[derive(Debug)]
@@ -150,6 +174,9 @@ pub struct Reading {
 #[derive(Debug)]
 struct Awaited {
     device: wgpu::Device,
+    pulse: Pulse,
+    /// What the device objects to, where that was not known yet.
+    verdict: Option<Verdict>,
     waiter: Arc<Waiter>,
     mapping: Mapping,
     buffer: wgpu::Buffer,
@@ -160,12 +187,29 @@ struct Awaited {
 impl Awaited {
     /// The maps, and the buffer goes back to the others.
     fn taken(self, mapped: Result<(), Error>) -> Result<Matched, Error> {
-        mapped?;
-        let matched = readback::taken(&self.device, &self.buffer, |bytes| {
-            self.layout.matched(&bytes[..self.layout.bytes() as usize])
-        })?;
+        let matched = mapped.and_then(|()| {
+            readback::taken(&self.device, &self.buffer, |bytes| {
+                self.layout.matched(&bytes[..self.layout.bytes() as usize])
+            })
+        });
+        self.pulse.check()?; // nobody goes on with a lost device by mistake
         self.spare.lock().unwrap_or_else(PoisonError::into_inner).push(self.buffer);
-        Ok(matched)
+        matched
+    }
+
+    /// What the device objects to, if that is known; then `mapped` says whether the buffer is mapped.
+    fn poll_with(
+        &mut self,
+        context: &mut Context<'_>,
+        mapped: impl FnOnce(&Self, &mut Context<'_>) -> Poll<Result<(), Error>>,
+    ) -> Poll<Result<(), Error>> {
+        if let Some(verdict) = &mut self.verdict {
+            match Pin::new(verdict).poll(context) {
+                Poll::Ready(Ok(())) => self.verdict = None,
+                other => return other,
+            }
+        }
+        mapped(self, context)
     }
 }
 
@@ -176,8 +220,14 @@ impl Reading {
 
     /// The maps, if they are there. Does not wait. `None` ever after they were taken.
     pub fn try_take(&mut self) -> Option<Result<Matched, Error>> {
-        let mapped = match self.state.as_ref()? {
-            Ok(awaited) => awaited.mapping.now(&awaited.device)?,
+        let mapped = match self.state.as_mut()? {
+            Ok(awaited) => {
+                let now = |awaited: &Awaited| awaited.mapping.now(&awaited.device).map_or(Poll::Pending, Poll::Ready);
+                match awaited.poll_with(&mut Context::from_waker(Waker::noop()), |awaited, _| now(awaited)) {
+                    Poll::Ready(mapped) => mapped,
+                    Poll::Pending => return None,
+                }
+            }
             Err(_) => Ok(()),
         };
         self.finish(mapped)
@@ -186,7 +236,7 @@ impl Reading {
     /// The maps. Blocks until they are there.
     ///
     /// # Errors
-    /// [`Error::Lost`] if the device fails, or the maps were taken before.
+    /// [`Error::Lost`] if the device fails; [`Error::Misuse`] if the maps were taken before.
     #[cfg(not(target_arch = "wasm32"))]
     pub fn wait_blocking(mut self) -> Result<Matched, Error> {
         self.take_blocking()
@@ -194,8 +244,11 @@ impl Reading {
 
     #[cfg(not(target_arch = "wasm32"))]
     pub(crate) fn take_blocking(&mut self) -> Result<Matched, Error> {
-        let mapped = match &self.state {
-            Some(Ok(awaited)) => awaited.mapping.wait(&awaited.device),
+        let mapped = match &mut self.state {
+            Some(Ok(awaited)) => {
+                let verdict = awaited.verdict.take().map_or(Ok(()), Verdict::now);
+                verdict.and_then(|()| awaited.mapping.wait(&awaited.device))
+            }
             _ => Ok(()),
         };
         self.finish(mapped).unwrap_or_else(Self::gone)
@@ -206,7 +259,7 @@ impl Reading {
     }
 
     fn gone() -> Result<Matched, Error> {
-        Err(Error::Lost("its maps were taken before".into()))
+        Err(Error::Misuse("the maps of this Reading were taken before; read once more to have them again".into()))
     }
 }
 
@@ -214,11 +267,16 @@ impl Future for Reading {
     type Output = Result<Matched, Error>;
 
     fn poll(mut self: Pin<&mut Self>, context: &mut Context<'_>) -> Poll<Self::Output> {
-        let mapped = match &self.state {
-            Some(Ok(awaited)) => match awaited.waiter.poll(&awaited.device, &awaited.mapping, context) {
-                Poll::Ready(mapped) => mapped,
-                Poll::Pending => return Poll::Pending,
-            },
+        let mapped = match &mut self.state {
+            Some(Ok(awaited)) => {
+                let mapped = |awaited: &Awaited, context: &mut Context<'_>| {
+                    awaited.waiter.poll(&awaited.device, &awaited.mapping, context)
+                };
+                match awaited.poll_with(context, mapped) {
+                    Poll::Ready(mapped) => mapped,
+                    Poll::Pending => return Poll::Pending,
+                }
+            }
             _ => Ok(()),
         };
         Poll::Ready(self.finish(mapped).unwrap_or_else(Self::gone))
@@ -288,10 +346,13 @@ impl StereoMatcher {
     }
 
     /// A matcher for pairs of `width` x `height` pixels in `format`, and of smaller ones after [`StereoMatcher::resize`].
+    /// In a browser only [`StereoMatcher::new_async`] can say what the device objects to.
     ///
     /// # Errors
     /// [`Error::Parameter`] as [`Params::validate`]; [`Error::Device`] if the device lacks a limit that the kernels
-    /// need; [`Error::TooLarge`] and [`Error::OutOfMemory`] if the pair does not fit it.
+    /// need; [`Error::TooLarge`] and [`Error::OutOfMemory`] if the pair does not fit it; [`Error::Misuse`] if the queue is
+    /// another device's; [`Error::Lost`] if the device is lost.
+    #[cfg(not(target_arch = "wasm32"))]
     pub fn new(
         device: &wgpu::Device,
         queue: &wgpu::Queue,
@@ -300,18 +361,51 @@ impl StereoMatcher {
         format: PixelFormat,
         params: &Params,
     ) -> Result<Self, Error> {
+        let (matcher, verdict) = Self::begin(device, queue, [width, height], format, params)?;
+        matcher.settled(verdict.now())?;
+        Ok(matcher)
+    }
+
+    /// As [`StereoMatcher::new`], and waits for what the device objects to, without blocking: in a browser that comes later.
+    ///
+    /// # Errors
+    /// As [`StereoMatcher::new`].
+    pub async fn new_async(
+        device: &wgpu::Device,
+        queue: &wgpu::Queue,
+        width: u32,
+        height: u32,
+        format: PixelFormat,
+        params: &Params,
+    ) -> Result<Self, Error> {
+        let (matcher, verdict) = Self::begin(device, queue, [width, height], format, params)?;
+        matcher.settled(verdict.await)?;
+        Ok(matcher)
+    }
+
+    /// A matcher, and what the device objects to.
+    fn begin(
+        device: &wgpu::Device,
+        queue: &wgpu::Queue,
+        [width, height]: [u32; 2],
+        format: PixelFormat,
+        params: &Params,
+    ) -> Result<(Self, Verdict), Error> {
+        let pulse = Pulse::new(device, queue)?;
         fits_rectification([width, height], params)?;
         let levels = levels(device, [width, height], format, params, &[])?;
         let before = rooms(device, [width, height], format, params, &levels)?;
-        readback::guarded(device, || {
+        Ok(scopes::watched(device, || {
             let pool =
                 before.iter().fold(Pool::default(), |pool, levels| Self::build(device, queue, format, levels, pool).2);
             let (made, steps, pool) = Self::build(device, queue, format, &levels, pool);
             let Level { params, sizes, .. } = levels[levels.len() - 1].clone();
+            made.blank(queue, &sizes);
             let room = Layout::new(&params, &sizes).bytes();
             let matcher = Self {
                 device: device.clone(),
                 queue: queue.clone(),
+                pulse,
                 params,
                 format,
                 largest: [width, height],
@@ -325,10 +419,19 @@ impl StereoMatcher {
                 sizes,
                 timer: OnceLock::new(),
                 surfaces: Surfaces::default(),
+                uploads: Uploads::default(),
+                recorded: Arc::default(),
+                computed: AtomicBool::new(false),
             };
             matcher.spare_again(matcher.readback_buffer());
             matcher
-        })
+        }))
+    }
+
+    /// What the device objects to, or that it is lost.
+    pub(crate) fn settled(&self, verdict: Result<(), Error>) -> Result<(), Error> {
+        verdict.map_err(|error| self.pulse.cause(error))?;
+        self.pulse.check()
     }
 
     fn build(
@@ -344,50 +447,117 @@ impl StereoMatcher {
         (made, steps, pool)
     }
 
-    /// Builds all anew for another size or other settings, from what there is.
-    fn rebuild(&mut self, size: [u32; 2], params: &Params) -> Result<(), Error> {
+    /// All anew for another size or other settings, from what there is: what the matcher goes on with if the device does not
+    /// object.
+    fn rebuilt(&self, size: [u32; 2], params: &Params) -> Result<(Rebuilt, Verdict), Error> {
         let (device, queue, format) = (&self.device, &self.queue, self.format);
+        self.pulse.check()?;
         fits_rectification(size, params)?;
         let largest = [0, 1].map(|axis| self.largest[axis].max(size[axis]));
         let largest_levels = levels(device, largest, format, params, &[])?;
         let levels = levels(device, size, format, params, &largest_levels)?;
+        #[cfg(not(target_arch = "wasm32"))]
+        let _ = device.poll(wgpu::PollType::Poll); // what is done lets go of what it needed
+        let fresh = Arc::strong_count(&self.recorded) > 1;
         let mut before = Vec::new();
-        if largest != self.largest || *params != self.params {
+        if fresh || largest != self.largest || *params != self.params {
             // Room for larger pairs, so that nothing is made when they come.
             before = rooms(device, largest, format, params, &largest_levels)?;
             before.extend((size != largest).then(|| largest_levels.clone()));
         }
-        let (made, steps, pool) = readback::guarded(device, || {
-            let pool = self.pool.clone();
+        let Level { params, sizes, .. } = &levels[levels.len() - 1];
+        let bytes = Layout::new(params, sizes).bytes();
+        let room = Layout::new(params, &largest_levels[largest_levels.len() - 1].sizes).bytes();
+        let missing = self.spares(|spare| spare.iter().filter(|buffer| buffer.size() < bytes).count());
+        let missing = missing.max(usize::from(self.spares(|spare| spare.is_empty())));
+        let ((made, steps, pool, spare), verdict) = scopes::watched(device, || {
+            let pool = if fresh { self.pool.kernels() } else { self.pool.clone() };
             let pool = before.iter().fold(pool, |pool, levels| Self::build(device, queue, format, levels, pool).2);
-            Self::build(device, queue, format, &levels, pool)
-        })?;
+            let (made, steps, pool) = Self::build(device, queue, format, &levels, pool);
+            made.blank(queue, sizes);
+            let spare =
+                (0..missing).map(|_| readback::buffer(device, "gpu-stereo.readback", bytes.max(room))).collect();
+            (made, steps, pool, spare)
+        });
+        Ok((Rebuilt { largest, room, levels, steps, made, pool, spare, fresh }, verdict))
+    }
+
+    /// Goes on with what was rebuilt.
+    fn install(&mut self, rebuilt: Rebuilt) {
+        let Rebuilt { largest, room, levels, steps, made, pool, spare, fresh } = rebuilt;
         let Level { params, sizes, .. } = levels[levels.len() - 1].clone();
-        let largest_sizes = &largest_levels[largest_levels.len() - 1].sizes;
-        (self.largest, self.room) = (largest, Layout::new(&params, largest_sizes).bytes());
+        (self.largest, self.room) = (largest, room);
         (self.params, self.sizes, self.levels) = (params, sizes, levels);
         (self.made, self.steps, self.pool, self.timer) = (made, steps, pool, OnceLock::new());
-        self.reserve_readbacks(self.spares(|spare| spare.len()).max(1))
+        self.computed = AtomicBool::new(false);
+        let bytes = Layout::new(&self.params, &self.sizes).bytes();
+        self.spares(|spares| {
+            spares.retain(|buffer| buffer.size() >= bytes); // those from before there was more to read are of no use
+            spares.extend(spare);
+        });
+        if fresh {
+            self.recorded = Arc::default();
+            self.surfaces.forget(); // what binds the matcher's former buffers
+        }
+    }
+
+    #[cfg(not(target_arch = "wasm32"))]
+    fn rebuild(&mut self, size: [u32; 2], params: &Params) -> Result<(), Error> {
+        let (rebuilt, verdict) = self.rebuilt(size, params)?;
+        self.settled(verdict.now())?;
+        self.install(rebuilt);
+        Ok(())
+    }
+
+    async fn rebuild_async(&mut self, size: [u32; 2], params: &Params) -> Result<(), Error> {
+        let (rebuilt, verdict) = self.rebuilt(size, params)?;
+        self.settled(verdict.await)?;
+        self.install(rebuilt);
+        Ok(())
     }
 
     /// Takes pairs of another size from now on. No buffer and no texture is made where neither side is larger than the
-    /// matcher was made for; else the matcher grows. What was recorded before must be submitted before.
+    /// matcher was made for; else the matcher grows. What was recorded before and is not done yet keeps its buffers and
+    /// gives what it would have given; then the matcher makes others for what comes.
     ///
     /// # Errors
     /// As [`StereoMatcher::new`]; the matcher is then as it was.
+    #[cfg(not(target_arch = "wasm32"))]
     pub fn resize(&mut self, width: u32, height: u32) -> Result<(), Error> {
         let params = self.params.clone();
         self.rebuild([width, height], &params)
     }
 
+    /// As [`StereoMatcher::resize`], and waits for what the device objects to, without blocking: in a browser that comes
+    /// later.
+    ///
+    /// # Errors
+    /// As [`StereoMatcher::resize`].
+    pub async fn resize_async(&mut self, width: u32, height: u32) -> Result<(), Error> {
+        let params = self.params.clone();
+        self.rebuild_async([width, height], &params).await
+    }
+
     /// Computes with other settings from now on. Only kernels that the matcher has not had yet are compiled, and buffers
-    /// are made only where those that there are do not do. What was recorded before must be submitted before.
+    /// are made only where those that there are do not do. What was recorded before keeps its own, as with
+    /// [`StereoMatcher::resize`].
     ///
     /// # Errors
     /// As [`StereoMatcher::new`]; the matcher is then as it was.
+    #[cfg(not(target_arch = "wasm32"))]
     pub fn set_params(&mut self, params: &Params) -> Result<(), Error> {
         let (width, height) = self.size();
         self.rebuild([width, height], params)
+    }
+
+    /// As [`StereoMatcher::set_params`], and waits for what the device objects to, without blocking: in a browser that comes
+    /// later.
+    ///
+    /// # Errors
+    /// As [`StereoMatcher::set_params`].
+    pub async fn set_params_async(&mut self, params: &Params) -> Result<(), Error> {
+        let (width, height) = self.size();
+        self.rebuild_async([width, height], params).await
     }
 
     /// The settings.
@@ -407,7 +577,8 @@ impl StereoMatcher {
 
     /// Bytes of all buffers and textures that the matcher holds on the device.
     pub fn device_bytes(&self) -> u64 {
-        self.pool.bytes() + self.spares(|spare| spare.iter().map(wgpu::Buffer::size).sum::<u64>())
+        let spare = self.spares(|spare| spare.iter().map(wgpu::Buffer::size).sum::<u64>());
+        self.pool.bytes() + spare + self.uploads.bytes()
     }
 
     /// Where [`StereoMatcher::record`] leaves the disparity map: `i16` in 1/16 px, two pixels a word, the left one in
@@ -451,30 +622,56 @@ impl StereoMatcher {
         }
     }
 
-    /// The textures that hold the pair.
-    pub(crate) fn sources(&self) -> &[wgpu::Texture; 2] {
-        &self.made.sources
-    }
-
     /// Bytes of an image of the largest pair, in whole rows of its texture.
     pub(crate) fn largest_source(&self) -> u64 {
         source_bytes(self.largest[0], self.largest[1], self.format)
     }
 
     /// Makes readback buffers for so many frames at a time.
-    pub(crate) fn reserve_readbacks(&self, frames: usize) -> Result<(), Error> {
-        readback::guarded(&self.device, || {
-            let buffers: Vec<_> = (0..frames).map(|_| self.readback_buffer()).collect();
-            buffers.into_iter().for_each(|buffer| self.spare_again(buffer));
-        })
+    pub(crate) fn reserve_readbacks(&self, frames: usize) {
+        let buffers: Vec<_> = (0..frames).map(|_| self.readback_buffer()).collect();
+        buffers.into_iter().for_each(|buffer| self.spare_again(buffer));
     }
 
-    /// Writes a pair into the matcher's buffers; it is there for all that is submitted afterwards.
+    /// Writes a pair where [`StereoMatcher::record`] takes it from with [`Inputs::Uploaded`]; it is there for all that is
+    /// recorded afterwards.
     ///
     /// # Errors
-    /// [`Error::Image`] if a size or a format is not the matcher's.
+    /// [`Error::Image`] if a size or a format is not the matcher's; [`Error::OutOfMemory`] if there is no room for one more
+    /// pair, beside those that what was recorded still needs.
     pub fn upload(&self, left: &Image, right: &Image) -> Result<(), Error> {
         self.accepts(left, right)?;
+        self.pulse.check()?;
+        let side = self.sizes.source;
+        let free = self.uploads.free(2 * side);
+        let written = scopes::guarded_or_left(&self.device, || {
+            let buffer = free.unwrap_or_else(|| {
+                self.device.create_buffer(&wgpu::BufferDescriptor {
+                    label: Some("gpu-stereo.upload"),
+                    size: 2 * self.largest_source(),
+                    usage: wgpu::BufferUsages::COPY_DST | wgpu::BufferUsages::COPY_SRC,
+                    mapped_at_creation: false,
+                })
+            });
+            for (image, at) in [(left, 0), (right, side)] {
+                let bytes = image.bytes();
+                let (whole, rest) = bytes.split_at(bytes.len() / 4 * 4);
+                self.queue.write_buffer(&buffer, at, whole);
+                if !rest.is_empty() {
+                    let mut last = [0; 4];
+                    last[..rest.len()].copy_from_slice(rest);
+                    self.queue.write_buffer(&buffer, at + whole.len() as u64, &last);
+                }
+            }
+            buffer
+        });
+        let buffer = written.map_err(|error| self.pulse.cause(error))?;
+        self.uploads.set(buffer, self.size());
+        Ok(())
+    }
+
+    /// Writes a pair into the matcher's textures, for what is submitted at once.
+    pub(crate) fn write_sources(&self, left: &Image, right: &Image) {
         for (image, source) in [(left, &self.made.sources[0]), (right, &self.made.sources[1])] {
             let bytes = image.bytes();
             // Whole rows of the texture, then the rest of them.
@@ -494,23 +691,90 @@ impl StereoMatcher {
                 self.queue.write_texture(destination, data, layout, size);
             }
         }
-        Ok(())
+    }
+
+    /// Records the way of a pair from a buffer into the matcher's textures.
+    pub(crate) fn record_sources(&self, encoder: &mut wgpu::CommandEncoder, buffer: &wgpu::Buffer) {
+        let side = self.sizes.source;
+        for (source, offset) in self.made.sources.iter().zip([0, side]) {
+            let bytes_per_row = Some(TEXTURE_ROW as u32);
+            let layout = wgpu::TexelCopyBufferLayout { offset, bytes_per_row, rows_per_image: None };
+            let height = (side / TEXTURE_ROW) as u32;
+            let size = wgpu::Extent3d { width: TEXELS, height, depth_or_array_layers: 1 };
+            encoder.copy_buffer_to_texture(wgpu::TexelCopyBufferInfo { buffer, layout }, source.as_image_copy(), size);
+        }
     }
 
     /// Records the work of one frame into the caller's encoder: takes the pair from `inputs`, leaves the map in
     /// [`StereoMatcher::output`] and in what `outputs` names. It neither submits nor waits.
     ///
+    /// What is recorded is whole: whatever is uploaded, computed, resized or set before it is submitted, it gives the maps of
+    /// the pair, the size and the settings that it was recorded with.
+    ///
     /// # Errors
-    /// [`Error::Image`] if an input or an output does not fit the matcher; then nothing is recorded.
+    /// [`Error::Image`] if an input or an output does not fit the matcher; [`Error::Misuse`] if no pair of this size was
+    /// uploaded, or the encoder is another device's: then nothing is recorded. [`Error::Misuse`], too, if a pass of the encoder
+    /// is open, which spoils it. [`Error::Lost`] if the device is lost. In a browser, what the device itself objects to comes
+    /// to the caller's error scopes and error handler.
     pub fn record(
         &self,
         encoder: &mut wgpu::CommandEncoder,
         inputs: &Inputs<'_>,
         outputs: &Outputs<'_>,
     ) -> Result<(), Error> {
-        let middle = Middle {
+        self.pulse.check()?;
+        if !self.pulse.owns(encoder) {
+            return Err(Error::Misuse(
+                "the encoder is of another wgpu device than the matcher; create it with the device that the matcher was \
+                 made with"
+                    .into(),
+            ));
+        }
+        let middle = self.middle();
+        let mut spots = Spots::default();
+        let before = middle.before(&self.surfaces, inputs, &mut spots)?;
+        let after = middle.after(&self.surfaces, outputs, &mut spots)?;
+        let uploaded = match inputs {
+            Inputs::Uploaded => Some(self.uploads.last().filter(|pair| pair.size == self.size()).ok_or_else(|| {
+                let (width, height) = self.size();
+                Error::Misuse(format!(
+                    "no pair of {width}x{height} was uploaded since the matcher takes that size; upload one before it is \
+                     recorded"
+                ))
+            })?),
+            _ => None,
+        };
+        let recorded = scopes::guarded_or_left(&self.device, || {
+            if let Some(pair) = &uploaded {
+                self.record_sources(encoder, &pair.buffer);
+            }
+            before.iter().for_each(|work| work.record(encoder));
+            self.record_chain(encoder);
+            after.iter().for_each(|work| work.record(encoder));
+        });
+        recorded.map_err(|error| match self.pulse.cause(error) {
+            Error::Lost(text) if scopes::refusal(&text).is_some() => Error::Misuse(format!(
+                "the encoder refused the work: {}; end its open passes before, and begin with a new encoder",
+                scopes::refusal(&text).unwrap_or_default()
+            )),
+            other => other,
+        })?;
+        let held = (self.recorded.clone(), uploaded.map(|pair| pair.held));
+        encoder.on_submitted_work_done(move || drop(held));
+        self.has_computed();
+        Ok(())
+    }
+
+    /// There is a map of the present size and settings.
+    pub(crate) fn has_computed(&self) {
+        self.computed.store(true, Ordering::Relaxed);
+    }
+
+    fn middle(&self) -> Middle<'_> {
+        Middle {
             device: &self.device,
             queue: &self.queue,
+            pulse: &self.pulse,
             frame: &self.sizes.frame,
             format: self.format,
             params: &self.params,
@@ -518,13 +782,8 @@ impl StereoMatcher {
             output: &self.made.output,
             right: self.made.right.as_ref(),
             confidence: self.made.confidence.as_ref(),
-        };
-        let before = middle.before(&self.surfaces, inputs)?;
-        let after = middle.after(&self.surfaces, outputs)?;
-        before.iter().for_each(|work| work.record(encoder));
-        self.record_chain(encoder);
-        after.iter().for_each(|work| work.record(encoder));
-        Ok(())
+            depth: self.made.depth.as_ref(),
+        }
     }
 
     /// Lets go of the textures and buffers of [`Inputs`] and [`Outputs`]. What binds the last of them (those of about eight
@@ -576,9 +835,21 @@ impl StereoMatcher {
         }
     }
 
-    /// Brings what the work submitted last leaves to the host. Submits the copy, and does not wait: the result is a future.
+    /// Brings what the work submitted last leaves to the host: work of the matcher's present size and settings. Submits the
+    /// copy, and does not wait: the result is a future. Where work was recorded but never submitted, no pixel has a disparity.
+    ///
+    /// [`Error::Misuse`] comes of it if nothing was recorded or computed with the present size and settings.
     pub fn read(&self) -> Reading {
-        self.start(|_| ()).unwrap_or_else(Reading::failed)
+        let computed = self.computed.load(Ordering::Relaxed);
+        let absent = || {
+            let (width, height) = self.size();
+            Error::Misuse(format!(
+                "there is no map of {width}x{height} with the present settings to read; record and submit a pair, or compute \
+                 one, before"
+            ))
+        };
+        let started = self.pulse.check().and_then(|()| computed.then_some(()).ok_or_else(absent));
+        started.and_then(|()| self.start(|_| ())).unwrap_or_else(Reading::failed)
     }
 
     /// As [`StereoMatcher::read`]; blocks until the maps are there.
@@ -590,10 +861,10 @@ impl StereoMatcher {
         self.read().wait_blocking()
     }
 
-    /// Uploads a pair, computes its maps and reads them back.
+    /// Computes the maps of a pair of the host's, and reads them back.
     ///
     /// # Errors
-    /// As [`StereoMatcher::upload`]; [`Error::Lost`] if the device fails on the way.
+    /// [`Error::Image`] if a size or a format is not the matcher's; [`Error::Lost`] if the device fails on the way.
     pub async fn compute(&self, left: &Image, right: &Image) -> Result<Matched, Error> {
         self.submit(left, right, |encoder| self.record_chain(encoder))?.await
     }
@@ -613,14 +884,20 @@ impl StereoMatcher {
         right: &Image,
         record: impl FnOnce(&mut wgpu::CommandEncoder),
     ) -> Result<Reading, Error> {
-        readback::guarded(&self.device, || self.upload(left, right))??;
-        self.start(record)
+        self.accepts(left, right)?;
+        let started = self.start(|encoder| {
+            self.write_sources(left, right);
+            record(encoder);
+        })?;
+        self.has_computed();
+        Ok(started)
     }
 
     /// Submits what `record` records, and the way of the maps to the host.
     pub(crate) fn start(&self, record: impl FnOnce(&mut wgpu::CommandEncoder)) -> Result<Reading, Error> {
+        self.pulse.check()?;
         let layout = Layout::new(&self.params, &self.sizes);
-        let buffer = readback::guarded(&self.device, || {
+        let ((buffer, mapping), verdict) = scopes::watched(&self.device, || {
             let mut encoder = self.device.create_command_encoder(&wgpu::CommandEncoderDescriptor::default());
             record(&mut encoder);
             let buffer = self.readback_buffer();
@@ -637,11 +914,13 @@ impl StereoMatcher {
                 }
             }
             self.queue.submit([encoder.finish()]);
-            buffer
-        })?;
-        let mapping = Mapping::new(&self.device, &buffer, wgpu::MapMode::Read)?;
-        let (device, waiter, spare) = (self.device.clone(), self.waiter.clone(), self.spare.clone());
-        Ok(Reading { state: Some(Ok(Awaited { device, waiter, mapping, buffer, layout, spare })) })
+            let mapping = Mapping::new(&buffer, wgpu::MapMode::Read);
+            (buffer, mapping)
+        });
+        let verdict = verdict.or_later().map_err(|error| self.pulse.cause(error))?;
+        let (device, pulse) = (self.device.clone(), self.pulse.clone());
+        let (waiter, spare) = (self.waiter.clone(), self.spare.clone());
+        Ok(Reading { state: Some(Ok(Awaited { device, pulse, verdict, waiter, mapping, buffer, layout, spare })) })
     }
 
     fn spares<T>(&self, work: impl FnOnce(&mut Vec<wgpu::Buffer>) -> T) -> T {
@@ -692,7 +971,14 @@ impl StereoMatcher {
             }),
             readback: readback::buffer(&self.device, "gpu-stereo.timestamps", bytes),
         };
-        let timer = readback::guarded(&self.device, || self.timer.get_or_init(make))?;
+        self.pulse.check()?;
+        let timer = match self.timer.get() {
+            Some(timer) => timer,
+            None => {
+                let timer = scopes::guarded(&self.device, make)?;
+                self.timer.get_or_init(|| timer)
+            }
+        };
         let matched = self
             .submit(left, right, |encoder| {
                 for (i, run) in (0..).zip(&runs) {

@@ -1,12 +1,11 @@
 //! The only code that waits for the device.
 
-use std::pin::pin;
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 use std::task::{Context, Poll, Waker};
 #[cfg(not(target_arch = "wasm32"))]
 use std::time::Duration;
 
-use crate::Error;
+use crate::{Error, scopes};
 
 /// A buffer that the host reads.
 pub(crate) fn buffer(device: &wgpu::Device, label: &str, size: u64) -> wgpu::Buffer {
@@ -18,35 +17,8 @@ pub(crate) fn buffer(device: &wgpu::Device, label: &str, size: u64) -> wgpu::Buf
     })
 }
 
-/// Runs `work` and returns what the device objects to, instead of leaving it to the caller's error handler.
-pub(crate) fn guarded<T>(device: &wgpu::Device, work: impl FnOnce() -> T) -> Result<T, Error> {
-    let memory = device.push_error_scope(wgpu::ErrorFilter::OutOfMemory);
-    let internal = device.push_error_scope(wgpu::ErrorFilter::Internal);
-    let validation = device.push_error_scope(wgpu::ErrorFilter::Validation);
-    let result = work();
-    let (validation, internal, memory) = (ready(validation.pop()), ready(internal.pop()), ready(memory.pop()));
-    // What is made without memory is invalid afterwards: the cause comes before its consequences.
-    match [memory, internal, validation].into_iter().flatten().flatten().next() {
-        None => Ok(result),
-        Some(wgpu::Error::OutOfMemory { .. }) => Err(Error::OutOfMemory),
-        Some(error) => Err(Error::Lost(one_line(&error.to_string()))),
-    }
-}
-
-/// The result of a future that is ready at once, as those of error scopes are outside browsers.
-fn ready<T>(future: impl Future<Output = T>) -> Option<T> {
-    match pin!(future).poll(&mut Context::from_waker(Waker::noop())) {
-        Poll::Ready(value) => Some(value),
-        Poll::Pending => None,
-    }
-}
-
-fn one_line(message: &str) -> String {
-    message.split_whitespace().collect::<Vec<_>>().join(" ")
-}
-
 fn lost(error: &dyn std::fmt::Display) -> Error {
-    Error::Lost(one_line(&error.to_string()))
+    Error::Lost(format!("{}; run again, or take another adapter", scopes::one_line(&error.to_string())))
 }
 
 /// What becomes of a request to map a buffer.
@@ -63,13 +35,11 @@ pub(crate) struct Mapping(Arc<Mutex<Request>>);
 
 impl Mapping {
     /// Asks for the whole buffer.
-    pub(crate) fn new(device: &wgpu::Device, buffer: &wgpu::Buffer, mode: wgpu::MapMode) -> Result<Self, Error> {
+    pub(crate) fn new(buffer: &wgpu::Buffer, mode: wgpu::MapMode) -> Self {
         let mapping = Self(Arc::default());
         let told = mapping.clone();
-        guarded(device, || {
-            buffer.map_async(mode, .., move |result| told.tell(result.map_err(|error| error.to_string())))
-        })?;
-        Ok(mapping)
+        buffer.map_async(mode, .., move |result| told.tell(result.map_err(|error| error.to_string())));
+        mapping
     }
 
     fn request(&self) -> MutexGuard<'_, Request> {
@@ -200,7 +170,7 @@ pub(crate) fn taken<T>(
     buffer: &wgpu::Buffer,
     take: impl FnOnce(&[u8]) -> T,
 ) -> Result<T, Error> {
-    guarded(device, || {
+    scopes::guarded_or_left(device, || {
         let value = match buffer.get_mapped_range(..) {
             Ok(view) => Ok(take(&view)),
             Err(error) => Err(lost(&error)),
@@ -213,24 +183,46 @@ pub(crate) fn taken<T>(
 /// Waits for all submitted work, then hands the bytes of `buffer` to `take`.
 #[cfg(not(target_arch = "wasm32"))]
 pub(crate) fn read<T>(device: &wgpu::Device, buffer: &wgpu::Buffer, take: impl FnOnce(&[u8]) -> T) -> Result<T, Error> {
-    Mapping::new(device, buffer, wgpu::MapMode::Read)?.wait(device)?;
+    scopes::guarded(device, || Mapping::new(buffer, wgpu::MapMode::Read))?.wait(device)?;
     taken(device, buffer, take)
 }
 
 /// Copies `bytes` from the start of `buffer` to the host.
-#[cfg(not(target_arch = "wasm32"))]
-pub(crate) fn copy(
+pub(crate) async fn copy(
     device: &wgpu::Device,
     queue: &wgpu::Queue,
+    waiter: &Waiter,
     from: &wgpu::Buffer,
     bytes: u64,
 ) -> Result<Vec<u8>, Error> {
-    let staging = guarded(device, || {
+    let ((staging, mapping), verdict) = scopes::watched(device, || {
         let staging = buffer(device, "gpu-stereo.readback", bytes);
         let mut encoder = device.create_command_encoder(&wgpu::CommandEncoderDescriptor::default());
         encoder.copy_buffer_to_buffer(from, 0, &staging, 0, bytes);
         queue.submit([encoder.finish()]);
-        staging
-    })?;
-    read(device, &staging, <[u8]>::to_vec)
+        let mapping = Mapping::new(&staging, wgpu::MapMode::Read);
+        (staging, mapping)
+    });
+    verdict.await?;
+    waiter.until(device, &mapping).await?;
+    taken(device, &staging, <[u8]>::to_vec)
+}
+
+/// Waits for a future on this thread.
+#[cfg(not(target_arch = "wasm32"))]
+pub(crate) fn block_on<T>(future: impl Future<Output = T>) -> T {
+    struct Unpark(std::thread::Thread);
+    impl std::task::Wake for Unpark {
+        fn wake(self: Arc<Self>) {
+            self.0.unpark();
+        }
+    }
+    let waker = Waker::from(Arc::new(Unpark(std::thread::current())));
+    let mut future = std::pin::pin!(future);
+    loop {
+        match future.as_mut().poll(&mut Context::from_waker(&waker)) {
+            Poll::Ready(value) => return value,
+            Poll::Pending => std::thread::park(),
+        }
+    }
 }

@@ -187,6 +187,11 @@ impl Pool {
         buffers.chain(textures).sum()
     }
 
+    /// The kernels alone.
+    pub(crate) fn kernels(&self) -> Self {
+        Self { compiled: self.compiled.clone(), ..Self::default() }
+    }
+
     /// Puts back what `taken`, a pool that a list of steps took from, has left.
     fn join(&mut self, left: Self) {
         for (key, buffers) in left.buffers {

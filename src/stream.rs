@@ -2,9 +2,8 @@
 
 use std::collections::VecDeque;
 
-use crate::buffers::{TEXELS, TEXTURE_ROW};
 use crate::readback::{self, Mapping};
-use crate::{Error, Image, Matched, Params, Reading, StereoMatcher};
+use crate::{Error, Image, Matched, Params, Reading, StereoMatcher, scopes};
 
 /// Matches a stream of pairs: while the kernels of one pair run, the next one is uploaded and the one before is read
 /// back. Results come in the order of the pairs.
@@ -44,15 +43,36 @@ pub struct StreamFrame {
 }
 
 impl StereoStream {
-    /// A stream of pairs for `matcher`, at most `in_flight` of them at a time (at least 1; 3 keep the device busy).
+    /// A stream of pairs for `matcher`, at most `in_flight` of them at a time (at least 1; 3 keep the device busy). In a
+    /// browser only [`StereoStream::new_async`] can say what the device objects to.
     ///
     /// # Errors
-    /// [`Error::OutOfMemory`] if there is no room for the buffers of so many pairs.
+    /// [`Error::OutOfMemory`] if there is no room for the buffers of so many pairs; [`Error::Lost`] if the device is lost.
+    #[cfg(not(target_arch = "wasm32"))]
     pub fn new(matcher: StereoMatcher, in_flight: usize) -> Result<Self, Error> {
+        let (stream, verdict) = Self::begin(matcher, in_flight)?;
+        stream.matcher.settled(verdict.now())?;
+        Ok(stream)
+    }
+
+    /// As [`StereoStream::new`], and waits for what the device objects to, without blocking: in a browser that comes later.
+    ///
+    /// # Errors
+    /// As [`StereoStream::new`].
+    pub async fn new_async(matcher: StereoMatcher, in_flight: usize) -> Result<Self, Error> {
+        let (stream, verdict) = Self::begin(matcher, in_flight)?;
+        stream.matcher.settled(verdict.await)?;
+        Ok(stream)
+    }
+
+    fn begin(matcher: StereoMatcher, in_flight: usize) -> Result<(Self, scopes::Verdict), Error> {
+        matcher.pulse.check()?;
         let capacity = in_flight.max(1);
-        let uploads = readback::guarded(&matcher.device, || (0..capacity).map(|_| upload_buffer(&matcher)).collect())?;
-        matcher.reserve_readbacks(capacity)?;
-        Ok(Self { matcher, capacity, pushed: 0, frames: VecDeque::new(), dropped: 0, uploads })
+        let (uploads, verdict) = scopes::watched(&matcher.device, || {
+            matcher.reserve_readbacks(capacity);
+            (0..capacity).map(|_| upload_buffer(&matcher)).collect()
+        });
+        Ok((Self { matcher, capacity, pushed: 0, frames: VecDeque::new(), dropped: 0, uploads }, verdict))
     }
 
     /// The matcher, for instance for its [`StereoMatcher::device_bytes`].
@@ -74,8 +94,17 @@ impl StereoStream {
     ///
     /// # Errors
     /// As [`StereoMatcher::resize`].
+    #[cfg(not(target_arch = "wasm32"))]
     pub fn resize(&mut self, width: u32, height: u32) -> Result<(), Error> {
         self.matcher.resize(width, height)
+    }
+
+    /// As [`StereoStream::resize`]: [`StereoMatcher::resize_async`].
+    ///
+    /// # Errors
+    /// As [`StereoMatcher::resize`].
+    pub async fn resize_async(&mut self, width: u32, height: u32) -> Result<(), Error> {
+        self.matcher.resize_async(width, height).await
     }
 
     /// Computes the pairs that are pushed from now on with other settings, as [`StereoMatcher::set_params`]. Those in flight
@@ -83,15 +112,24 @@ impl StereoStream {
     ///
     /// # Errors
     /// As [`StereoMatcher::set_params`].
+    #[cfg(not(target_arch = "wasm32"))]
     pub fn set_params(&mut self, params: &Params) -> Result<(), Error> {
         self.matcher.set_params(params)
+    }
+
+    /// As [`StereoStream::set_params`]: [`StereoMatcher::set_params_async`].
+    ///
+    /// # Errors
+    /// As [`StereoMatcher::set_params`].
+    pub async fn set_params_async(&mut self, params: &Params) -> Result<(), Error> {
+        self.matcher.set_params_async(params).await
     }
 
     /// Uploads a pair and submits its work. Returns its number, or `None` if as many pairs as may be are in flight: take a
     /// result first. Does not wait.
     ///
     /// # Errors
-    /// As [`StereoMatcher::upload`], and then the pair has no number; the stream goes on.
+    /// As [`StereoMatcher::compute`], and then the pair has no number; the stream goes on.
     pub fn try_push(&mut self, left: &Image, right: &Image) -> Result<Option<u64>, Error> {
         self.matcher.accepts(left, right)?;
         if self.in_flight() >= self.capacity {
@@ -112,31 +150,25 @@ impl StereoStream {
     fn send(&mut self, left: &Image, right: &Image) -> Result<(Reading, (wgpu::Buffer, Mapping)), Error> {
         let Self { matcher, uploads, .. } = self;
         let side = matcher.sizes.source;
+        matcher.pulse.check()?;
         uploads.retain(|buffer| buffer.size() >= 2 * side);
         let upload = match uploads.pop() {
             Some(buffer) => buffer,
-            None => readback::guarded(&matcher.device, || upload_buffer(matcher))?,
+            None => scopes::guarded_or_left(&matcher.device, || upload_buffer(matcher))?,
         };
-        let reading = readback::guarded(&matcher.device, || {
-            for (image, at) in [(left, 0), (right, side)] {
-                let pixels = image.bytes();
-                let mut view = readback::written(&upload, at..at + pixels.len().next_multiple_of(8) as u64)?;
-                view.slice(..pixels.len()).copy_from_slice(pixels);
-            }
+        for (image, at) in [(left, 0), (right, side)] {
+            let pixels = image.bytes();
+            let part = at..at + pixels.len().next_multiple_of(8) as u64;
+            let mut view = readback::written(&upload, part).map_err(|error| matcher.pulse.cause(error))?;
+            view.slice(..pixels.len()).copy_from_slice(pixels);
+        }
+        let reading = matcher.start(|encoder| {
             upload.unmap();
-            matcher.start(|encoder| {
-                for (source, offset) in matcher.sources().iter().zip([0, side]) {
-                    let bytes_per_row = Some(TEXTURE_ROW as u32);
-                    let layout = wgpu::TexelCopyBufferLayout { offset, bytes_per_row, rows_per_image: None };
-                    let from = wgpu::TexelCopyBufferInfo { buffer: &upload, layout };
-                    let height = (side / TEXTURE_ROW) as u32;
-                    let size = wgpu::Extent3d { width: TEXELS, height, depth_or_array_layers: 1 };
-                    encoder.copy_buffer_to_texture(from, source.as_image_copy(), size);
-                }
-                matcher.record_chain(encoder);
-            })
-        })??;
-        let mapping = Mapping::new(&matcher.device, &upload, wgpu::MapMode::Write)?;
+            matcher.record_sources(encoder, &upload);
+            matcher.record_chain(encoder);
+        })?;
+        let mapping = scopes::guarded_or_left(&matcher.device, || Mapping::new(&upload, wgpu::MapMode::Write))?;
+        matcher.has_computed();
         Ok((reading, (upload, mapping)))
     }
 

@@ -1,33 +1,57 @@
 //! The caller's resources that a frame is taken from and left in.
 
+mod checked;
 mod passes;
 
-use crate::buffers::Frame;
-use crate::{Error, PixelFormat};
+use crate::PixelFormat;
+use checked::{INPUTS, Spot};
+pub(crate) use checked::{Middle, Spots};
 pub(crate) use passes::Surfaces;
-use passes::{Ours, Prepared, Theirs, Way, Work};
 #[cfg(test)]
 pub(crate) use passes::{SHADERS, tests::are_made};
-use wgpu::{BufferUsages, TextureFormat, TextureUsages};
+use wgpu::TextureFormat;
 
-/// A texture view, and the format in which it shows its texture, which wgpu does not tell: made from a view alone, that
-/// of the texture. The view is of one layer, and its texture has one mip level and the matcher's size.
+/// A layer of a texture. The matcher makes the view of it itself: wgpu does not say in which format a view shows its
+/// texture, and a view that is taken for another would give wrong pixels. A reference to a texture of one layer is one.
+///
+/// The texture is of the matcher's device and size, two-dimensional, with one mip level and one sample a pixel.
 #[derive(Clone, Copy, Debug)]
-pub struct TypedView<'a> {
-    view: &'a wgpu::TextureView,
-    format: TextureFormat,
+pub struct TextureLayer<'a> {
+    texture: &'a wgpu::Texture,
+    /// None where the texture must have no other.
+    layer: Option<u32>,
 }
 
-impl<'a> TypedView<'a> {
-    /// A view that was made with a format of its own ([`wgpu::TextureViewDescriptor::format`]).
-    pub fn new(view: &'a wgpu::TextureView, format: TextureFormat) -> Self {
-        Self { view, format }
+impl<'a> TextureLayer<'a> {
+    /// Layer `layer` of an array of textures, from 0 on.
+    pub fn new(texture: &'a wgpu::Texture, layer: u32) -> Self {
+        Self { texture, layer: Some(layer) }
+    }
+
+    /// A view of it in a format of the texture's bytes.
+    fn view(&self, format: TextureFormat) -> wgpu::TextureView {
+        self.texture.create_view(&wgpu::TextureViewDescriptor {
+            label: Some("gpu-stereo.surface"),
+            format: Some(format),
+            dimension: Some(wgpu::TextureViewDimension::D2),
+            base_array_layer: self.layer.unwrap_or(0),
+            array_layer_count: Some(1),
+            ..Default::default()
+        })
+    }
+
+    fn spot(&self) -> Spot<'a> {
+        Spot::Layer(self.texture, self.layer.unwrap_or(0))
+    }
+
+    fn seen(&self, format: TextureFormat) -> (wgpu::Texture, u32, TextureFormat) {
+        (self.texture.clone(), self.layer.unwrap_or(0), format)
     }
 }
 
-impl<'a> From<&'a wgpu::TextureView> for TypedView<'a> {
-    fn from(view: &'a wgpu::TextureView) -> Self {
-        Self { view, format: view.texture().format() }
+impl<'a> From<&'a wgpu::Texture> for TextureLayer<'a> {
+    fn from(texture: &'a wgpu::Texture) -> Self {
+        Self { texture, layer: None }
     }
 }
 
@@ -51,7 +75,7 @@ impl<'a> PixelBuffer<'a> {
 #[derive(Clone, Copy, Debug, Default)]
 #[non_exhaustive]
 pub enum Inputs<'a> {
-    /// The pair that [`crate::StereoMatcher::upload`] wrote last.
+    /// The pair that [`crate::StereoMatcher::upload`] wrote last before the recording. It stays there for further recordings.
     #[default]
     Uploaded,
     /// Two textures with the usage `TEXTURE_BINDING`. [`PixelFormat::of`] tells which formats a matcher takes. Those of 16
@@ -62,9 +86,9 @@ pub enum Inputs<'a> {
     /// docs/ALGORITHMS.md). Alpha is ignored.
     Textures {
         /// The left image.
-        left: TypedView<'a>,
+        left: TextureLayer<'a>,
         /// The right image.
-        right: TypedView<'a>,
+        right: TextureLayer<'a>,
     },
     /// Two buffers, or two places of one.
     Buffers {
@@ -76,8 +100,8 @@ pub enum Inputs<'a> {
 }
 
 impl<'a> Inputs<'a> {
-    /// [`Inputs::Textures`]: each is a view, or a [`TypedView`].
-    pub fn textures(left: impl Into<TypedView<'a>>, right: impl Into<TypedView<'a>>) -> Self {
+    /// [`Inputs::Textures`]: each is a `&wgpu::Texture` of one layer, or a [`TextureLayer`].
+    pub fn textures(left: impl Into<TextureLayer<'a>>, right: impl Into<TextureLayer<'a>>) -> Self {
         Self::Textures { left: left.into(), right: right.into() }
     }
 
@@ -88,13 +112,14 @@ impl<'a> Inputs<'a> {
 }
 
 /// Where [`crate::StereoMatcher::record`] leaves the result, beside [`crate::StereoMatcher::output`]: nowhere, until a
-/// method names a place. A target is a view or a [`TypedView`].
+/// method names a place. A target is a `&wgpu::Texture` of one layer, or a [`TextureLayer`]. No two of them, and no input, may
+/// overlap.
 ///
 /// Textures need the usage `RENDER_ATTACHMENT`; for `R32Float` and `Rgba8Unorm` `STORAGE_BINDING` does, too.
 ///
 /// ```
 /// # use gpu_stereo::{Outputs, wgpu};
-/// fn both<'a>(disparity: &'a wgpu::TextureView, picture: &'a wgpu::TextureView) -> Outputs<'a> {
+/// fn both<'a>(disparity: &'a wgpu::Texture, picture: &'a wgpu::Texture) -> Outputs<'a> {
 ///     Outputs::default().disparity(disparity).color(picture)
 /// }
 /// ```
@@ -102,15 +127,15 @@ impl<'a> Inputs<'a> {
 pub struct Outputs<'a> {
     left: Maps<'a>,
     right: Maps<'a>,
-    confidence: Option<TypedView<'a>>,
+    confidence: Option<TextureLayer<'a>>,
     confidence_buffer: Option<Place<'a>>,
 }
 
 /// Where the map of one view goes.
 #[derive(Clone, Copy, Debug, Default)]
 struct Maps<'a> {
-    disparity: Option<TypedView<'a>>,
-    color: Option<TypedView<'a>>,
+    disparity: Option<TextureLayer<'a>>,
+    color: Option<TextureLayer<'a>>,
     buffer: Option<Place<'a>>,
 }
 
@@ -125,15 +150,16 @@ impl<'a> Outputs<'a> {
     /// The disparity into a texture: `R32Float` in pixels, -2048 where there is none; or `R16Sint` in 1/16 px, -32768
     /// where there is none.
     #[must_use]
-    pub fn disparity(mut self, target: impl Into<TypedView<'a>>) -> Self {
+    pub fn disparity(mut self, target: impl Into<TextureLayer<'a>>) -> Self {
         self.left.disparity = Some(target.into());
         self
     }
 
     /// The picture of the map into a texture, `Rgba8Unorm` or `Bgra8Unorm`: [`crate::DisparityMap::color`] over
-    /// [`crate::Params::searched`].
+    /// [`crate::Params::searched`]. Their kinds with sRGB hold the same bytes; such a texture is created with the kind
+    /// without among its `view_formats`.
     #[must_use]
-    pub fn color(mut self, target: impl Into<TypedView<'a>>) -> Self {
+    pub fn color(mut self, target: impl Into<TextureLayer<'a>>) -> Self {
         self.left.color = Some(target.into());
         self
     }
@@ -157,14 +183,14 @@ impl<'a> Outputs<'a> {
     /// As [`Outputs::disparity`], of the right view's map. The matcher needs
     /// [`crate::Params::right_map`].
     #[must_use]
-    pub fn right_disparity(mut self, target: impl Into<TypedView<'a>>) -> Self {
+    pub fn right_disparity(mut self, target: impl Into<TextureLayer<'a>>) -> Self {
         self.right.disparity = Some(target.into());
         self
     }
 
     /// As [`Outputs::color`], of the right view's map.
     #[must_use]
-    pub fn right_color(mut self, target: impl Into<TypedView<'a>>) -> Self {
+    pub fn right_color(mut self, target: impl Into<TextureLayer<'a>>) -> Self {
         self.right.color = Some(target.into());
         self
     }
@@ -179,22 +205,11 @@ impl<'a> Outputs<'a> {
     /// The confidence into a texture, `R8Unorm`: 0 where there is no disparity. The matcher needs
     /// [`crate::Params::confidence`].
     #[must_use]
-    pub fn confidence(mut self, target: impl Into<TypedView<'a>>) -> Self {
+    pub fn confidence(mut self, target: impl Into<TextureLayer<'a>>) -> Self {
         self.confidence = Some(target.into());
         self
     }
 }
-
-/// The formats of input textures, and the samples that they hold.
-const INPUTS: [(TextureFormat, PixelFormat); 7] = [
-    (TextureFormat::R8Unorm, PixelFormat::Gray8),
-    (TextureFormat::R16Unorm, PixelFormat::Gray16),
-    (TextureFormat::Rgba8Unorm, PixelFormat::Rgba8),
-    (TextureFormat::Rgba8UnormSrgb, PixelFormat::Rgba8),
-    (TextureFormat::Bgra8Unorm, PixelFormat::Rgba8),
-    (TextureFormat::Bgra8UnormSrgb, PixelFormat::Rgba8),
-    (TextureFormat::Rgba16Unorm, PixelFormat::Rgba16),
-];
 
 impl PixelFormat {
     /// The format that a matcher must be made for to take textures of `format`; `None` if there is none.
@@ -209,231 +224,8 @@ impl PixelFormat {
     }
 }
 
-/// What the matcher has, between the inputs and the outputs of a frame.
-pub(crate) struct Middle<'a> {
-    pub(crate) device: &'a wgpu::Device,
-    pub(crate) queue: &'a wgpu::Queue,
-    pub(crate) frame: &'a Frame,
-    pub(crate) format: PixelFormat,
-    pub(crate) params: &'a crate::Params,
-    pub(crate) sources: &'a [wgpu::Texture; 2],
-    pub(crate) output: &'a wgpu::Buffer,
-    pub(crate) right: Option<&'a wgpu::Buffer>,
-    pub(crate) confidence: Option<&'a wgpu::Buffer>,
-}
-
-fn refused(what: &str, given: &dyn std::fmt::Display, allowed: &dyn std::fmt::Display, remedy: &str) -> Error {
-    Error::Image(format!("{what} {given}, but {allowed}; {remedy}"))
-}
-
 /// Formats in words.
 fn listed(formats: &[TextureFormat]) -> String {
     let names: Vec<String> = formats.iter().map(|format| format!("{format:?}")).collect();
     names.join(" or ")
-}
-
-impl Middle<'_> {
-    /// The work before the chain: all is checked and made.
-    pub(crate) fn before(&self, surfaces: &Surfaces, inputs: &Inputs<'_>) -> Result<Vec<Prepared>, Error> {
-        let names = ["the left input", "the right input"];
-        let sides: [(Theirs<'_>, Work); 2] = match inputs {
-            Inputs::Uploaded => return Ok(Vec::new()),
-            Inputs::Textures { left, right } => {
-                self.check_input(names[0], left)?;
-                self.check_input(names[1], right)?;
-                [left, right].map(|&TypedView { view, format }| {
-                    let work = Work::Intake { textured: true, format: self.format, srgb: format.is_srgb() };
-                    (Theirs::View(view, format), work)
-                })
-            }
-            Inputs::Buffers { left, right } => {
-                let bytes = [self.check_pixels(names[0], left)?, self.check_pixels(names[1], right)?];
-                let work = Work::Intake { textured: false, format: self.format, srgb: false };
-                [(left, bytes[0]), (right, bytes[1])].map(|(&PixelBuffer { buffer, offset, bytes_per_row }, bytes)| {
-                    (Theirs::Buffer { buffer, offset, bytes, bytes_per_row }, work)
-                })
-            }
-        };
-        let prepared =
-            sides.into_iter().zip(names).zip(self.sources).map(|(((theirs, work), name), source)| {
-                surfaces.prepare(self, name, work, theirs, Ours::Texture(source))
-            });
-        prepared.collect()
-    }
-
-    /// The work behind the chain.
-    pub(crate) fn after(&self, surfaces: &Surfaces, outputs: &Outputs<'_>) -> Result<Vec<Prepared>, Error> {
-        let map_bytes = 4 * u64::from(self.frame.map_stride) * u64::from(self.frame.height);
-        let names = [
-            ["the output disparity", "the output color", "the output buffer"],
-            ["the output right_disparity", "the output right_color", "the output right_buffer"],
-        ];
-        let mut prepared = Vec::new();
-        let maps = [(&outputs.left, Some(self.output)), (&outputs.right, self.right)];
-        for ((maps, map), [disparity, color, copy]) in maps.into_iter().zip(names) {
-            let there = |name| there(name, map, map_bytes, "right_map");
-            if let Some(target) = maps.disparity {
-                let map = there(disparity)?;
-                let formats = [TextureFormat::R32Float, TextureFormat::R16Sint];
-                let way = self.way(disparity, target, &formats)?;
-                let work = if target.format == formats[1] { Work::Sixteenths(way) } else { Work::Pixels(way) };
-                prepared.push(self.shown(surfaces, disparity, target, work, map)?);
-            }
-            if let Some(target) = maps.color {
-                let map = there(color)?;
-                let way = self.way(color, target, &[TextureFormat::Rgba8Unorm, TextureFormat::Bgra8Unorm])?;
-                prepared.push(self.shown(surfaces, color, target, Work::Color(way), map)?);
-            }
-            if let Some(place) = maps.buffer {
-                prepared.push(copied(copy, there(copy)?, place)?);
-            }
-        }
-        let there = |name| there(name, self.confidence, map_bytes / 2, "confidence");
-        if let Some(target) = outputs.confidence {
-            let name = "the output confidence";
-            let map = there(name)?;
-            let way = self.way(name, target, &[TextureFormat::R8Unorm])?;
-            prepared.push(self.shown(surfaces, name, target, Work::Confidence(way), map)?);
-        }
-        if let Some(place) = outputs.confidence_buffer {
-            let name = "the output confidence_buffer";
-            prepared.push(copied(name, there(name)?, place)?);
-        }
-        Ok(prepared)
-    }
-
-    fn shown(
-        &self,
-        surfaces: &Surfaces,
-        name: &str,
-        target: TypedView<'_>,
-        work: Work,
-        (map, bytes): (&wgpu::Buffer, u64),
-    ) -> Result<Prepared, Error> {
-        surfaces.prepare(self, name, work, Theirs::View(target.view, target.format), Ours::Buffer(map, bytes))
-    }
-
-    /// How a target is filled.
-    fn way(&self, name: &str, target: TypedView<'_>, formats: &[TextureFormat]) -> Result<Way, Error> {
-        self.check_texture(name, &target, formats, "use such a texture, or a view of that format")?;
-        let usage = target.view.texture().usage();
-        let storable = matches!(target.format, TextureFormat::R32Float | TextureFormat::Rgba8Unorm);
-        if usage.contains(TextureUsages::RENDER_ATTACHMENT) {
-            return Ok(Way::Draw(target.format));
-        }
-        if storable && usage.contains(TextureUsages::STORAGE_BINDING) {
-            return Ok(Way::Store(target.format));
-        }
-        let needed = if storable { "RENDER_ATTACHMENT or STORAGE_BINDING" } else { "RENDER_ATTACHMENT" };
-        Err(lacks(name, &usage, needed))
-    }
-
-    fn check_input(&self, name: &str, view: &TypedView<'_>) -> Result<(), Error> {
-        let formats: Vec<TextureFormat> =
-            INPUTS.iter().filter(|(_, samples)| *samples == self.format).map(|&(format, _)| format).collect();
-        self.check_texture(name, view, &formats, "make the matcher for PixelFormat::of the texture's format")?;
-        let usage = view.view.texture().usage();
-        match usage.contains(TextureUsages::TEXTURE_BINDING) {
-            true => Ok(()),
-            false => Err(lacks(name, &usage, "TEXTURE_BINDING")),
-        }
-    }
-
-    fn check_texture(
-        &self,
-        name: &str,
-        &TypedView { view, format }: &TypedView<'_>,
-        formats: &[TextureFormat],
-        remedy: &str,
-    ) -> Result<(), Error> {
-        let Frame { width, height, .. } = *self.frame;
-        let texture = view.texture();
-        let flat = texture.dimension() == wgpu::TextureDimension::D2;
-        if (texture.width(), texture.height()) != (width, height) || !flat {
-            let given =
-                format!("is a texture of {}x{} in {:?}", texture.width(), texture.height(), texture.dimension());
-            let allowed = format!("the matcher has {width}x{height} in D2");
-            return Err(refused(name, &given, &allowed, "make the texture of that size, or resize the matcher"));
-        }
-        if (texture.sample_count(), texture.mip_level_count()) != (1, 1) {
-            let (samples, levels) = (texture.sample_count(), texture.mip_level_count());
-            let given = format!("is a texture with {samples} samples a pixel and {levels} mip levels");
-            return Err(refused(name, &given, &"must have one of each", "resolve or copy it into such a texture"));
-        }
-        if !formats.contains(&format) {
-            let allowed = format!("must be {}", listed(formats));
-            return Err(refused(name, &format!("is a view in the format {format:?}"), &allowed, remedy));
-        }
-        Ok(())
-    }
-
-    /// Bytes of the image, from its offset on.
-    fn check_pixels(&self, name: &str, pixels: &PixelBuffer<'_>) -> Result<u64, Error> {
-        let &PixelBuffer { buffer, offset, bytes_per_row } = pixels;
-        let row = u64::from(self.frame.width) * u64::from(self.format.bytes_per_pixel());
-        let limits = self.device.limits();
-        if !buffer.usage().contains(BufferUsages::STORAGE) {
-            return Err(lacks(name, &buffer.usage(), "STORAGE"));
-        }
-        let alignment = limits.min_storage_buffer_offset_alignment;
-        if !offset.is_multiple_of(alignment.into()) {
-            let allowed = format!("must begin at a multiple of {alignment}");
-            return Err(refused(name, &format!("begins at byte {offset}"), &allowed, "copy it to such a place"));
-        }
-        if !bytes_per_row.is_multiple_of(4) || u64::from(bytes_per_row) < row {
-            let allowed = format!("must have a multiple of 4, at least {row} in {:?}", self.format);
-            return Err(refused(name, &format!("has {bytes_per_row} bytes a row"), &allowed, "pad the rows"));
-        }
-        let bytes = u64::from(self.frame.height - 1) * u64::from(bytes_per_row) + row.next_multiple_of(4);
-        long_enough(name, buffer, offset, bytes)?;
-        let most = limits.max_storage_buffer_binding_size;
-        if bytes > most {
-            let (given, allowed) = (format!("has {bytes} bytes"), format!("the device allows {most} a binding"));
-            return Err(refused(name, &given, &allowed, "request larger limits, or use textures"));
-        }
-        Ok(bytes)
-    }
-}
-
-fn lacks(name: &str, usage: &dyn std::fmt::Debug, needed: &str) -> Error {
-    refused(name, &format!("has the usages {usage:?}"), &format!("needs {needed}"), "create it with that usage")
-}
-
-/// What an output shows, which only some settings compute: the first bytes of a buffer.
-fn there<'a>(
-    name: &str,
-    buffer: Option<&'a wgpu::Buffer>,
-    bytes: u64,
-    setting: &str,
-) -> Result<(&'a wgpu::Buffer, u64), Error> {
-    let absent =
-        || refused(name, &"is asked for", &"the matcher does not compute it", &format!("set Params::{setting}"));
-    buffer.map(|buffer| (buffer, bytes)).ok_or_else(absent)
-}
-
-fn long_enough(name: &str, buffer: &wgpu::Buffer, offset: u64, bytes: u64) -> Result<(), Error> {
-    let size = buffer.size();
-    if size.checked_sub(offset).is_some_and(|rest| rest >= bytes) {
-        return Ok(());
-    }
-    let given = format!("is a buffer of {size} bytes");
-    Err(refused(name, &given, &format!("{bytes} are needed from byte {offset} on"), "make the buffer larger"))
-}
-
-/// A copy of the first bytes of one of the matcher's buffers.
-fn copied(name: &str, (from, bytes): (&wgpu::Buffer, u64), place: Place<'_>) -> Result<Prepared, Error> {
-    let Place { buffer, offset } = place;
-    if !buffer.usage().contains(BufferUsages::COPY_DST) {
-        return Err(lacks(name, &buffer.usage(), "COPY_DST"));
-    }
-    if !offset.is_multiple_of(wgpu::COPY_BUFFER_ALIGNMENT) {
-        let allowed = format!("must begin at a multiple of {}", wgpu::COPY_BUFFER_ALIGNMENT);
-        return Err(refused(name, &format!("begins at byte {offset}"), &allowed, "choose such a place"));
-    }
-    if buffer == from {
-        let allowed = "must be a buffer of the caller's";
-        return Err(refused(name, &"is the matcher's own buffer", &allowed, "use it as it is, or make another one"));
-    }
-    long_enough(name, buffer, offset, bytes)?;
-    Ok(Prepared::Copy { from: from.clone(), to: buffer.clone(), offset, bytes })
 }

@@ -50,10 +50,7 @@ fn a_frame_after_the_first_makes_nothing() {
     let (left, right) = support::pair(width, height, 1);
     let mut params = Params::sgm(16);
     params.confidence = true;
-    let texture = |format, usage| {
-        let texture = support::texture(&device, (width, height), format, usage);
-        texture.create_view(&wgpu::TextureViewDescriptor::default())
-    };
+    let texture = |format, usage| support::texture(&device, (width, height), format, usage);
     // Three pairs in turn, as the pictures of a camera come.
     let pairs = [(); 3].map(|()| [(); 2].map(|()| texture(TextureFormat::R8Unorm, TextureUsages::TEXTURE_BINDING)));
     let pixels = device.create_buffer(&wgpu::BufferDescriptor {
@@ -65,7 +62,7 @@ fn a_frame_after_the_first_makes_nothing() {
     let pixels = PixelBuffer::new(&pixels, 0, width);
     let copy = device.create_buffer(&wgpu::BufferDescriptor {
         label: None,
-        size: u64::from(width * height * 2),
+        size: u64::from(width * height * 3),
         usage: BufferUsages::COPY_DST,
         mapped_at_creation: false,
     });
@@ -73,7 +70,8 @@ fn a_frame_after_the_first_makes_nothing() {
     let disparity = [TextureFormat::R32Float, TextureFormat::R16Sint].map(|format| texture(format, draw));
     let color = texture(TextureFormat::Rgba8Unorm, TextureUsages::STORAGE_BINDING);
     let confidence = texture(TextureFormat::R8Unorm, draw);
-    let all = Outputs::default().color(&color).confidence(&confidence).confidence_buffer(&copy, 0).buffer(&copy, 0);
+    let maps = u64::from(height * width.next_multiple_of(8) * 2);
+    let all = Outputs::default().color(&color).confidence(&confidence).confidence_buffer(&copy, maps).buffer(&copy, 0);
 
     made();
     let matcher = StereoMatcher::new(&device, &queue, width, height, PixelFormat::Gray8, &params).unwrap();

@@ -8,7 +8,7 @@ mod support;
 
 use gpu_stereo::{
     DisparityMap, Error, Image, Inputs, Matched, Outputs, Params, PixelBuffer, PixelFormat, Pixels, StereoMatcher,
-    TypedView, wgpu,
+    TextureLayer, wgpu,
 };
 use wgpu::{BufferUsages, TextureFormat, TextureUsages};
 
@@ -36,7 +36,7 @@ impl Gpu {
     }
 
     /// A texture of an image's bytes.
-    fn filled(&self, image: &Image, format: TextureFormat) -> wgpu::TextureView {
+    fn filled(&self, image: &Image, format: TextureFormat) -> wgpu::Texture {
         let size = (image.width(), image.height());
         let texture = self.texture(size, format, TextureUsages::TEXTURE_BINDING | TextureUsages::COPY_DST);
         let mut bytes = bytes_of(image);
@@ -46,12 +46,12 @@ impl Gpu {
         let bytes_per_row = Some(image.width() * image.format().bytes_per_pixel());
         let layout = wgpu::TexelCopyBufferLayout { offset: 0, bytes_per_row, rows_per_image: None };
         self.queue.write_texture(texture.as_image_copy(), &bytes, layout, texture.size());
-        view(&texture)
+        texture
     }
 
     /// A texture to be shown something in.
-    fn target(&self, size: (u32, u32), format: TextureFormat) -> wgpu::TextureView {
-        view(&self.texture(size, format, TextureUsages::RENDER_ATTACHMENT | TextureUsages::COPY_SRC))
+    fn target(&self, size: (u32, u32), format: TextureFormat) -> wgpu::Texture {
+        self.texture(size, format, TextureUsages::RENDER_ATTACHMENT | TextureUsages::COPY_SRC)
     }
 
     fn buffer(&self, size: u64, usage: BufferUsages) -> wgpu::Buffer {
@@ -242,18 +242,14 @@ fn every_output_is_the_map() {
             ];
             let [pixels, sixteenths, color, bgra, sure] = formats.map(|format| gpu.target(size, format));
             let storage = TextureUsages::STORAGE_BINDING | TextureUsages::COPY_SRC;
-            let [stored, stored_color] = [TextureFormat::R32Float, TextureFormat::Rgba8Unorm]
-                .map(|format| view(&gpu.texture(size, format, storage)));
+            let [stored, stored_color] =
+                [TextureFormat::R32Float, TextureFormat::Rgba8Unorm].map(|format| gpu.texture(size, format, storage));
             // The bytes of an sRGB texture, drawn to as what it is without.
             let srgb = gpu.texture(
                 size,
                 TextureFormat::Rgba8UnormSrgb,
                 TextureUsages::RENDER_ATTACHMENT | TextureUsages::COPY_SRC,
             );
-            let plain = srgb.create_view(&wgpu::TextureViewDescriptor {
-                format: Some(TextureFormat::Rgba8Unorm),
-                ..Default::default()
-            });
             let pitch = u64::from((2 * size.0).next_multiple_of(16));
             let usage = BufferUsages::COPY_DST | BufferUsages::COPY_SRC;
             let copy = gpu.buffer(12 + pitch * u64::from(size.1), usage);
@@ -277,7 +273,7 @@ fn every_output_is_the_map() {
                     .right_disparity(&right_pixels)
                     .right_color(&right_color)
                     .right_buffer(&right_copy, 0),
-                Outputs::default().color(TypedView::new(&plain, TextureFormat::Rgba8Unorm)),
+                Outputs::default().color(&srgb),
             ] {
                 matcher.record(&mut encoder, &Inputs::Uploaded, &outputs).unwrap();
             }
@@ -287,9 +283,9 @@ fn every_output_is_the_map() {
                 map.data.iter().flat_map(|&v| (f32::from(v) / 16.0).to_le_bytes()).collect()
             };
             let right_map = right_map.unwrap();
-            assert!(gpu.read_texture(right_pixels.texture()) == floats(&right_map), "right R32Float, {case}");
+            assert!(gpu.read_texture(&right_pixels) == floats(&right_map), "right R32Float, {case}");
             let expected = right_map.color(&params.searched());
-            assert!(gpu.read_texture(right_color.texture()) == expected, "right Rgba8Unorm, {case}");
+            assert!(gpu.read_texture(&right_color) == expected, "right Rgba8Unorm, {case}");
             let bytes = gpu.read(&right_copy);
             assert!(laid_out(&right_map, &bytes) == bytes, "right buffer, {case}");
             if size.0 > 60 {
@@ -297,18 +293,18 @@ fn every_output_is_the_map() {
             }
 
             let expected = floats(&map);
-            assert!(gpu.read_texture(pixels.texture()) == expected, "R32Float, {case}");
-            assert!(gpu.read_texture(stored.texture()) == expected, "R32Float as storage, {case}");
+            assert!(gpu.read_texture(&pixels) == expected, "R32Float, {case}");
+            assert!(gpu.read_texture(&stored) == expected, "R32Float as storage, {case}");
             let expected: Vec<u8> = map.data.iter().flat_map(|v| v.to_le_bytes()).collect();
-            assert!(gpu.read_texture(sixteenths.texture()) == expected, "R16Sint, {case}");
+            assert!(gpu.read_texture(&sixteenths) == expected, "R16Sint, {case}");
             let mut expected = map.color(&params.searched());
-            assert!(gpu.read_texture(color.texture()) == expected, "Rgba8Unorm, {case}");
-            assert!(gpu.read_texture(stored_color.texture()) == expected, "Rgba8Unorm as storage, {case}");
+            assert!(gpu.read_texture(&color) == expected, "Rgba8Unorm, {case}");
+            assert!(gpu.read_texture(&stored_color) == expected, "Rgba8Unorm as storage, {case}");
             assert!(gpu.read_texture(&srgb) == expected, "Rgba8Unorm of Rgba8UnormSrgb, {case}");
             expected.chunks_exact_mut(4).for_each(|pixel| pixel.swap(0, 2));
-            assert!(gpu.read_texture(bgra.texture()) == expected, "Bgra8Unorm, {case}");
+            assert!(gpu.read_texture(&bgra) == expected, "Bgra8Unorm, {case}");
             let confidence = confidence.unwrap();
-            assert!(gpu.read_texture(sure.texture()) == confidence.data, "R8Unorm, {case}");
+            assert!(gpu.read_texture(&sure) == confidence.data, "R8Unorm, {case}");
 
             let bytes = gpu.read(&copy);
             assert!(bytes[..8] == [0; 8] && bytes[bytes.len() - 4..] == [0; 4], "beyond its place, {case}");
@@ -334,10 +330,11 @@ fn colors_follow_the_parameters() {
         params.min_disparity = min_disparity;
         matcher.set_params(&params).unwrap();
         let map = matcher.compute_blocking(&left, &right).unwrap().map;
+        matcher.upload(&left, &right).unwrap();
         let mut encoder = gpu.encoder();
         matcher.record(&mut encoder, &Inputs::Uploaded, &Outputs::default().color(&target)).unwrap();
         gpu.queue.submit([encoder.finish()]);
-        let bytes = gpu.read_texture(target.texture());
+        let bytes = gpu.read_texture(&target);
         assert!(bytes == map.color(&params.searched()), "{params:?}, seed 3");
         seen.push(bytes);
     }
@@ -360,16 +357,14 @@ fn a_resized_matcher_takes_textures_of_its_size() {
         let target = gpu.target(size, TextureFormat::R16Sint);
         let mut encoder = gpu.encoder();
         let outputs = Outputs::default().disparity(&target);
-        for other in
-            others.iter().filter(|other: &&wgpu::TextureView| other.texture().size() != target.texture().size())
-        {
+        for other in others.iter().filter(|other: &&wgpu::Texture| other.size() != target.size()) {
             let error = matcher.record(&mut encoder, &Inputs::textures(other, other), &outputs).unwrap_err();
             assert!(error.to_string().contains(&format!("{}x{}", size.0, size.1)), "{error}");
         }
         matcher.record(&mut encoder, &Inputs::textures(&views[0], &views[1]), &outputs).unwrap();
         gpu.queue.submit([encoder.finish()]);
         let expected: Vec<u8> = expected.data.iter().flat_map(|v| v.to_le_bytes()).collect();
-        assert!(gpu.read_texture(target.texture()) == expected, "{size:?}, seed {seed}");
+        assert!(gpu.read_texture(&target) == expected, "{size:?}, seed {seed}");
         others.extend(views);
     }
 }
@@ -425,7 +420,7 @@ fn matchers_and_the_callers_passes_share_an_encoder() {
         let mut drawn = Vec::new();
         // Both matchers leave their map in the same texture, one after the other.
         let usage = TextureUsages::RENDER_ATTACHMENT | TextureUsages::TEXTURE_BINDING;
-        let disparity = view(&gpu.texture(size, TextureFormat::R32Float, usage));
+        let disparity = gpu.texture(size, TextureFormat::R32Float, usage);
         for matcher in &matchers {
             let outputs = Outputs::default().disparity(&disparity);
             matcher.record(&mut encoder, &Inputs::textures(&views[0], &views[1]), &outputs).unwrap();
@@ -435,12 +430,12 @@ fn matchers_and_the_callers_passes_share_an_encoder() {
                 layout: &pipeline.get_bind_group_layout(0),
                 entries: &[wgpu::BindGroupEntry {
                     binding: 0,
-                    resource: wgpu::BindingResource::TextureView(&disparity),
+                    resource: wgpu::BindingResource::TextureView(&view(&disparity)),
                 }],
             });
             let mut pass = encoder.begin_render_pass(&wgpu::RenderPassDescriptor {
                 color_attachments: &[Some(wgpu::RenderPassColorAttachment {
-                    view: &target,
+                    view: &view(&target),
                     depth_slice: None,
                     resolve_target: None,
                     ops: Default::default(),
@@ -461,7 +456,7 @@ fn matchers_and_the_callers_passes_share_an_encoder() {
             let expected: Vec<u8> =
                 map.data.iter().flat_map(|&v| (f32::from(v) / 16.0 - 4.0).max(0.0).to_le_bytes()).collect();
             assert!(expected.iter().any(|&byte| byte != 0), "nothing is near, seed 8");
-            assert!(gpu.read_texture(target.texture()) == expected, "{params:?}, seed 8, on {}", gpu.name);
+            assert!(gpu.read_texture(&target) == expected, "{params:?}, seed 8, on {}", gpu.name);
             different.push(expected);
         }
         assert!(different[0] != different[1], "both matchers gave the same");
@@ -489,7 +484,7 @@ fn what_does_not_fit_is_refused_and_nothing_is_recorded() {
     let good = gpu.filled(&left, TextureFormat::Rgba8Unorm);
     let sample = TextureUsages::TEXTURE_BINDING;
     let draw = TextureUsages::RENDER_ATTACHMENT;
-    let of = |size, format, usage| view(&gpu.texture(size, format, usage));
+    let of = |size, format, usage| gpu.texture(size, format, usage);
     let small = of((20, 9), TextureFormat::Rgba8Unorm, sample);
     let gray = of(size, TextureFormat::R8Unorm, sample);
     let unbound = of(size, TextureFormat::Rgba8Unorm, TextureUsages::COPY_DST);
@@ -505,7 +500,7 @@ fn what_does_not_fit_is_refused_and_nothing_is_recorded() {
             view_formats: &[],
         };
         change(&mut descriptor);
-        view(&gpu.device.create_texture(&descriptor))
+        gpu.device.create_texture(&descriptor)
     };
     let mips = many(|d| d.mip_level_count = 2);
     let samples = many(|d| d.sample_count = 4);
@@ -515,7 +510,7 @@ fn what_does_not_fit_is_refused_and_nothing_is_recorded() {
     let wide = of((21, 10), TextureFormat::R32Float, draw);
     let unwritable = of(size, TextureFormat::R32Float, sample);
     let stored_only = of(size, TextureFormat::Bgra8Unorm, sample);
-    let srgb = of(size, TextureFormat::Rgba8UnormSrgb, draw);
+    let srgb = many(|d| d.format = TextureFormat::Rgba8UnormSrgb); // with no other format for its views
     let sure = of(size, TextureFormat::R8Unorm, draw);
 
     let storage = gpu.buffer(20 * 4 * 10 + 256, BufferUsages::STORAGE);
@@ -524,11 +519,13 @@ fn what_does_not_fit_is_refused_and_nothing_is_recorded() {
     let pixels = |buffer, offset, pitch| {
         Inputs::buffers(PixelBuffer::new(buffer, 0, 80), PixelBuffer::new(buffer, offset, pitch))
     };
-    let textures = |right| Inputs::textures(&good, right);
+    let textures_of = |right| Inputs::textures(&good, right);
+    let textures = |right| textures_of(TextureLayer::from(right));
     let (from, to) = (Inputs::Uploaded, Outputs::default());
     let mistakes = [
         Mistake { inputs: textures(&small), outputs: to, says: &["the right input", "20x9", "20x10", "resize"] },
-        Mistake { inputs: textures(&gray), outputs: to, says: &["R8Unorm", "Rgba8Unorm or", "PixelFormat::of"] },
+        Mistake { inputs: textures(&gray), outputs: to, says: &["R8Unorm", "Rgba8Unorm or", "PixelFormat::Gray8"] },
+        Mistake { inputs: textures(&float), outputs: to, says: &["R32Float", "Rgba8Unorm or", "copy or draw"] },
         Mistake {
             inputs: Inputs::textures(&unbound, &good),
             outputs: to,
@@ -536,7 +533,12 @@ fn what_does_not_fit_is_refused_and_nothing_is_recorded() {
         },
         Mistake { inputs: textures(&mips), outputs: to, says: &["1 samples", "2 mip levels"] },
         Mistake { inputs: textures(&samples), outputs: to, says: &["4 samples", "resolve"] },
-        Mistake { inputs: textures(&layers), outputs: to, says: &["the right input was refused", "one layer"] },
+        Mistake { inputs: textures(&layers), outputs: to, says: &["the right input", "2 layers", "TextureLayer::new"] },
+        Mistake {
+            inputs: textures_of(TextureLayer::new(&layers, 2)),
+            outputs: to,
+            says: &["the right input", "layer 2", "has 2, counted from 0"],
+        },
         Mistake { inputs: textures(&solid), outputs: to, says: &["D3", "D2"] },
         Mistake { inputs: pixels(&nothing, 0, 80), outputs: to, says: &["COPY_SRC", "needs STORAGE"] },
         Mistake { inputs: pixels(&storage, 100, 80), outputs: to, says: &["byte 100", "multiple of"] },
@@ -553,11 +555,11 @@ fn what_does_not_fit_is_refused_and_nothing_is_recorded() {
             says: &["TEXTURE_BINDING", "RENDER_ATTACHMENT or STORAGE_BINDING"],
         },
         Mistake { inputs: from, outputs: to.color(&stored_only), says: &["needs RENDER_ATTACHMENT;"] },
-        Mistake { inputs: from, outputs: to.color(&srgb), says: &["Rgba8UnormSrgb", "Rgba8Unorm or Bgra8Unorm"] },
+        Mistake { inputs: from, outputs: to.color(&sure), says: &["R8Unorm", "Rgba8Unorm or Bgra8Unorm"] },
         Mistake {
             inputs: from,
-            outputs: to.color(TypedView::new(&srgb, TextureFormat::Rgba8Unorm)),
-            says: &["the output color was refused", "own format"],
+            outputs: to.color(&srgb),
+            says: &["the output color was refused", "Rgba8Unorm among its view_formats"],
         },
         Mistake { inputs: from, outputs: to.color(&mips), says: &["2 mip levels"] },
         Mistake { inputs: from, outputs: to.buffer(&copies, 2), says: &["byte 2,", "multiple of 4"] },
@@ -631,18 +633,11 @@ fn layers_of_one_texture_are_a_pair() {
     let bytes = [bytes_of(&left), bytes_of(&right)].concat();
     let layout = wgpu::TexelCopyBufferLayout { offset: 0, bytes_per_row: Some(4 * 37), rows_per_image: Some(20) };
     gpu.queue.write_texture(texture.as_image_copy(), &bytes, layout, texture.size());
-    let views = [0, 1].map(|base_array_layer| {
-        texture.create_view(&wgpu::TextureViewDescriptor {
-            dimension: Some(wgpu::TextureViewDimension::D2),
-            base_array_layer,
-            array_layer_count: Some(1),
-            ..Default::default()
-        })
-    });
+    let layers = [0, 1].map(|layer| TextureLayer::new(&texture, layer));
     let matcher = StereoMatcher::new(&gpu.device, &gpu.queue, 37, 20, PixelFormat::Rgba8, &Params::sgm(16)).unwrap();
     let expected = matcher.compute_blocking(&left, &right).unwrap().map;
     let mut encoder = gpu.encoder();
-    matcher.record(&mut encoder, &Inputs::textures(&views[0], &views[1]), &Outputs::default()).unwrap();
+    matcher.record(&mut encoder, &Inputs::textures(layers[0], layers[1]), &Outputs::default()).unwrap();
     gpu.queue.submit([encoder.finish()]);
     let bytes = gpu.read(matcher.output());
     assert!(laid_out(&expected, &bytes) == bytes, "seed 5");

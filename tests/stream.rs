@@ -141,7 +141,7 @@ fn results_come_later() {
     };
     assert_eq!(seen.unwrap(), expected);
     assert!(looked.try_take().is_none());
-    assert!(matches!(looked.wait_blocking(), Err(Error::Lost(_))));
+    assert!(matches!(looked.wait_blocking(), Err(Error::Misuse(_))));
 
     // A reading does not hold the matcher.
     let reading = matcher.read();

@@ -185,7 +185,7 @@ impl Live {
         }
         matcher.upload(&pair.left, &pair.right)?;
         let mut encoder = self.device.create_command_encoder(&wgpu::CommandEncoderDescriptor::default());
-        let outputs = Outputs::default().color(&textures.colours).disparity(&textures.disparity);
+        let outputs = Outputs::default().color(textures.colours.texture()).disparity(textures.disparity.texture());
         matcher.record(&mut encoder, &Inputs::Uploaded, &outputs)?;
         self.queue.submit([encoder.finish()]);
         Ok(new)

@@ -8,8 +8,9 @@ mod planes;
 #[cfg(test)]
 mod tests;
 
+use crate::buffers::Sizes;
 use crate::steps::Builder;
-use crate::{Cost, Method};
+use crate::{Cost, DisparityMap, Method};
 use planes::Planes;
 
 /// What the matcher needs of what the chain made.
@@ -25,6 +26,21 @@ pub(crate) struct Made {
     pub(crate) confidence: Option<wgpu::Buffer>,
     /// The depth of the map, if it is wanted.
     pub(crate) depth: Option<wgpu::Buffer>,
+}
+
+impl Made {
+    /// No map is there yet: no pixel has a disparity.
+    pub(crate) fn blank(&self, queue: &wgpu::Queue, sizes: &Sizes) {
+        let none = |bytes: u64| DisparityMap::INVALID.to_le_bytes().repeat(bytes as usize / 2);
+        for map in [Some(&self.output), self.right.as_ref()].into_iter().flatten() {
+            queue.write_buffer(map, 0, &none(sizes.map));
+        }
+        for (other, bytes) in [(&self.confidence, sizes.confidence), (&self.depth, sizes.regions)] {
+            if let Some(other) = other {
+                queue.write_buffer(other, 0, &vec![0; bytes as usize]);
+            }
+        }
+    }
 }
 
 /// The maps of both views, and behind the right one, if a confidence is wanted, the margins of the left one's winners:

@@ -36,8 +36,9 @@ fn run(setup: &Setup, params: &Params, stage: &str, left: &DisparityMap, right: 
         matcher.record_steps(&mut encoder, stage, steps, None);
     }
     queue.submit([encoder.finish()]);
-    let bytes =
-        readback::copy(device, queue, &matcher.steps[matcher.steps.len() - 1].buffer, matcher.sizes.map).unwrap();
+    let last = &matcher.steps[matcher.steps.len() - 1].buffer;
+    let copy = readback::copy(device, queue, &matcher.waiter, last, matcher.sizes.map);
+    let bytes = readback::block_on(copy).unwrap();
     map_of(&matcher.sizes.frame, &bytes)
 }
 

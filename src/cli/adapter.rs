@@ -131,7 +131,7 @@ impl Opened {
     /// The first error that reached the device outside any call.
     pub fn fault(&self) -> Result<(), Error> {
         match self.fault.lock().unwrap_or_else(PoisonError::into_inner).take() {
-            Some(text) => Err(Error::Lost(text)),
+            Some(text) => Err(Error::Lost(format!("{text}; run again, or take another adapter"))),
             None => Ok(()),
         }
     }

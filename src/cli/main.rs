@@ -137,7 +137,7 @@ mod tests {
         assert_eq!(exit_code(&result), 2);
         let line = error_line(result.as_ref().unwrap_err());
         assert_eq!(line.lines().count(), 1);
-        assert!(line.starts_with("error: the device failed while computing: Parent device is lost in Queue::submit"));
+        assert!(line.starts_with("error: the device failed: Parent device is lost in Queue::submit"));
     }
 
     #[test]

@@ -463,7 +463,7 @@ fn the_limits_that_are_needed_are_those_that_are_checked() {
             ..Default::default()
         });
         let kernels_are_made = differing.iter().all(|(kernel, text, params, plan)| {
-            crate::readback::guarded(&device, || compile(&device, kernel, text, params, plan)).is_ok()
+            crate::scopes::guarded(&device, || compile(&device, kernel, text, params, plan)).is_ok()
         });
         kernels_are_made && are_made(&device)
     };
@@ -506,7 +506,7 @@ fn pipelines_and_matchers_are_made_without_a_driver() {
         let mut seen = BTreeSet::new();
         for (params, format, plan) in specialisations_of(kernel) {
             if seen.insert(source(kernel, &params, format, &plan)) {
-                let made = crate::readback::guarded(&device, || {
+                let made = crate::scopes::guarded(&device, || {
                     compile(&device, kernel, &source(kernel, &params, format, &plan), &params, &plan)
                 });
                 assert!(made.is_ok(), "{} with {params:?}, {format:?}: {}", kernel.name, made.unwrap_err());
@@ -531,7 +531,7 @@ fn a_wrong_row_of_the_table_is_refused() {
         let row = Kernel { storage: &kernel.storage[1..], ..*kernel };
         let params = Params::sgm(64);
         let text = source(&row, &params, PixelFormat::Gray8, &PLAN);
-        let made = crate::readback::guarded(&device, || compile(&device, &row, &text, &params, &PLAN));
+        let made = crate::scopes::guarded(&device, || compile(&device, &row, &text, &params, &PLAN));
         assert!(made.is_err(), "{} was accepted with a binding too few", kernel.name);
     }
 }

@@ -4,15 +4,15 @@ use std::collections::{HashMap, VecDeque};
 use std::hash::{BuildHasher as _, RandomState};
 use std::sync::{Mutex, MutexGuard, PoisonError};
 
-use super::Middle;
+use super::{Middle, TextureLayer};
 use crate::buffers::{Frame, Pass, TEXELS};
-use crate::{Error, PixelFormat, color, readback};
+use crate::{Error, PixelFormat, color, scopes};
 use wgpu::TextureFormat;
 
 /// Bind groups that are kept: those of eight pairs, and of all that may be shown of them.
 const KEPT: usize = 32;
 
-/// Views that are known to be targets of their format.
+/// Targets that are known to be ones of their format.
 const KNOWN: usize = 64;
 
 /// Invocations of a workgroup.
@@ -151,9 +151,35 @@ impl Work {
 /// A resource of the caller's.
 #[derive(Clone, Copy)]
 pub(super) enum Theirs<'a> {
-    View(&'a wgpu::TextureView, TextureFormat),
-    Buffer { buffer: &'a wgpu::Buffer, offset: u64, bytes: u64, bytes_per_row: u32 },
+    /// Seen in a format.
+    Layer(TextureLayer<'a>, TextureFormat),
+    Buffer {
+        buffer: &'a wgpu::Buffer,
+        offset: u64,
+        bytes: u64,
+        bytes_per_row: u32,
+    },
 }
+
+impl Theirs<'_> {
+    /// Why a resource that looked right does not do.
+    fn refused(&self, middle: &Middle<'_>, name: &str, error: Error) -> Error {
+        let error = middle.pulse.cause(error);
+        let Error::Lost(text) = &error else { return error };
+        let Some(text) = scopes::refusal(text) else { return error };
+        let remedy = match self {
+            Theirs::Layer(TextureLayer { texture, .. }, format) if texture.format() != *format => {
+                format!("create the texture with {format:?} among its view_formats, or in that format")
+            }
+            Theirs::Layer(..) => "it was destroyed or serves another purpose: create another texture".into(),
+            Theirs::Buffer { .. } => "it was destroyed: create another buffer".into(),
+        };
+        Error::Image(format!("{name} was refused by the device: {text}; {remedy}"))
+    }
+}
+
+/// A layer and the format in which it is seen.
+type Seen = (wgpu::Texture, u32, TextureFormat);
 
 /// A resource of the matcher's.
 #[derive(Clone, Copy)]
@@ -169,7 +195,7 @@ struct Key {
     work: Work,
     source: Option<wgpu::Texture>,
     map: Option<wgpu::Buffer>,
-    view: Option<wgpu::TextureView>,
+    layer: Option<Seen>,
     buffer: Option<(wgpu::Buffer, u64, u64, u32)>,
     frame: Frame,
     disparities: u32,
@@ -230,7 +256,10 @@ struct Made {
     pipelines: HashMap<Work, (wgpu::BindGroupLayout, Pipeline)>,
     /// The latest used one comes last.
     bind_groups: Vec<(Key, wgpu::BindGroup)>,
-    /// Hashes of views, which do not keep them alive.
+    /// Targets that are drawn to, from the second time on: a window gives another texture each time. The latest used one
+    /// comes last.
+    targets: Vec<(Seen, wgpu::TextureView)>,
+    /// Hashes of targets, which do not keep them alive.
     known: VecDeque<u64>,
 }
 
@@ -258,6 +287,7 @@ impl Surfaces {
     pub(crate) fn forget(&self) {
         let mut made = self.made();
         made.bind_groups.clear();
+        made.targets.clear();
         made.known.clear();
     }
 
@@ -274,23 +304,13 @@ impl Surfaces {
         let (layout, pipeline) = match made.pipelines.get(&work) {
             Some(found) => found.clone(),
             None => {
-                let new = readback::guarded(middle.device, || compile(middle.device, work))?;
+                let compiled = scopes::guarded_or_left(middle.device, || compile(middle.device, work));
+                let new = compiled.map_err(|error| middle.pulse.cause(error))?;
                 made.pipelines.insert(work, new.clone());
                 new
             }
         };
         let key = Key::new(middle, work, theirs, ours);
-        // A lost device makes what is invalid, and says so when that is used.
-        let works = || {
-            let probe = || filled(middle, "gpu-stereo.probe", wgpu::BufferUsages::UNIFORM, &[0; 4]);
-            readback::guarded(middle.device, probe).is_ok()
-        };
-        let unusable = |error| match error {
-            Error::Lost(text) if works() => Error::Image(format!(
-                "{name} was refused by the device: {text}; name the view's own format, and use a view of one layer"
-            )),
-            other => other,
-        };
         let bind_group = match made.bind_groups.iter().position(|(other, _)| *other == key) {
             Some(at) => {
                 let found = made.bind_groups.remove(at);
@@ -300,7 +320,8 @@ impl Surfaces {
             }
             None => {
                 let bind = || bind(middle, work, &layout, theirs, ours);
-                let bind_group = readback::guarded(middle.device, bind).map_err(unusable)?;
+                let bind_group = scopes::guarded_or_left(middle.device, bind);
+                let bind_group = bind_group.map_err(|error| theirs.refused(middle, name, error))?;
                 if made.bind_groups.len() >= KEPT {
                     made.bind_groups.remove(0);
                 }
@@ -311,22 +332,10 @@ impl Surfaces {
         let label = work.files()[1];
         let Frame { width, height, .. } = *middle.frame;
         match (pipeline, theirs) {
-            (Pipeline::Render(pipeline), Theirs::View(view, format)) => {
-                let prepared = Prepared::Draw { label, pipeline, bind_group, target: view.clone() };
-                // A view that is no target of this format would spoil the caller's encoder: it spoils another one first.
-                let hash = self.hasher.hash_one((view, format));
-                if !made.known.contains(&hash) {
-                    let rehearse = || {
-                        let mut encoder =
-                            middle.device.create_command_encoder(&wgpu::CommandEncoderDescriptor::default());
-                        prepared.record(&mut encoder);
-                        encoder.finish()
-                    };
-                    readback::guarded(middle.device, rehearse).map_err(unusable)?;
-                    made.known.truncate(KNOWN - 1);
-                    made.known.push_front(hash);
-                }
-                Ok(prepared)
+            (Pipeline::Render(pipeline), Theirs::Layer(layer, format)) => {
+                let drawn = |target| Prepared::Draw { label, pipeline, bind_group, target };
+                self.target(&mut made, middle, layer, format, drawn)
+                    .map_err(|error| theirs.refused(middle, name, error))
             }
             (Pipeline::Compute(pipeline), _) => {
                 let workgroups = match work {
@@ -341,6 +350,44 @@ impl Surfaces {
             (Pipeline::Render(_), Theirs::Buffer { .. }) => unreachable!("nothing is drawn into a buffer"),
         }
     }
+
+    /// What is drawn into a layer.
+    fn target(
+        &self,
+        made: &mut Made,
+        middle: &Middle<'_>,
+        layer: TextureLayer<'_>,
+        format: TextureFormat,
+        drawn: impl FnOnce(wgpu::TextureView) -> Prepared,
+    ) -> Result<Prepared, Error> {
+        let seen = layer.seen(format);
+        if let Some(at) = made.targets.iter().position(|(other, _)| *other == seen) {
+            let found = made.targets.remove(at);
+            let view = found.1.clone();
+            made.targets.push(found);
+            return Ok(drawn(view));
+        }
+        let view = scopes::guarded_or_left(middle.device, || layer.view(format))?;
+        let prepared = drawn(view.clone());
+        let hash = self.hasher.hash_one(&seen);
+        if made.known.contains(&hash) {
+            if made.targets.len() >= KEPT {
+                made.targets.remove(0);
+            }
+            made.targets.push((seen, view));
+            return Ok(prepared);
+        }
+        // A texture that is no target would spoil the caller's encoder: it spoils another one first.
+        #[cfg(not(target_arch = "wasm32"))]
+        scopes::guarded(middle.device, || {
+            let mut encoder = middle.device.create_command_encoder(&wgpu::CommandEncoderDescriptor::default());
+            prepared.record(&mut encoder);
+            encoder.finish()
+        })?;
+        made.known.truncate(KNOWN - 1);
+        made.known.push_front(hash);
+        Ok(prepared)
+    }
 }
 
 impl Key {
@@ -350,14 +397,14 @@ impl Key {
             Ours::Buffer(map, _) => (None, Some(map.clone())),
         };
         // A target that is drawn to is in no bind group.
-        let (view, buffer) = match theirs {
-            Theirs::View(..) if matches!(work.way(), Some(Way::Draw(_))) => (None, None),
-            Theirs::View(view, _) => (Some(view.clone()), None),
+        let (layer, buffer) = match theirs {
+            Theirs::Layer(..) if matches!(work.way(), Some(Way::Draw(_))) => (None, None),
+            Theirs::Layer(layer, format) => (Some(layer.seen(format)), None),
             Theirs::Buffer { buffer, offset, bytes, bytes_per_row } => {
                 (None, Some((buffer.clone(), offset, bytes, bytes_per_row)))
             }
         };
-        Self { work, source, map, view, buffer, frame: *middle.frame, disparities: middle.params.disparities }
+        Self { work, source, map, layer, buffer, frame: *middle.frame, disparities: middle.params.disparities }
     }
 }
 
@@ -387,7 +434,7 @@ fn bind(
     let stride = if let Theirs::Buffer { bytes_per_row, .. } = theirs { bytes_per_row / 4 } else { 0 };
     let mut colors = None;
     let mut pass = None;
-    let source;
+    let (source, view);
     let mut entries = vec![(0, frame.as_entire_binding())];
     match ours {
         Ours::Texture(texture) => {
@@ -408,9 +455,11 @@ fn bind(
         entries.push((3, colors.insert(table).as_entire_binding()));
     }
     match (theirs, work.way()) {
-        (Theirs::View(..), Some(Way::Draw(_))) => (),
-        (Theirs::View(view, _), Some(Way::Store(_))) => entries.push((4, wgpu::BindingResource::TextureView(view))),
-        (Theirs::View(view, _), None) => entries.push((3, wgpu::BindingResource::TextureView(view))),
+        (Theirs::Layer(..), Some(Way::Draw(_))) => (),
+        (Theirs::Layer(layer, format), way) => {
+            view = layer.view(format);
+            entries.push((if way.is_some() { 4 } else { 3 }, wgpu::BindingResource::TextureView(&view)));
+        }
         (Theirs::Buffer { buffer, offset, bytes, .. }, _) => {
             let size = wgpu::BufferSize::new(bytes);
             entries.push((3, wgpu::BindingResource::Buffer(wgpu::BufferBinding { buffer, offset, size })));

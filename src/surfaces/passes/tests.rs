@@ -1,8 +1,10 @@
 //! The bytes that arrive, every value of them; every pipeline without a driver; and that a wrong shader is found.
 
 use super::*;
+use crate::device::Pulse;
 use crate::kernels::tests::{EDIT, support};
-use crate::{Image, Inputs, Outputs, Params, PixelBuffer, Pixels};
+use crate::surfaces::Spots;
+use crate::{Image, Inputs, Outputs, Params, PixelBuffer, Pixels, readback};
 
 const FORMATS: [PixelFormat; 4] = [PixelFormat::Gray8, PixelFormat::Gray16, PixelFormat::Rgba8, PixelFormat::Rgba16];
 
@@ -28,7 +30,7 @@ fn works() -> Vec<Work> {
 
 /// Whether wgpu accepts all pipelines on a device.
 pub(crate) fn are_made(device: &wgpu::Device) -> bool {
-    works().into_iter().all(|work| readback::guarded(device, || compile(device, work)).is_ok())
+    works().into_iter().all(|work| scopes::guarded(device, || compile(device, work)).is_ok())
 }
 
 /// With the layouts that they are bound by, and with all files of the list.
@@ -36,7 +38,7 @@ pub(crate) fn are_made(device: &wgpu::Device) -> bool {
 fn pipelines_are_made_without_a_driver() {
     let (device, _) = wgpu::Device::noop(&wgpu::DeviceDescriptor::default());
     for work in works() {
-        let made = readback::guarded(&device, || compile(&device, work));
+        let made = scopes::guarded(&device, || compile(&device, work));
         assert!(made.is_ok(), "{work:?}: {}", made.unwrap_err());
     }
     for (file, _) in SHADERS {
@@ -68,6 +70,7 @@ fn all_values(format: PixelFormat, width: u32) -> Image {
 struct Stand {
     device: wgpu::Device,
     queue: wgpu::Queue,
+    pulse: Pulse,
     frame: Frame,
     format: PixelFormat,
     params: Params,
@@ -104,6 +107,7 @@ impl Stand {
         Self {
             device: device.clone(),
             queue: queue.clone(),
+            pulse: Pulse::new(device, queue).unwrap(),
             frame: Frame { width, height, map_stride, ..Frame::default() },
             format,
             params: Params::sgm(16),
@@ -113,9 +117,9 @@ impl Stand {
     }
 
     fn middle(&self) -> Middle<'_> {
-        let Self { device, queue, frame, format, params, sources, output } = self;
-        let (right, confidence) = (None, Some(output));
-        Middle { device, queue, frame, format: *format, params, sources, output, right, confidence }
+        let Self { device, queue, pulse, frame, format, params, sources, output } = self;
+        let (right, confidence, depth) = (None, Some(output), None);
+        Middle { device, queue, pulse, frame, format: *format, params, sources, output, right, confidence, depth }
     }
 
     fn read(&self, texture: &wgpu::Texture) -> Vec<u8> {
@@ -130,7 +134,9 @@ impl Stand {
         let mut encoder = self.device.create_command_encoder(&wgpu::CommandEncoderDescriptor::default());
         encoder.copy_texture_to_buffer(texture.as_image_copy(), to, texture.size());
         self.queue.submit([encoder.finish()]);
-        let bytes = readback::copy(&self.device, &self.queue, &buffer, size).unwrap();
+        let waiter = readback::Waiter::default();
+        let copy = readback::copy(&self.device, &self.queue, &waiter, &buffer, size);
+        let bytes = readback::block_on(copy).unwrap();
         bytes.chunks_exact(pitch as usize).flat_map(|bytes| &bytes[..row as usize]).copied().collect()
     }
 
@@ -148,8 +154,7 @@ impl Stand {
                 let texture = texture(&self.device, [image.width(), image.height()], format, usage);
                 let layout = wgpu::TexelCopyBufferLayout { offset: 0, bytes_per_row: Some(row), rows_per_image: None };
                 self.queue.write_texture(texture.as_image_copy(), &bytes, layout, texture.size());
-                let view = texture.create_view(&wgpu::TextureViewDescriptor::default());
-                self.middle().before(&surfaces, &Inputs::textures(&view, &view))
+                self.middle().before(&surfaces, &Inputs::textures(&texture, &texture), &mut Spots::default())
             }
             None => {
                 let pitch = row.next_multiple_of(4) as usize + 8;
@@ -159,7 +164,7 @@ impl Stand {
                 }
                 let buffer = filled(&self.middle(), "image", wgpu::BufferUsages::STORAGE, &padded);
                 let pixels = PixelBuffer::new(&buffer, 0, pitch as u32);
-                self.middle().before(&surfaces, &Inputs::buffers(pixels, pixels))
+                self.middle().before(&surfaces, &Inputs::buffers(pixels, pixels), &mut Spots::default())
             }
         };
         let mut encoder = self.device.create_command_encoder(&wgpu::CommandEncoderDescriptor::default());
@@ -235,14 +240,13 @@ fn a_mutated_shader_is_caught() {
         let formats =
             [TextureFormat::R32Float, TextureFormat::R16Sint, TextureFormat::Rgba8Unorm, TextureFormat::R8Unorm];
         let textures = formats.map(|format| texture(&device, [35, 9], format, usage));
-        let views = textures.each_ref().map(|t| t.create_view(&wgpu::TextureViewDescriptor::default()));
         let outputs = [
-            Outputs::default().disparity(&views[0]).color(&views[2]).confidence(&views[3]),
-            Outputs::default().disparity(&views[1]),
+            Outputs::default().disparity(&textures[0]).color(&textures[2]).confidence(&textures[3]),
+            Outputs::default().disparity(&textures[1]),
         ];
         let mut encoder = device.create_command_encoder(&wgpu::CommandEncoderDescriptor::default());
         for outputs in &outputs {
-            let prepared = stand.middle().after(&Surfaces::default(), outputs).unwrap();
+            let prepared = stand.middle().after(&Surfaces::default(), outputs, &mut Spots::default()).unwrap();
             prepared.iter().for_each(|work| work.record(&mut encoder));
         }
         queue.submit([encoder.finish()]);
