@@ -456,7 +456,7 @@ fn matchers_and_the_callers_passes_share_an_encoder() {
             let expected: Vec<u8> =
                 map.data.iter().flat_map(|&v| (f32::from(v) / 16.0 - 4.0).max(0.0).to_le_bytes()).collect();
             assert!(expected.iter().any(|&byte| byte != 0), "nothing is near, seed 8");
-            assert!(gpu.read_texture(&target) == expected, "{params:?}, seed 8, on {}", gpu.name);
+            assert!(gpu.read_texture(target) == expected, "{params:?}, seed 8, on {}", gpu.name);
             different.push(expected);
         }
         assert!(different[0] != different[1], "both matchers gave the same");
