@@ -59,6 +59,7 @@ struct Pass {
     narrowing: u32,       // bits by which entries of a table are shifted down
     prior: u32,           // what is added to them
     logarithms: u32,      // 1: their logarithms are taken
+    side: u32,            // of a map: 0 the left view, 1 the right one
 }
 
 @group(0) @binding(0) var<uniform> frame: Frame;

@@ -66,6 +66,7 @@ pub(crate) struct Pass {
     pub(crate) narrowing: u32,
     pub(crate) prior: u32,
     pub(crate) logarithms: u32,
+    pub(crate) side: u32,
 }
 
 /// Neighbouring rows that are worked on together.

@@ -2,7 +2,9 @@
 
 use crate::buffers::{Frame, Rows};
 use crate::matcher::{confidence_of, depth_of, map_of};
-use crate::reference::{self, BlockStatistics, Channel, Direction, Features, Images, Plane, Round, Views, Volume};
+use crate::reference::{
+    self, BlockStatistics, Channel, Content, Direction, Features, Images, Plane, Round, Views, Volume,
+};
 use crate::steps::{Level, Output, Step};
 use crate::{Cost, DisparityMap, Error, Image, Method, Params, StereoMatcher, readback, scopes};
 
@@ -57,6 +59,10 @@ struct Expected {
     rectified: Option<[Image; 2]>,
     /// The left view of the mirrored pair, mirrored, if it was matched before.
     matched: Option<DisparityMap>,
+    /// Where the pair has content, if not everywhere.
+    content: Option<Content>,
+    /// The right view after `validity`.
+    right: Option<DisparityMap>,
     luma: [Plane<u8>; 2],
     images: [Images; 2],
     prefiltered: [Images; 2],
@@ -79,7 +85,7 @@ struct Expected {
 }
 
 impl Expected {
-    fn new(params: &Params, left: &Image, right: &Image) -> Self {
+    fn new(params: &Params, left: &Image, right: &Image, content: Option<Content>) -> Self {
         let luma = [left, right].map(|image| reference::gray(image, Channel::Luma));
         let images = [left, right].map(|image| reference::images(image, params));
         let prefiltered = [0, 1].map(|side: usize| images[side].prefiltered(params));
@@ -91,6 +97,8 @@ impl Expected {
         Self {
             rectified: None,
             matched: None,
+            content,
+            right: None,
             luma,
             images,
             prefiltered,
@@ -131,7 +139,8 @@ impl Expected {
         if params.method == Method::Sgm {
             self.cost = reference::matching_cost(&self.columns, &params);
         }
-        (self.paths, self.views, self.checked, self.params) = (Vec::new(), None, None, params);
+        (self.paths, self.views, self.params) = (Vec::new(), None, params);
+        (self.checked, self.right) = (None, None);
     }
 
     fn path(&mut self, direction: Direction) -> &Volume<u8> {
@@ -146,10 +155,17 @@ impl Expected {
 
     /// The right view that the filters read.
     fn right_view(&mut self) -> DisparityMap {
-        match &self.matched {
-            Some(matched) if self.level == Some(self.rounds.len() - 1) => matched.clone(),
+        match (&self.right, &self.matched) {
+            (Some(right), _) => right.clone(),
+            (None, Some(matched)) if self.level == Some(self.rounds.len() - 1) => matched.clone(),
             _ => self.views().right.clone(),
         }
+    }
+
+    /// Where the images of the round have content.
+    fn content(&self) -> Option<Content> {
+        let halvings = self.rounds[self.level?].halvings;
+        self.content.as_ref().map(|content| content.halved(halvings))
     }
 
     /// The map that a stage after the winner makes of the one before it; `None` where there is none or it is no such stage.
@@ -157,6 +173,7 @@ impl Expected {
         let map = self.checked.take()?;
         let luma = &self.luma[0];
         Some(match stage {
+            Output::Validity { side: 0 } => reference::validity(&map, &self.content()?, 0),
             Output::Textured => reference::texture(&map, luma, params),
             Output::Checked => reference::lr_check(&map, &self.right_view(), params.lr_check?),
             Output::Speckle => reference::speckle(&map, params.speckle_window, params.speckle_range),
@@ -249,10 +266,14 @@ impl StereoMatcher {
             None => None,
         };
         let [left, right] = rectified.as_ref().map_or([left, right], |[left, right]| [left, right]);
+        let content = Content::new(&self.params, left.width(), left.height());
         let mut mirrored = self.params.second_match().is_some();
         let mut expected = match self.params.second_match() {
-            Some(second) => Expected::new(&second, &reference::mirrored(right)?, &reference::mirrored(left)?),
-            None => Expected::new(&self.params, left, right),
+            Some(second) => {
+                let content = content.as_ref().map(Content::mirrored);
+                Expected::new(&second, &reference::mirrored(right)?, &reference::mirrored(left)?, content)
+            }
+            None => Expected::new(&self.params, left, right, content.clone()),
         };
         expected.rectified = rectified.clone();
         let mut stages: Vec<StageCheck> = Vec::new();
@@ -260,7 +281,8 @@ impl StereoMatcher {
         for step in &self.steps {
             let rectifies = matches!(step.output, Output::Rectified { .. });
             if mirrored && !step.mirrored && !rectifies {
-                expected = Expected { matched: expected.matched, ..Expected::new(&self.params, left, right) };
+                let unmirrored = Expected::new(&self.params, left, right, content.clone());
+                expected = Expected { matched: expected.matched, ..unmirrored };
                 (mirrored, last_views, level) = (false, None, None);
             }
             // A level that follows a wrong one begins with a wrong map.
@@ -519,6 +541,13 @@ impl StereoMatcher {
                 let matched = reference::mirror(&expected.views().left);
                 compare_maps(stage, &matched, &map_of(&sizes.frame, &bytes));
                 expected.matched = Some(matched);
+            }
+            Output::Validity { side: 1 } => {
+                if let Some(content) = expected.content() {
+                    let right = reference::validity(&expected.right_view(), &content, 1);
+                    compare_maps(stage, &right, &map_of(&sizes.frame, &bytes));
+                    expected.right = Some(right);
+                }
             }
             Output::Confidence => {
                 if let Some(map) = expected.checked.clone() {

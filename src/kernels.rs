@@ -100,6 +100,7 @@ pub(crate) const KERNELS: &[Kernel] = &[
     Kernel { name: "texture_columns", stage: "texture", lanes: 32, sources: wgsl!("texture_columns", "common"), choices: &[], storage: &[QUAD, Write] },
     Kernel { name: "texture", stage: "texture", lanes: 64, sources: wgsl!("texture", "common"), choices: &[], storage: &[Read, Read, Write] },
     Kernel { name: "mirror", stage: "mirror", lanes: 32, sources: wgsl!("mirror", "common"), choices: &[], storage: &[Read, Write] },
+    Kernel { name: "validity", stage: "validity", lanes: 32, sources: wgsl!("validity", "common"), choices: &[], storage: &[Read, Read, Write] },
     Kernel { name: "lr_check", stage: "lr_check", lanes: 32, sources: wgsl!("lr_check", "common"), choices: &[], storage: &[Read, Read, Write] },
     Kernel { name: "speckle_rows", stage: "speckle", lanes: 8, sources: wgsl!("speckle_rows", "speckle_joins", "eight", "common"), choices: &[], storage: &[QUAD, Write, Write] },
     Kernel { name: "speckle_link", stage: "speckle", lanes: 32, sources: wgsl!("speckle_link", "speckle_joins", "eight", "common"), choices: &[], storage: &[QUAD, Write] },

@@ -14,6 +14,8 @@
 //! 5. `penalties`, `sgm_aggregate`: semi-global matching along 3 to 16 directions ([`Paths`]).
 //! 6. `winner`: the disparity of the smallest aggregate, the uniqueness test, 1/16 px ([`Subpixel`]), the right view.
 //!    With [`Method::Bm`], `block_match` does this on the block sums, in place of `matching_cost`, 5 and 6.
+//!    `validity`: what is outside the image that was rectified, or masked ([`Masks`]), has no disparity; here, and again
+//!    after each filter that gives one.
 //! 7. `texture`: what a block that holds too little says is dropped.
 //! 8. `lr_check`: a left pixel keeps its disparity if the right view agrees ([`RightView`]).
 //! 9. `speckle`, `median` ([`Median`]), `fill` ([`Fill`]), `weighted_median`, `wls` ([`Wls`]): filters of the map,
@@ -89,6 +91,7 @@ mod error;
 pub mod evaluation;
 mod image;
 mod kernels;
+mod masks;
 mod matcher;
 mod options;
 mod params;
@@ -107,6 +110,7 @@ pub use check::{Mismatch, StageCheck};
 pub use color::turbo;
 pub use error::Error;
 pub use image::{ConfidenceMap, DepthMap, DisparityMap, Image, Matched, PixelFormat, Pixels};
+pub use masks::Masks;
 pub use matcher::{Reading, StageTime, StereoMatcher};
 pub use options::ParamOption;
 pub use params::{Census, Cost, Fill, Median, Method, Params, Paths, Prefilter, Preset, RightView, Subpixel, Wls};

@@ -308,11 +308,6 @@ fn levels(
     reference::rounds(width, height, params).into_iter().map(level).collect()
 }
 
-/// A rectification is for pairs of one size.
-fn fits_rectification([width, height]: [u32; 2], params: &Params) -> Result<(), Error> {
-    params.rectify.as_ref().map_or(Ok(()), |rectification| rectification.accepts(width, height))
-}
-
 /// The passes of smaller pairs that need what the largest one does not.
 fn rooms(
     device: &wgpu::Device,
@@ -392,7 +387,7 @@ impl StereoMatcher {
         params: &Params,
     ) -> Result<(Self, Verdict), Error> {
         let pulse = Pulse::new(device, queue)?;
-        fits_rectification([width, height], params)?;
+        params.accepts(width, height)?;
         let levels = levels(device, [width, height], format, params, &[])?;
         let before = rooms(device, [width, height], format, params, &levels)?;
         Ok(scopes::watched(device, || {
@@ -452,7 +447,7 @@ impl StereoMatcher {
     fn rebuilt(&self, size: [u32; 2], params: &Params) -> Result<(Rebuilt, Verdict), Error> {
         let (device, queue, format) = (&self.device, &self.queue, self.format);
         self.pulse.check()?;
-        fits_rectification(size, params)?;
+        params.accepts(size[0], size[1])?;
         let largest = [0, 1].map(|axis| self.largest[axis].max(size[axis]));
         let largest_levels = levels(device, largest, format, params, &[])?;
         let levels = levels(device, size, format, params, &largest_levels)?;

@@ -1,6 +1,6 @@
 //! What a user may ask for, and the checks that come before anything touches a device.
 
-use crate::{Camera, Error, Rectification, Schedule};
+use crate::{Camera, Error, Masks, Rectification, Schedule};
 
 /// The image on which the matching cost is computed (`prefilter` in docs/ALGORITHMS.md).
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
@@ -272,12 +272,17 @@ pub struct Params {
     pub wls: Option<Wls>,
     /// Compute a confidence for each pixel, too.
     pub confidence: bool,
-    /// Give the right view's map, too: as [`Params::right_view`] makes it, in whole pixels, before any check or filter.
+    /// Give the right view's map, too: as [`Params::right_view`] makes it, in whole pixels, before any check or filter but
+    /// `validity`.
     pub right_map: bool,
     /// Compute the depth of each pixel, too, seen by these cameras.
     pub depth: Option<Camera>,
-    /// Rectify the pair first. All else is then of the rectified pair.
+    /// Rectify the pair first. All else is then of the rectified pair. Pixels that show what lies outside the given image
+    /// have no disparity, nor have those that lead to one.
     pub rectify: Option<Rectification>,
+    /// Which pixels of the given images have content. Those that have none have no disparity, nor have those that lead to
+    /// one.
+    pub masks: Option<Masks>,
     /// Compile the kernels with checks of every index and loop: slower, the same result. For a device that misbehaves.
     pub shader_checks: bool,
     /// How the kernels are laid out on the device; the same result.
@@ -337,6 +342,7 @@ impl Params {
             right_map: false,
             depth: None,
             rectify: None,
+            masks: None,
             shader_checks: false,
             schedule: Schedule::Auto,
         }
@@ -581,6 +587,15 @@ impl Params {
         )
     }
 
+    /// A rectification and masks are for pairs of one size. Whatever takes pairs asks for it itself.
+    ///
+    /// # Errors
+    /// [`Error::Image`] if pairs of `width` x `height` pixels are not of it.
+    pub fn accepts(&self, width: u32, height: u32) -> Result<(), Error> {
+        self.rectify.as_ref().map_or(Ok(()), |rectification| rectification.accepts(width, height))?;
+        self.masks.as_ref().map_or(Ok(()), |masks| masks.accepts(width, height))
+    }
+
     /// The same for images that are halved so often, without what comes after the map of the left view.
     pub(crate) fn rough(&self, halvings: u32) -> Self {
         let last = self.min_disparity + self.disparities as i32 - 1;
@@ -601,15 +616,20 @@ impl Params {
             right_map: false,
             depth: None,
             rectify: None,
+            masks: None,
             ..self.clone()
         }
+    }
+
+    /// Whether anything reads the right view.
+    pub(crate) fn reads_right_view(&self) -> bool {
+        self.right_map || self.lr_check.is_some() || matches!(self.fill, Fill::Rays | Fill::Hirschmuller)
     }
 
     /// The settings of a second match of the mirrored pair for the right view, if that is wanted and something reads it:
     /// whole pixels, and all of them.
     pub(crate) fn second_match(&self) -> Option<Self> {
-        let read = self.right_map || self.lr_check.is_some() || matches!(self.fill, Fill::Rays | Fill::Hirschmuller);
-        (self.right_view == RightView::Match && read).then(|| self.second())
+        (self.right_view == RightView::Match && self.reads_right_view()).then(|| self.second())
     }
 
     /// The same for a second match.
@@ -622,6 +642,7 @@ impl Params {
             right_map: false,
             depth: None,
             rectify: None,
+            masks: None,
             right_view: RightView::Diagonal,
             ..self.clone()
         }

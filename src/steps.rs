@@ -78,6 +78,10 @@ pub(crate) enum Output {
     },
     /// The right view of a second match.
     Mirrored,
+    /// A map of the left view (0) or of the right one (1).
+    Validity {
+        side: usize,
+    },
     Textured,
     Checked,
     Speckle,

@@ -75,6 +75,7 @@ class Chain:
         self.width, self.height = case["width"], case["height"]
         self.smallest, self.count = case["min_disparity"], case["disparities"]
         self.case = case
+        self.contents = None  # of the left and of the right view, where not all pixels have content
         self.cap, self.block = case["prefilter_cap"], case["block"]
         self.radius = (self.block - 1) // 2
         self.census_bits, census_bytes = CENSUS[case["census"]][2:]
@@ -134,6 +135,41 @@ class Chain:
             return ((256 - b) * above + b * below + 32768) >> 16
 
         return [blend(*place, i) for row in self.positions(lens) for place in row for i in range(count)]
+
+    def content(self, mask, lens):
+        """Which pixels of a side have content."""
+
+        def given(x, y):
+            return self.inside(x) and 0 <= y < self.height and (mask is None or mask[y * self.width + x] != 0)
+
+        if lens is None:
+            return self.over_pixels(given)
+        positions = self.positions(lens)
+
+        def rectified(x, y):
+            px, py = positions[y][x]
+            columns = {px >> 8, (px + 255) >> 8}
+            return all(given(i, j) for i in columns for j in {py >> 8, (py + 255) >> 8})
+
+        return self.over_pixels(rectified)
+
+    def halved_content(self, content):
+        four = [(0, 0), (1, 0), (0, 1), (1, 1)]
+        half = Chain(dict(self.case, width=(self.width + 1) // 2, height=(self.height + 1) // 2))
+        return half.over_pixels(lambda x, y: all(self.at(content, 2 * x + i, 2 * y + j) for i, j in four))
+
+    def validity(self, disparities, side):
+        """The map of the left (0) or of the right view (1)."""
+        if self.contents is None:
+            return disparities
+        here, there = self.contents[side], self.contents[1 - side]
+
+        def stays(x, y):
+            place = 16 * x + (disparities[y][x] if side else -disparities[y][x])
+            seen = {math.floor(place / 16), math.ceil(place / 16)}
+            return here[y][x] and all(self.at(there, i, y) for i in seen)
+
+        return self.over_pixels(lambda x, y: disparities[y][x] if stays(x, y) else INVALID)
 
     def deep_gray(self, kind, samples):
         """The channels at the depth of the samples."""
@@ -321,6 +357,8 @@ class Chain:
         for _ in range(most):
             chain, left, right = pyramid[-1]
             half = Chain(dict(chain.case, width=(chain.width + 1) // 2, height=(chain.height + 1) // 2))
+            if chain.contents is not None:
+                half.contents = [chain.halved_content(content) for content in chain.contents]
             pyramid.append((half, chain.halve(left), chain.halve(right)))
         before, last = None, self.smallest + self.count - 1
         rounds = [most] * 2 + list(range(most, -1, -1))
@@ -330,13 +368,15 @@ class Chain:
             chain = Chain(
                 dict(size.case, min_disparity=smallest, disparities=largest - smallest + 1, lr_check=1, adaptive_p2="off")
             )
+            chain.contents = size.contents
             halved = rounds[i - 1] - h if i > 0 else 0
             chain.table = chain.mi_table(chain.mi_histogram(left, right, before, halved))
             if i + 1 < len(rounds):
                 cost = chain.block_sums(chain.cost_columns(left, right))
                 if self.case["method"] == "sgm":
                     cost = chain.sgm_aggregate(chain.matching_cost(cost), None)
-                before = chain.lr_check(*chain.winner(cost)[:2])
+                views = chain.winner(cost)[:2]
+                before = chain.lr_check(*(chain.validity(view, side) for side, view in enumerate(views)))
         return chain.table
 
     def cost_columns(self, left, right):
@@ -670,12 +710,18 @@ class Chain:
     def matched_right_view(self, left, right):
         later = {"weighted_median": "off", "wls": "off", "fill": "none", "speckle_window": 0, "right_view": "diagonal"}
         second = Chain({**self.case, "subpixel": "off", "uniqueness": 0, "texture": 0, **later})
+        if self.contents is not None:
+            second.contents = [[row[::-1] for row in content] for content in reversed(self.contents)]
         stages = {name: values for name, _, values in second.run(self.mirrored(right), self.mirrored(left))}
         return [row[::-1] for row in stages["winner_left"]]
 
     def run(self, left, right):
         """All stages in the order of the chain: (name, C type, values)."""
         sides, grays = [], []
+        masks = self.case.pop("masks", None)
+        if masks or "rectify" in self.case:
+            self.contents = [self.content(*of) for of in zip(masks or [None] * 2, self.case.get("rectify", [None] * 2))]
+            yield "content", "B", [[[int(has) for has in row] for row in content] for content in self.contents]
         if "rectify" in self.case:
             left, right = (self.rectify(lens, image) for lens, image in zip(self.case["rectify"], (left, right)))
             self.case = {name: value for name, value in self.case.items() if name != "rectify"}
@@ -722,24 +768,33 @@ class Chain:
         yield "winner_left", "h", view
         yield "winner_right", "h", other
         yield "margins", "B", margins
-        view = self.texture(view, grays[0])
-        yield "texture", "h", view
         reads = self.case["lr_check"] != "off" or self.case["fill"] in ("rays", "hirschmuller")
         if self.case["right_view"] == "match" and reads:
             other = self.matched_right_view(left, right)
             yield "mirror", "h", other
+        other = self.validity(other, 1)
+        yield "validity_right", "h", other
+        view = self.validity(view, 0)
+        yield "validity", "h", view
+        view = self.texture(view, grays[0])
+        yield "texture", "h", view
         view = self.lr_check(view, other)
         yield "lr_check", "h", view
         view = self.speckle(view)
         yield "speckle", "h", view
         view = self.median(view)
         yield "median", "h", view
+        view = self.validity(view, 0)
         view = self.fill(view, other)
         yield "fill", "h", view
+        view = self.validity(view, 0)
         view = self.weighted_median(view, grays[0])
         yield "weighted_median", "h", view
+        view = self.validity(view, 0)
         view = self.wls(view, grays[0])
         yield "wls", "h", view
+        view = self.validity(view, 0)
+        yield "map", "h", view
         yield "confidence", "B", self.confidence(view, margins)
         if self.case.get("depth", "off") != "off":
             yield "depth", "I", self.depth(view)

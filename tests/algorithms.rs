@@ -5,8 +5,8 @@
 mod support;
 
 use gpu_stereo::{
-    Cost, DisparityMap, Fill, Image, Median, Method, Params, Paths, PixelFormat, Pixels, Prefilter, Rectification,
-    RightView, Subpixel, reference,
+    Cost, DisparityMap, Fill, Image, Masks, Median, Method, Params, Paths, PixelFormat, Pixels, Prefilter,
+    Rectification, RightView, Subpixel, reference,
 };
 use rand::{Rng, SeedableRng};
 use rand_chacha::ChaCha8Rng;
@@ -109,6 +109,10 @@ fn json(image: &Image, params: &Params) -> String {
         let lenses = rectification.lenses().each_ref().map(lens).join(", ");
         fields.push(format!("\"rectify\": [{lenses}]"));
     }
+    if let Some(masks) = &params.masks {
+        let side = |side| masks.side(side).map_or("null".into(), |mask: &[u8]| format!("{mask:?}"));
+        fields.push(format!("\"masks\": [{}, {}]", side(0), side(1)));
+    }
     format!("{{{}}}\n", fields.join(", "))
 }
 
@@ -134,21 +138,35 @@ fn stages(left: &Image, right: &Image, params: &Params) -> Vec<(&'static str, us
         [(left, 0), (right, 1)].map(|(image, side)| reference::rectify(image, rectification, side).unwrap())
     });
     let [left, right] = rectified.as_ref().map_or([left, right], |pair| pair.each_ref());
+    let content = reference::Content::new(params, left.width(), left.height());
+    // The masks of the rectified pair.
+    let masks_of = |content: &reference::Content| {
+        let sides = content.sides.each_ref().map(|side| Some(side.data.iter().map(|&has| u8::from(has)).collect()));
+        Masks::new(left.width(), left.height(), sides).unwrap()
+    };
     let params = &{
         let mut params = params.clone();
-        params.rectify = None;
+        (params.rectify, params.masks) = (None, content.as_ref().map(masks_of));
         params
+    };
+    let valid = |map: DisparityMap, side| match &content {
+        Some(content) => reference::validity(&map, content, side),
+        None => map,
     };
     let gray = [left, right].map(|image| reference::gray(image, reference::Channel::Luma));
     let deep = [left, right].map(|image| reference::images(image, params));
     let prefiltered = [0, 1].map(|side: usize| deep[side].prefiltered(params));
     let features = [0, 1].map(|side: usize| prefiltered[side].features(params));
-    let table = reference::cost_table(&features, params);
+    let table = reference::cost_table(&features, content.as_ref(), params);
     let columns = reference::cost_columns(&features[0], &features[1], &table, params);
     let rows = 0..columns.height;
     let sums = rows.flat_map(|y| reference::block_sums(&columns, y, params)).flat_map(u32::to_le_bytes).collect();
     let bytes16s = |images: &reference::Images| images.channels.iter().flat_map(|c| bytes16(&c.data)).collect();
     let mut stages = Vec::new();
+    if let Some(content) = &content {
+        let bytes = content.sides.iter().flat_map(|side| &side.data).map(|&has| u8::from(has));
+        stages.push(("content", 1, bytes.collect()));
+    }
     if let Some([left, right]) = &rectified {
         let size = left.format().bytes_per_pixel() as usize;
         stages.extend([("rectify_left", size, samples(left)), ("rectify_right", size, samples(right))]);
@@ -203,14 +221,20 @@ fn stages(left: &Image, right: &Image, params: &Params) -> Vec<(&'static str, us
         (second.lr_check, second.median) = (None, Median::Off);
         (second.weighted_median, second.wls) = (None, None);
         (second.fill, second.speckle_window) = (Fill::None, 0);
+        second.masks = content.as_ref().map(|content| masks_of(&content.mirrored()));
         let (left, right) = (reference::mirrored(left).unwrap(), reference::mirrored(right).unwrap());
         right_view = reference::mirror(&reference::compute(&right, &left, &second).unwrap());
-        stages.push(("mirror", 2, map_bytes(&right_view)));
+        if content.is_none() {
+            stages.push(("mirror", 2, map_bytes(&right_view))); // else only what is left of it is known here
+        }
     }
-    let mut map = match params.texture {
-        0 => views.left,
-        _ => reference::texture(&views.left, &gray[0], params),
-    };
+    let right_view = valid(right_view, 1);
+    stages.push(("validity_right", 2, map_bytes(&right_view)));
+    let mut map = valid(views.left, 0);
+    stages.push(("validity", 2, map_bytes(&map)));
+    if params.texture > 0 {
+        map = reference::texture(&map, &gray[0], params);
+    }
     stages.push(("texture", 2, map_bytes(&map)));
     if let Some(px) = params.lr_check {
         map = reference::lr_check(&map, &right_view, px);
@@ -224,19 +248,27 @@ fn stages(left: &Image, right: &Image, params: &Params) -> Vec<(&'static str, us
         map = reference::median(&map, side);
     }
     stages.push(("median", 2, map_bytes(&map)));
+    map = valid(map, 0);
     if params.fill != gpu_stereo::Fill::None {
         map = reference::fill(&map, &right_view, params);
     }
     stages.push(("fill", 2, map_bytes(&map)));
+    map = valid(map, 0);
     if let Some(radius) = params.weighted_median {
         map = reference::weighted_median(&map, &gray[0], radius, params);
     }
     stages.push(("weighted_median", 2, map_bytes(&map)));
+    map = valid(map, 0);
     let mut with_confidence = params.clone();
     with_confidence.confidence = true;
     let matched = reference::compute_all(left, right, &with_confidence).unwrap();
-    assert!(params.wls.is_some() || map == matched.map);
-    stages.push(("wls", 2, map_bytes(&matched.map)));
+    if let Some(settings) = &params.wls {
+        map = reference::wls(&map, &gray[0], settings, params);
+    }
+    stages.push(("wls", 2, map_bytes(&map)));
+    map = valid(map, 0);
+    assert!(map == matched.map);
+    stages.push(("map", 2, map_bytes(&map)));
     stages.push(("margins", 1, views.margins.data));
     stages.push(("confidence", 1, matched.confidence.unwrap().data));
     if let Some(depth) = matched.depth {
@@ -425,6 +457,25 @@ fn cases() -> Vec<Case> {
         params.rectify = Some(Rectification::new(31, 14, lenses).unwrap());
         let image = if seed % 2 == 0 { noise } else { few_levels };
         let [left, right] = [0, 1].map(|_| image(31, 14, seed as u32 % 4, &mut random));
+        cases.push(Case { left, right, params });
+    }
+    // Pairs of which parts are masked, one side or both, also before they are rectified and with rounds that are halved.
+    for seed in 600..624 {
+        let mut random = ChaCha8Rng::seed_from_u64(seed);
+        let mut params = support::random_params(&mut random);
+        (params.disparities, params.min_disparity) = (random.random_range(2..9), random.random_range(-4..3));
+        params.uniqueness = 0;
+        let (mut width, mut height) = (random.random_range(1..40), random.random_range(1..12));
+        if seed % 6 == 5 {
+            (params.cost, params.color_cost, params.block) = (Cost::MutualInformation, false, 1);
+            (width, height) = (37, 33);
+        }
+        if seed % 3 == 1 {
+            params.rectify = Some(Rectification::new(width, height, support::lenses(width, height)).unwrap());
+        }
+        params.masks = Some(support::masks(width, height, seed));
+        let (left, right) = support::pair(width, height, seed);
+        let [left, right] = [left, right].map(|image| support::as_format(&image, seed as u32 % 4));
         cases.push(Case { left, right, params });
     }
     // Luma exactly half way between two levels.

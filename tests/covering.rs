@@ -61,6 +61,7 @@ const CIRCUMSTANCES: &[(&str, &[&str])] = &[
     ("format", &["gray8", "gray16", "rgba8", "rgba16"]),
     ("device", &["full", "bare"]),
     ("images", &["made", "motorcycle"]),
+    ("masks", &["off", "on"]),
 ];
 
 fn factors() -> Vec<Factor> {
@@ -238,6 +239,11 @@ impl Bench<'_> {
         };
         let format = ["gray8", "gray16", "rgba8", "rgba16"].iter().position(|name| *name == of("format")).unwrap();
         let [left, right] = [left, right].map(|image| support::as_format(&image, format as u32));
+        let params = &{
+            let mut params = params.clone();
+            params.masks = (of("masks") == "on").then(|| support::masks(size.0, size.1, nth as u64));
+            params
+        };
         let (adapter, device, queue) = &self.devices[usize::from(of("device") == "bare")];
         let case = format!("number {nth}, {}x{}, {}", size.0, size.1, command(self.factors, row));
         let matcher = StereoMatcher::new(device, queue, size.0, size.1, left.format(), params)

@@ -4,7 +4,8 @@
 mod support;
 
 use gpu_stereo::{
-    Cost, Image, Params, Paths, Prefilter, Rectification, RightView, Schedule, StereoMatcher, reference, wgpu,
+    Cost, Image, Params, Paths, Prefilter, Preset, Rectification, RightView, Schedule, StereoMatcher, Wls, reference,
+    wgpu,
 };
 use rand::{Rng, SeedableRng};
 use rand_chacha::ChaCha8Rng;
@@ -105,9 +106,10 @@ fn random_parameters() {
     for seed in 0..40 {
         let setup = if seed % 3 == 0 { &bare } else { &full };
         let mut random = ChaCha8Rng::seed_from_u64(seed);
-        let params = support::random_params(&mut random);
+        let mut params = support::random_params(&mut random);
         let (left, right) = support::pair(random.random_range(1..90), random.random_range(1..50), seed);
         let format = random.random_range(0..4);
+        params.masks = (seed % 4 == 3).then(|| support::masks(left.width(), left.height(), seed));
         check(setup, &support::as_format(&left, format), &support::as_format(&right, format), &params, seed);
     }
 }
@@ -278,6 +280,51 @@ fn rectified() {
             params.rectify = Some(rectification);
             params.right_view = if seed % 2 == 0 { RightView::Match } else { RightView::Diagonal };
             params.cost = if format == 3 { Cost::MutualInformation } else { Cost::Census };
+            check(&setup, &left, &right, &params, seed);
+        }
+    }
+}
+
+/// Pairs of which parts are masked: sizes, formats, both schedules, bands, a right view of its own, rounds that are halved,
+/// with a rectification and without.
+#[test]
+fn masked() {
+    let small = support::device_with(|_, limits| limits.max_storage_buffer_binding_size = 48 << 10);
+    let (Some(full), Some(bare), Some(small)) = (support::device(), support::bare_device(), small) else { return };
+    for (seed, (width, height)) in (0..).zip(SIZES) {
+        let (left, right) = support::pair(width, height, seed);
+        let [left, right] = [&left, &right].map(|image| support::as_format(image, seed as u32 % 4));
+        let choices = [
+            (Preset::Dense, &full, Schedule::Lines, Cost::CensusSobel, seed % 2 == 0),
+            (Preset::Balanced, &bare, Schedule::Lanes, Cost::Sad, false),
+            (Preset::Classic, &small, Schedule::Auto, Cost::Sad, seed % 2 == 1),
+            (Preset::Strict, &full, Schedule::Lanes, Cost::MutualInformation, false),
+        ];
+        for (preset, setup, schedule, cost, rectifies) in choices {
+            let mut params = Params::preset(preset, 24);
+            (params.schedule, params.cost, params.min_disparity) = (schedule, cost, [0, -5, 2][seed as usize % 3]);
+            (params.right_map, params.confidence, params.uniqueness) = (true, true, 0);
+            params.wls = (seed % 3 == 0).then(|| Wls::new(50.0, 20.0));
+            params.masks = Some(support::masks(width, height, seed));
+            if rectifies {
+                params.rectify = Some(Rectification::new(width, height, support::lenses(width, height)).unwrap());
+            }
+            check(setup, &left, &right, &params, seed);
+        }
+    }
+}
+
+/// Rounds of mutual information whose images are halved once and twice, of odd sizes.
+#[test]
+fn masked_mutual_information() {
+    let Some(setup) = support::device() else { return };
+    for (seed, (width, height)) in (0..).zip([(35, 33), (67, 71), (131, 140)]) {
+        let (left, right) = support::pair(width, height, seed);
+        for right_view in [RightView::Diagonal, RightView::Match] {
+            let mut params = Params::sgm(21);
+            (params.cost, params.prefilter, params.block) = (Cost::MutualInformation, Prefilter::None, 1);
+            (params.right_view, params.min_disparity) = (right_view, -3);
+            params.masks = Some(support::masks(width, height, seed));
             check(&setup, &left, &right, &params, seed);
         }
     }

@@ -1,6 +1,7 @@
 //! From the views to the map: the check of one against the other, and the filters.
 
 use super::Views;
+use super::validity::Content;
 use crate::buffers::{Frame, Pass, Rows, SEGMENT_GROUPS, cut};
 use crate::kernels;
 use crate::steps::Bound::{self, Buffer, Texture};
@@ -21,8 +22,18 @@ pub(super) fn mirror(b: &mut Builder<'_>, left: &wgpu::Buffer) -> wgpu::Buffer {
     map_step(b, "mirror", [&[Buffer(left)], &[]], Output::Mirrored)
 }
 
-/// Stages `texture`, `lr_check` and the filters, those of them that are wanted. Returns the buffer of the map.
-pub(super) fn filtered(b: &mut Builder<'_>, views: &Views, gray: &wgpu::TextureView) -> wgpu::Buffer {
+/// Stages `texture`, `lr_check` and the filters, those of them that are wanted, and `validity` after each that may give a
+/// pixel another disparity. Returns the buffer of the map.
+pub(super) fn filtered(
+    b: &mut Builder<'_>,
+    views: &Views,
+    gray: &wgpu::TextureView,
+    content: Option<&Content>,
+) -> wgpu::Buffer {
+    let valid = |b: &mut Builder<'_>, map: wgpu::Buffer| match content {
+        Some(content) => content.valid(b, &map, 0),
+        None => map,
+    };
     let Frame { height, map_stride, .. } = b.sizes.frame;
     let mut map = views.left.clone();
     if b.params.texture > 0 {
@@ -46,18 +57,22 @@ pub(super) fn filtered(b: &mut Builder<'_>, views: &Views, gray: &wgpu::TextureV
     if let Some(median) = median {
         let texels = b.copy_to_texels();
         map = map_step(b, median, [&[Texture(&texels)], &[]], Output::Median);
+        map = valid(b, map);
     }
     if b.params.fill != Fill::None {
         map = fill(b, &views.right);
+        map = valid(b, map);
     }
     if b.params.weighted_median.is_some() {
         let texels = b.copy_to_texels();
         let reads: [&[_]; 2] = [&[Texture(&texels)], &[Texture(gray)]];
         map = map_step(b, "weighted_median", reads, Output::WeightedMedian);
+        map = valid(b, map);
     }
     if let Some(settings) = &b.params.wls {
         let couplings = reference::wls_couplings(settings);
         map = wls(b, gray, couplings);
+        map = valid(b, map);
     }
     map
 }

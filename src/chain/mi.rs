@@ -2,6 +2,7 @@
 //! the map of the round before.
 
 use super::planes::{self, Planes};
+use super::validity::Content;
 use super::{Views, filters};
 use crate::buffers::{Frame, Pass};
 use crate::reference::{mi_narrowing, mi_prior};
@@ -9,7 +10,7 @@ use crate::steps::Bound::{Buffer, Texture};
 use crate::steps::{Builder, Level, Output};
 
 /// All rounds but the last one, and what that one compares.
-pub(super) fn planes(b: &mut Builder<'_>, sources: &[wgpu::TextureView; 2]) -> Planes {
+pub(super) fn planes(b: &mut Builder<'_>, sources: &[wgpu::TextureView; 2], content: Option<&Content>) -> Planes {
     let (grays, values) = planes::values(b, sources);
     let mut pyramid = vec![values];
     while pyramid.len() <= b.levels[0].halvings as usize {
@@ -20,9 +21,12 @@ pub(super) fn planes(b: &mut Builder<'_>, sources: &[wgpu::TextureView; 2]) -> P
     let mut planes = planes::planes_of(b, &pyramid[b.levels[0].halvings as usize], &grays);
     planes.table = Some(scratch.table(b, &pyramid, None));
     for level in 1..b.levels.len() {
-        let views = Views::new(b);
+        let mut views = Views::new(b);
         super::winner(b, &planes, &views);
-        let map = filters::filtered(b, &views, &planes.grays[0]);
+        if let Some(content) = content {
+            views = content.views(b, views);
+        }
+        let map = filters::filtered(b, &views, &planes.grays[0], content);
         b.enter(level);
         let [before, here] = [level - 1, level].map(|level| b.levels[level].halvings);
         if before != here {

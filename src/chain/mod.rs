@@ -7,11 +7,13 @@ mod mi;
 mod planes;
 #[cfg(test)]
 mod tests;
+mod validity;
 
 use crate::buffers::Sizes;
 use crate::steps::Builder;
 use crate::{Cost, DisparityMap, Method};
 use planes::Planes;
+use validity::Content;
 
 /// What the matcher needs of what the chain made.
 #[derive(Debug)]
@@ -61,21 +63,26 @@ pub(crate) fn chain(b: &mut Builder<'_>) -> Made {
     let sources = planes::sources(b);
     let views_of = |texture: &wgpu::Texture| texture.create_view(&wgpu::TextureViewDescriptor::default());
     let images = planes::rectified(b, sources.each_ref().map(views_of));
+    let content = Content::new(b);
+    let content = content.as_ref();
     let views = Views::new(b);
     let mut right = None;
     if let Some(second) = b.params.second_match() {
         let params = std::mem::replace(&mut b.params, second);
         b.mirrored = true;
         b.share();
-        winners(b, &images, &views);
+        winners(b, &images, &views, content);
         b.share();
         right = Some(filters::mirror(b, &views.left));
         (b.params, b.mirrored) = (params, false);
     }
-    let planes = winners(b, &images, &views);
+    let planes = winners(b, &images, &views, content);
     b.share_no_more();
-    let compared = Views { left: views.left.clone(), right: right.unwrap_or_else(|| views.right.clone()) };
-    let output = filters::filtered(b, &compared, &planes.grays[0]);
+    let mut compared = Views { left: views.left.clone(), right: right.unwrap_or_else(|| views.right.clone()) };
+    if let Some(content) = content {
+        compared = content.views(b, compared);
+    }
+    let output = filters::filtered(b, &compared, &planes.grays[0], content);
     let confidence = b.params.confidence.then(|| filters::confidence(b, &views, &output));
     let depth = b.params.depth.is_some().then(|| filters::depth(b, &output));
     let right = b.params.right_map.then_some(compared.right);
@@ -83,9 +90,9 @@ pub(crate) fn chain(b: &mut Builder<'_>) -> Made {
 }
 
 /// From the images to the winner of both views. Returns the planes.
-fn winners(b: &mut Builder<'_>, sources: &[wgpu::TextureView; 2], views: &Views) -> Planes {
+fn winners(b: &mut Builder<'_>, sources: &[wgpu::TextureView; 2], views: &Views, content: Option<&Content>) -> Planes {
     let planes = match b.params.cost {
-        Cost::MutualInformation => mi::planes(b, sources),
+        Cost::MutualInformation => mi::planes(b, sources, content),
         _ => planes::planes(b, sources),
     };
     winner(b, &planes, views);

@@ -76,6 +76,10 @@ pub struct Args {
     #[command(flatten)]
     pub settings: Settings,
 
+    /// Which pixels count
+    #[command(flatten)]
+    pub masks: MaskArgs,
+
     /// The cameras, and what is made with them
     #[command(flatten)]
     pub scene: Scene,
@@ -137,6 +141,16 @@ pub struct Args {
     /// Print no summary
     #[arg(short, long, help_heading = OUTPUT)]
     pub quiet: bool,
+}
+
+/// Which pixels count.
+#[derive(Debug, clap::Args)]
+pub struct MaskArgs {
+    /// Which pixels of the given images have content: images of their size, 0 where there is none (alpha is ignored). Pixels
+    /// without content have no disparity, nor have those that lead to one. LEFT alone, or ,RIGHT alone, masks one side; a name
+    /// with commas is taken as one name if such a file is there
+    #[arg(long, value_name = "LEFT[,RIGHT]")]
+    pub mask_in: Option<PathBuf>,
 }
 
 /// The cameras of the pair, and what is made with them.
@@ -349,6 +363,10 @@ pub struct VideoArgs {
     #[command(flatten)]
     pub settings: Settings,
 
+    /// Which pixels count
+    #[command(flatten)]
+    pub masks: MaskArgs,
+
     /// Where to compute
     #[command(flatten)]
     pub device: DeviceArgs,
@@ -420,6 +438,10 @@ pub struct BatchArgs {
     /// The settings by name
     #[command(flatten)]
     pub settings: Settings,
+
+    /// Which pixels count
+    #[command(flatten)]
+    pub masks: MaskArgs,
 
     /// Where to compute
     #[command(flatten)]
@@ -577,6 +599,10 @@ pub struct StudyArgs {
     /// The settings by name
     #[command(flatten)]
     pub settings: Settings,
+
+    /// Which pixels count
+    #[command(flatten)]
+    pub masks: MaskArgs,
 
     /// Where to compute
     #[command(flatten)]

@@ -3,6 +3,7 @@
 use crate::args::{BatchArgs, DeviceArgs, Shard};
 use crate::list::{self, Listed};
 use crate::log::{Line, Log};
+use crate::mask::MaskFiles;
 use crate::output::{self, Output};
 use crate::pipeline::{self, Frame, Pair, Ran, Refused, Setup};
 use crate::record::{Found, Record};
@@ -57,6 +58,8 @@ pub fn resolve(args: BatchArgs) -> Result<Batch> {
         formats.push(output::default_format(&params, "NAME"));
     }
     params.confidence = formats.contains(&output::Format::Confidence);
+    let masks = MaskFiles::resolve(args.masks.mask_in.as_deref())?;
+    params.masks = masks.read()?;
     resolve::ensure_adapter(&args.device)?;
     let in_flight = pipeline::in_flight(&args.in_flight)?;
     let threads = match &args.threads {
@@ -97,7 +100,7 @@ pub fn resolve(args: BatchArgs) -> Result<Batch> {
 
     output::make_folder(out, out)?;
     let paths = all.iter().flat_map(|(_, item)| &item.outputs).map(|output| output.path.as_path());
-    output::ensure_no_input(paths, all.iter().map(|(pair, _)| pair))?;
+    output::ensure_no_input(paths, all.iter().map(|(pair, _)| pair), &masks)?;
     let record = Record::new(out, &params, &[]);
     let found = record.ensure_no_other()?;
     let log = |name: &str| Log { path: out.join(name) };

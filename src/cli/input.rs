@@ -45,6 +45,27 @@ pub fn hint(path: &Path) -> &'static str {
     }
 }
 
+/// A mask: a byte a pixel, row by row from the top, 0 where all colours of the image are 0.
+pub struct Mask {
+    /// Columns.
+    pub width: u32,
+    /// Rows.
+    pub height: u32,
+    /// The bytes.
+    pub data: Vec<u8>,
+}
+
+/// Reads a mask.
+pub fn read_mask(path: &Path) -> Result<Mask> {
+    let file = read_file(path, "a mask")?;
+    let image = decode(path, decoder(path, &file)?)?;
+    let (width, height) = (image.width(), image.height());
+    // At the depth of any image: no value but 0 becomes 0.
+    let samples = image.into_rgb16().into_raw();
+    let data = samples.chunks_exact(3).map(|rgb| if rgb.iter().all(|&v| v == 0) { 0 } else { 255 }).collect();
+    Ok(Mask { width, height, data })
+}
+
 /// The bytes of a regular file of a sane size, which holds `what`.
 pub fn read_file(path: &Path, what: &str) -> Result<Vec<u8>> {
     let kind = match fs::metadata(path) {

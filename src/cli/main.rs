@@ -18,6 +18,7 @@ mod layout;
 mod list;
 mod log;
 mod maps;
+mod mask;
 mod output;
 mod pairs;
 mod pipeline;

@@ -1,6 +1,7 @@
 //! Places: where outputs go. Before anything is computed it is known of each that it can be written, and that it is neither
 //! an input nor another output, whatever the names say.
 
+use crate::mask::MaskFiles;
 use crate::output::temporary;
 use crate::pipeline::Pair;
 use anyhow::{Context as _, Result, bail, ensure};
@@ -155,8 +156,10 @@ pub fn ensure_folder(folder: &Path) -> Result<()> {
 pub fn ensure_no_input<'a>(
     outputs: impl IntoIterator<Item = &'a Path>,
     pairs: impl IntoIterator<Item = &'a Pair>,
+    masks: &'a MaskFiles,
 ) -> Result<()> {
-    ensure_apart(outputs, pairs.into_iter().flat_map(|pair| [pair.left.as_path(), &pair.right]))
+    let images = pairs.into_iter().flat_map(|pair| [pair.left.as_path(), &pair.right]);
+    ensure_apart(outputs, images.chain(masks.paths()))
 }
 
 /// The same with inputs that are not pairs.

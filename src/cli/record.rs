@@ -2,7 +2,7 @@
 
 use crate::output::Output;
 use anyhow::{Context as _, Result, bail, ensure};
-use gpu_stereo::Params;
+use gpu_stereo::{Masks, Params};
 use serde_json::{Map, Value};
 use std::collections::BTreeSet;
 use std::fs::{self, File, OpenOptions};
@@ -52,6 +52,9 @@ impl Record {
         // Those of the device change no bit.
         for option in Params::OPTIONS.iter().filter(|option| option.heading != "Device") {
             made_with.insert(option.name.into(), option.get(params).into());
+        }
+        if let Some(masks) = &params.masks {
+            made_with.insert("mask-in".into(), digest(masks).into());
         }
         Self { path: folder.join(NAME), made_with }
     }
@@ -173,6 +176,14 @@ impl Record {
         file.write_all((serde_json::to_string_pretty(&record)? + "\n").as_bytes())?;
         Ok(())
     }
+}
+
+/// Stands for masks: the size, and FNV-1a of the bytes of both sides.
+fn digest(masks: &Masks) -> String {
+    let byte = |hash: u64, byte: &u8| (hash ^ u64::from(*byte)).wrapping_mul(0x0000_0100_0000_01b3);
+    let side = |hash, side| masks.side(side).map_or(byte(hash, &1), |mask| mask.iter().fold(hash, byte));
+    let [width, height] = masks.size();
+    format!("{width}x{height} {:016x}", side(side(0xcbf2_9ce4_8422_2325, 0), 1))
 }
 
 /// The files that a record lists: plain names, or somebody else wrote it.

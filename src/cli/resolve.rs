@@ -3,6 +3,7 @@
 use crate::args::{Args, Backend, DeviceArgs, Scene, Whole};
 use crate::calibration::{Calibration, Reading};
 use crate::evaluate::TruthFile;
+use crate::mask::MaskFiles;
 use crate::output::{Format, Output};
 use crate::{environment, tips};
 use anyhow::{Result, anyhow, bail, ensure};
@@ -18,6 +19,8 @@ pub struct Job {
     pub right: PathBuf,
     /// The matcher's settings, validated.
     pub params: Params,
+    /// Which pixels have content.
+    pub masks: MaskFiles,
     /// What the calibration says.
     pub calibration: Option<Calibration>,
     /// Whether the principal point is to be in the middle of the image, along each axis.
@@ -80,15 +83,22 @@ pub fn resolve(args: Args) -> Result<Job> {
         ("error-map", &args.truth.error_map, Format::ErrorMap),
     ];
     let truth = TruthFile::resolve(args.gt.as_deref(), &args.truth, optics)?;
+    let masks = MaskFiles::resolve(args.masks.mask_in.as_deref())?;
     let Scene { calib, rectify, calib_right, .. } = &args.scene;
     let calibrations = [calib, rectify, calib_right].into_iter().flatten().map(PathBuf::as_path);
-    let inputs: Vec<_> =
-        truth.iter().flat_map(TruthFile::files).chain(calibrations).chain([left.as_path(), &right]).collect();
+    let inputs: Vec<_> = truth
+        .iter()
+        .flat_map(TruthFile::files)
+        .chain(calibrations)
+        .chain(masks.paths())
+        .chain([left.as_path(), &right])
+        .collect();
     let outputs = crate::output::resolve(&args.output, &pictures, &depths, &inputs, &params)?;
     Ok(Job {
         left,
         right,
         params,
+        masks,
         calibration,
         middle: [args.scene.cx, args.scene.cy].map(|given| optics.is_some() && given.is_none()),
         device: args.device,

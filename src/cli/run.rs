@@ -94,6 +94,7 @@ pub fn run(job: &Job) -> Result<Report> {
 fn params_for(job: &Job, image: &Image) -> Result<Params> {
     let (width, height) = (image.width(), image.height());
     let mut params = job.params.clone();
+    params.masks = job.masks.read_for(image)?;
     let Some(calibration) = &job.calibration else { return Ok(params) };
     calibration.ensure_size(width, height)?;
     if let Some(lenses) = calibration.lenses {
@@ -269,8 +270,9 @@ impl Engine {
     }
 }
 
-/// Refuses what the reference has no memory for.
+/// Refuses what the reference has no memory for, and a pair of another size than its masks.
 pub fn ensure_reference(params: &Params, image: &Image) -> Result<()> {
+    params.accepts(image.width(), image.height())?;
     // At the peak, in the aggregation: 8-bit costs, an 8-bit path and a 16-bit sum.
     ensure_memory(params, image, 4)
 }

@@ -2,6 +2,7 @@
 
 use crate::args::{Compare, DeviceArgs, StudyArgs};
 use crate::input;
+use crate::mask::MaskFiles;
 use crate::output::{self, Output, SheetFormat};
 use crate::progress::Progress;
 use crate::report::{self, FrameMs};
@@ -24,6 +25,7 @@ const TILE_WIDTHS: std::ops::RangeInclusive<i64> = 16..=4096;
 pub struct Study {
     left: PathBuf,
     right: PathBuf,
+    masks: MaskFiles,
     variants: Vec<Variant>,
     /// The settings that all have in common.
     common: String,
@@ -152,11 +154,14 @@ fn resolve(args: &StudyArgs, variants: Vec<Variant>, common: String, order: Orde
         })
     });
     let tile_width = tile_width.transpose()?;
-    let outputs = output::resolve_sheet(args.output.as_deref().unwrap_or(name.as_ref()), &[&args.left, &args.right])?;
+    let masks = MaskFiles::resolve(args.masks.mask_in.as_deref())?;
+    let inputs: Vec<_> = [args.left.as_path(), &args.right].into_iter().chain(masks.paths()).collect();
+    let outputs = output::resolve_sheet(args.output.as_deref().unwrap_or(name.as_ref()), &inputs)?;
     resolve::tell_unused(&given);
     Ok(Study {
         left: args.left.clone(),
         right: args.right.clone(),
+        masks,
         variants,
         common,
         order,
@@ -222,6 +227,7 @@ impl Study {
     /// Computes every map and writes the sheet.
     pub fn run(&self) -> Result<StudyReport> {
         let (left, right) = input::read_pair(&self.left, &self.right)?;
+        let masks = self.masks.read_for(&left)?;
         let mut engine: Option<Engine> = None;
         let mut sheet = None;
         let mut variants = Vec::new();
@@ -229,6 +235,9 @@ impl Study {
         let progress = Progress::new(self.variants.len(), self.quiet);
         for (place, Variant { label, settings, params }) in (1..).zip(&self.variants) {
             progress.begin(label);
+            let mut params = params.clone();
+            params.masks = masks.clone();
+            let params = &params;
             let context = || label.clone();
             let ready = match engine.take() {
                 None => Engine::open(&self.device, false, &left, params),

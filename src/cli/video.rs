@@ -2,6 +2,7 @@
 
 use crate::args::{DeviceArgs, VideoArgs};
 use crate::film::{self, Film};
+use crate::mask::MaskFiles;
 use crate::output::{self, Format, Output};
 use crate::pairs::{self, Pattern};
 use crate::pipeline::{self, Failure, Frame, Pair, Ran, Refused, Setup};
@@ -64,6 +65,8 @@ pub fn resolve(args: VideoArgs) -> Result<Video> {
     resolve::ensure_disparities(&given)?;
     let mut params = resolve::params(args.settings.iter())?;
     params.confidence = args.format.contains(&Format::Confidence);
+    let masks = MaskFiles::resolve(args.masks.mask_in.as_deref())?;
+    params.masks = masks.read()?;
     resolve::ensure_adapter(&args.device)?;
     let in_flight = pipeline::in_flight(&args.in_flight)?;
 
@@ -75,7 +78,7 @@ pub fn resolve(args: VideoArgs) -> Result<Video> {
             "--format and --resume are for numbered files, but output {:?} is a video; drop them, or give a folder",
             args.output
         );
-        output::ensure_no_input([args.output.as_path()], pairs.iter().map(|(_, pair)| pair))?;
+        output::ensure_no_input([args.output.as_path()], pairs.iter().map(|(_, pair)| pair), &masks)?;
         let fps = args.fps.as_deref().unwrap_or("10");
         ensure!(
             fps.parse().is_ok_and(|fps: f64| fps > 0.0 && fps <= MAX_FPS),
@@ -93,7 +96,7 @@ pub fn resolve(args: VideoArgs) -> Result<Video> {
             "--fps is for a video, but output {:?} is none; drop it, or give a name that ends in .mp4, .mkv or .webm",
             args.output
         );
-        let mut files = Files::resolve(&args, &pairs, &params, [left, right])?;
+        let mut files = Files::resolve(&args, &pairs, &params, [left, right], &masks)?;
         if args.resume {
             skipped = files.skip(&mut pairs)?;
         }
@@ -114,7 +117,13 @@ pub fn resolve(args: VideoArgs) -> Result<Video> {
 }
 
 impl Files {
-    fn resolve(args: &VideoArgs, pairs: &[(u64, Pair)], params: &Params, sides: [&PathBuf; 2]) -> Result<Self> {
+    fn resolve(
+        args: &VideoArgs,
+        pairs: &[(u64, Pair)],
+        params: &Params,
+        sides: [&PathBuf; 2],
+        masks: &MaskFiles,
+    ) -> Result<Self> {
         let out = &args.output;
         let mut formats = output::formats(&args.format)?;
         let pattern = Pattern::parse(out).with_context(|| format!("output is {out:?}"))?;
@@ -163,7 +172,7 @@ impl Files {
         }
         output::make_folder(folder, out)?;
         let all = names.iter().flatten().map(|output| output.path.as_path());
-        output::ensure_no_input(all, pairs.iter().map(|(_, pair)| pair))?;
+        output::ensure_no_input(all, pairs.iter().map(|(_, pair)| pair), masks)?;
         let record = pattern.is_none().then(|| Record::new(out, params, &[("left", sides[0]), ("right", sides[1])]));
         Ok(Self { outputs: names, skipped: Vec::new(), record, begun: OnceLock::new() })
     }

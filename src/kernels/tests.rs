@@ -297,6 +297,7 @@ fn pass_layout() -> (Vec<(String, u32, String)>, u32) {
         narrowing,
         prior,
         logarithms,
+        side,
     })
 }
 
@@ -585,6 +586,15 @@ fn rectify(params: &mut Params) {
     params.rectify = Some(crate::Rectification::new(93, 41, support::lenses(93, 41)).unwrap());
 }
 
+/// Parts of both images are masked, the last column of the left one in every other row among them.
+fn masked(params: &mut Params) {
+    let masks = support::masks(93, 41, 3);
+    let [mut left, right] = [0, 1].map(|side| masks.side(side).map_or(vec![1; 93 * 41], <[u8]>::to_vec));
+    left.chunks_exact_mut(93).step_by(2).for_each(|row| row[92] = 0);
+    params.masks = Some(crate::Masks::new(93, 41, [Some(left), Some(right)]).unwrap());
+    (params.uniqueness, params.right_map) = (0, true);
+}
+
 fn depth(params: &mut Params) {
     params.depth = Some(crate::Camera { doffs: 3.3, ..crate::Camera::new(994.978, 0.193) });
 }
@@ -832,6 +842,15 @@ const MUTANTS: &[Mutant] = &[
         params.min_disparity = -20;
     }),
     mutant("texture", "(last & 4u) != 0u", "(last & 4u) == 0u", texture),
+    mutant("validity", "place >> 4u, row", "(place + 8) >> 4u, row", masked),
+    mutant("validity", "(place + 15) >> 4u", "place >> 4u", masked),
+    mutant("validity", "has_content(pass_.side, x, row)", "true", masked),
+    mutant("validity", "select(-value, value, pass_.side == 1u)", "-value", masked),
+    mutant("validity", "1u - pass_.side", "pass_.side", masked),
+    mutant("validity", "side * frame.height + row", "row", masked),
+    mutant("validity", "column & 31u", "column & 30u", masked),
+    mutant("validity", "i32(frame.width) - 1", "i32(frame.width) - 2", masked),
+    mutant("validity", "words.z, x + 4", "words.z, x + 2", masked),
     mutant("lr_check", "frame.lr_max_difference", "(frame.lr_max_difference + 1u)", |_| ()),
     mutant("lr_check", "(value + 8)", "value", |_| ()),
     mutant("mirror", "frame.width - 1u - min", "frame.width - min", twice),

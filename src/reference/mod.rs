@@ -41,6 +41,7 @@ mod rectify;
 mod sgm_aggregate;
 mod speckle;
 mod texture;
+mod validity;
 mod weighted_median;
 mod window_sums;
 mod winner;
@@ -68,6 +69,7 @@ pub use rectify::rectify;
 pub use sgm_aggregate::{Direction, aggregate_direction, sgm_aggregate};
 pub use speckle::speckle;
 pub use texture::texture;
+pub use validity::{Content, validity};
 pub(crate) use weighted_median::{median_decay, median_spacing};
 pub use weighted_median::{median_weight, weighted_median};
 pub use window_sums::window_sum;
@@ -158,6 +160,9 @@ pub fn compute_all(left: &Image, right: &Image, params: &Params) -> Result<Match
 pub fn compute_timed(left: &Image, right: &Image, params: &Params) -> Result<(Matched, Vec<StageTime>), Error> {
     params.validate()?;
     crate::matcher::check_pair(left, right)?;
+    params.accepts(left.width(), left.height())?;
+    let content = Content::new(params, left.width(), left.height());
+    let content = content.as_ref();
     let mut clock = Clock::new();
     let rectified = match &params.rectify {
         Some(rectification) => {
@@ -168,15 +173,21 @@ pub fn compute_timed(left: &Image, right: &Image, params: &Params) -> Result<(Ma
     };
     let [left, right] = rectified.as_ref().map_or([left, right], |[left, right]| [left, right]);
     let matched = match params.second_match() {
-        Some(second) => Some(views(&mirrored(right)?, &mirrored(left)?, &second, &mut clock).left),
+        Some(second) => {
+            let content = content.map(Content::mirrored);
+            Some(views(&mirrored(right)?, &mirrored(left)?, content.as_ref(), &second, &mut clock).left)
+        }
         None => None,
     };
     let luma = gray(left, Channel::Luma);
-    let Views { left, mut right, margins } = views(left, right, params, &mut clock);
+    let Views { left, mut right, margins } = views(left, right, content, params, &mut clock);
     if let Some(matched) = matched {
         right = clock.stage("mirror", mirror(&matched));
     }
-    let mut map = left;
+    if params.reads_right_view() {
+        right = clock.valid(right, content, 1);
+    }
+    let mut map = clock.valid(left, content, 0);
     if params.texture > 0 {
         map = clock.stage("texture", texture(&map, &luma, params));
     }
@@ -188,15 +199,19 @@ pub fn compute_timed(left: &Image, right: &Image, params: &Params) -> Result<(Ma
     }
     if let Some(side) = params.median.side() {
         map = clock.stage("median", median(&map, side));
+        map = clock.valid(map, content, 0);
     }
     if params.fill != Fill::None {
         map = clock.stage("fill", fill(&map, &right, params));
+        map = clock.valid(map, content, 0);
     }
     if let Some(radius) = params.weighted_median {
         map = clock.stage("weighted_median", weighted_median(&map, &luma, radius, params));
+        map = clock.valid(map, content, 0);
     }
     if let Some(settings) = &params.wls {
         map = clock.stage("wls", wls(&map, &luma, settings, params));
+        map = clock.valid(map, content, 0);
     }
     let confidence = params.confidence.then(|| clock.stage("confidence", confidence(&map, &margins)));
     let depth = params.depth.as_ref().map(|camera| clock.stage("depth", depth(&map, camera)));
@@ -204,20 +219,21 @@ pub fn compute_timed(left: &Image, right: &Image, params: &Params) -> Result<(Ma
 }
 
 /// From the images to the winner of both views.
-fn views(left: &Image, right: &Image, params: &Params, clock: &mut Clock) -> Views {
+fn views(left: &Image, right: &Image, content: Option<&Content>, params: &Params, clock: &mut Clock) -> Views {
     let adaptive = params.adaptive_p2 && params.method == Method::Sgm;
     let luma = adaptive.then(|| gray(left, Channel::Luma));
     let (left, right) = clock.stage("gray", (images(left, params), images(right, params)));
     let penalties = luma.map(|luma| clock.stage("penalties", penalties(&luma, params)));
     let (left, right) = clock.stage("prefilter", (left.prefiltered(params), right.prefiltered(params)));
     let sides = clock.stage("features", [left.features(params), right.features(params)]);
-    let table = clock.table(&sides, params);
+    let table = clock.table(&sides, content, params);
     clock.winner(&sides, &table, penalties.as_ref(), params)
 }
 
-/// What matches cost in the last round of [`rounds`], for a cost that has a table; else nothing.
-pub fn cost_table(sides: &[Features; 2], params: &Params) -> Vec<u8> {
-    Clock::new().table(sides, params)
+/// What matches cost in the last round of [`rounds`], for a cost that has a table; else nothing. `content`: where the pair
+/// has it, `None` for everywhere.
+pub fn cost_table(sides: &[Features; 2], content: Option<&Content>, params: &Params) -> Vec<u8> {
+    Clock::new().table(sides, content, params)
 }
 
 /// An image as the chain takes it: luma, or with [`Params::color_cost`] red, green and blue.
@@ -263,7 +279,7 @@ impl Clock {
     }
 
     /// [`cost_table`].
-    fn table(&mut self, sides: &[Features; 2], params: &Params) -> Vec<u8> {
+    fn table(&mut self, sides: &[Features; 2], content: Option<&Content>, params: &Params) -> Vec<u8> {
         if params.cost != Cost::MutualInformation {
             return Vec::new();
         }
@@ -276,10 +292,12 @@ impl Clock {
         let mut table = self.round(&pyramid[rounds[0].halvings as usize], None, 0);
         for (before, here) in rounds.iter().zip(&rounds[1..]) {
             let views = self.winner(&pyramid[before.halvings as usize], &table, None, &before.params);
-            let map = match before.params.lr_check {
-                Some(max_difference) => self.stage("lr_check", lr_check(&views.left, &views.right, max_difference)),
-                None => views.left,
-            };
+            let content = content.map(|content| content.halved(before.halvings));
+            let right = self.valid(views.right, content.as_ref(), 1);
+            let mut map = self.valid(views.left, content.as_ref(), 0);
+            if let Some(max_difference) = before.params.lr_check {
+                map = self.stage("lr_check", lr_check(&map, &right, max_difference));
+            }
             table = self.round(&pyramid[here.halvings as usize], Some(&map), before.halvings - here.halvings);
         }
         table
@@ -313,6 +331,14 @@ impl Clock {
                 let sum = self.stage("sgm_aggregate", sgm_aggregate(&cost, penalties, params));
                 self.stage("winner", winner(&sum, params))
             }
+        }
+    }
+
+    /// Stage `validity`, where not all pixels have content.
+    fn valid(&mut self, map: DisparityMap, content: Option<&Content>, side: usize) -> DisparityMap {
+        match content {
+            Some(content) => self.stage("validity", validity(&map, content, side)),
+            None => map,
         }
     }
 

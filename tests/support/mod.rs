@@ -203,6 +203,30 @@ pub fn lenses(width: u32, height: u32) -> [gpu_stereo::Lens; 2] {
     [left, right]
 }
 
+/// Masks with holes from a single pixel to half of the image, of the left image, of the right one or of both.
+pub fn masks(width: u32, height: u32, seed: u64) -> gpu_stereo::Masks {
+    let mut random = ChaCha8Rng::seed_from_u64(seed + 1000);
+    let mut sides = [0, 1].map(|side| {
+        let mut mask = vec![255u8; (width * height) as usize];
+        for _ in 0..random.random_range(1..6) {
+            let part = 1 << random.random_range(1..5);
+            let [w, h] = [width, height].map(|side| random.random_range(1..=side.div_ceil(part)));
+            let (x, y) = (random.random_range(0..=width - w), random.random_range(0..=height - h));
+            for row in y..y + h {
+                mask[(row * width + x) as usize..][..w as usize].fill(0);
+            }
+        }
+        // Any other value stands for content.
+        mask.iter_mut().filter(|value| **value != 0).for_each(|value| *value = random.random_range(1..=255));
+        (seed % 3 != side).then_some(mask)
+    });
+    if width > 8 && seed.is_multiple_of(5) {
+        let shown = |i: usize| u8::from(i as u32 % width < width - 3);
+        sides[0] = Some((0..(width * height) as usize).map(shown).collect());
+    }
+    gpu_stereo::Masks::new(width, height, sides).unwrap()
+}
+
 /// A texture of the caller's, whose views may be with sRGB or without.
 pub fn texture(
     device: &wgpu::Device,
