@@ -49,7 +49,9 @@ impl Side {
             return numbered(name, given, &pattern);
         }
         let text = glob_of(given).with_context(|| format!("{name} is {given:?}, but a glob must be Unicode"))?;
-        let matches = glob::glob(&text).with_context(|| format!("{name} is {given:?}, which is no glob"))?;
+        let matches = glob::glob(&text).with_context(|| {
+            format!("{name} is {given:?}, which is no glob; [[] stands for [, and ** is a part of the path of its own")
+        })?;
         let mut paths = matches
             .filter(|path| path.as_ref().map_or(true, |path| path.is_file()))
             .collect::<Result<Vec<_>, _>>()
@@ -84,6 +86,12 @@ fn glob_of(given: &Path) -> Option<String> {
 /// How far a glob that matches nothing leads.
 fn matched_so_far(given: &Path) -> String {
     let (folder, rest) = literal_folders(given);
+    let mut parts = rest.components();
+    if let (Some(next), Some(_)) = (parts.next(), parts.next())
+        && !next.as_os_str().to_string_lossy().contains(['*', '?', '['])
+    {
+        return format!(": there is no folder {:?}", folder.join(next));
+    }
     let here = if folder == Path::new("") { Path::new(".") } else { &folder };
     let Ok(entries) = fs::read_dir(here) else { return String::new() };
     let first = entries.flatten().map(|entry| entry.file_name()).min();
@@ -348,7 +356,8 @@ mod tests {
             error.contains("has \"1.png\" for one, but nothing like \"*.jpg\"") && error.contains("[[]"),
             "{error}"
         );
-        assert!(found("l [1]/*.png").is_err());
+        assert!(found("l [1]/*.png").is_err() && found("l [/*.png").unwrap_err().contains("[[] stands for ["));
+        assert!(found("none/*.png").unwrap_err().contains("none\"; give a folder"));
     }
 
     #[test]

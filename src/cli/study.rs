@@ -9,7 +9,7 @@ use crate::report::{self, FrameMs};
 use crate::resolve;
 use crate::run::Engine;
 use crate::sheet::{Layout, Order, Sheet};
-use crate::{terminal, warnings};
+use crate::{terminal, tips, warnings};
 use anyhow::{Context as _, Result, bail, ensure};
 use gpu_stereo::{Image, Params, Preset};
 use serde::{Serialize, Serializer};
@@ -125,8 +125,9 @@ fn setting(part: &str) -> Result<(&str, String)> {
             return Ok((part, "on".into()));
         }
     }
+    let meant = tips::word(part).map(|word| format!("take {word}, or ")).unwrap_or_default();
     bail!(
-        "{part:?} is neither a preset, a method or a cost nor an option that can be on; give OPTION=VALUE, several \
+        "{part:?} is neither a preset, a method or a cost nor an option that can be on; {meant}give OPTION=VALUE, several \
          joined by +, and see gpu-stereo --help"
     )
 }

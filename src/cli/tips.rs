@@ -136,6 +136,11 @@ pub fn setting(name: &str) -> Option<&'static str> {
     ours(name, &known).or_else(|| near(name, known.iter().copied()))
 }
 
+/// The preset, the method or the cost that is meant by a word that is none.
+pub fn word(given: &str) -> Option<&'static str> {
+    ["preset", "method", "cost"].into_iter().find_map(|option| value(option, given))
+}
+
 /// The value of an option that is meant by one that is not known.
 pub fn value(option: &str, given: &str) -> Option<&'static str> {
     let words = match option {
@@ -265,6 +270,11 @@ fn tip(unknown: &str, verb: Option<&str>, args: &[OsString]) -> Option<String> {
         Some(long) => return Some(format!("take {}", shown(long))),
         None => {}
     }
+    // As other programs switch things off.
+    let off = squeezed(option).strip_prefix("no").and_then(|rest| ours(rest, &names));
+    if let Some(long) = off.filter(|long| value(long, "off") == Some("off")) {
+        return Some(format!("take --{long} off"));
+    }
     match squeezed(option).as_str() {
         "left" | "right" | "l" | "r" | "leftimage" | "rightimage" | "leftimg" | "rightimg" | "input" | "inputleft"
         | "inputright" | "i" | "images" => {
@@ -334,6 +344,8 @@ mod tests {
             ("--cpu", "take --backend cpu"),
             ("--device", "take --adapter <NAME-OR-INDEX>"),
             ("--left", "without an option"),
+            ("--no-subpixel", "take --subpixel off"),
+            ("--no_median", "take --median off"),
             ("--uniquness", "a similar option is --uniqueness"),
             ("--fps", "--fps <FPS> is an option of video, not of this"),
             ("--jobs", "--threads <N> is an option of batch, not of this"),
@@ -390,6 +402,7 @@ mod tests {
             assert_eq!(value(option, given), ours, "{option} {given}");
         }
         assert_eq!((setting("blockSize"), setting("nonsense")), (Some("block"), None));
+        assert_eq!((word("sgbm"), word("balancd"), word("nonsense")), (Some("sgm"), Some("balanced"), None));
     }
 
     #[test]
