@@ -380,6 +380,23 @@ fn outputs_are_judged_before_any_work() {
     refuses(folder.path(), &["eval", "none.pfm", "truth.png", "--error-map", "nowhere/x.png"], &["does not exist"]);
 }
 
+#[test]
+fn ranges_that_a_format_cannot_hold_are_refused_before_any_frame() {
+    let folder = scene();
+    for side in ["l", "r"] {
+        fs::create_dir(folder.path().join(side)).unwrap();
+        fs::write(folder.path().join(side).join("1.png"), "no image").unwrap();
+    }
+    for (verb, out, more) in
+        [("video", "m", &["--format", "npy,png"][..]), ("video", "m_%d.png", &[]), ("batch", "m", &["--format", "png"])]
+    {
+        for range in [["--min-disp", "-4"], ["--min-disp", "241"]] {
+            let all = [&[verb, "l", "r", "-o", out], &TO_16[..], more, &range].concat();
+            refuses(folder.path(), &all, &["16-bit PNG", "0 to 255.9375 px", ".npy"]);
+        }
+    }
+}
+
 #[cfg(unix)]
 #[test]
 fn a_dangling_link_stays_a_link_and_its_file_is_made() {

@@ -62,6 +62,7 @@ pub fn resolve(args: BatchArgs) -> Result<Batch> {
     params.masks = masks.read()?;
     resolve::ensure_adapter(&args.device)?;
     let in_flight = pipeline::in_flight(&args.in_flight)?;
+    output::ensure_ranges(&args.format, &args.output, &params)?;
     let threads = match &args.threads {
         None => pipeline::threads(),
         Some(given) => {

@@ -196,6 +196,15 @@ pub fn ensure_range(format: Format, path: &Path, params: &Params) -> Result<()> 
     Ok(())
 }
 
+/// The same of many files, by `--format` or by the ending of a pattern; `out`: the pattern or their folder.
+pub fn ensure_ranges(formats: &[Format], out: &Path, params: &Params) -> Result<()> {
+    let is_pattern = out.file_name().is_some_and(|name| name.to_string_lossy().contains('%'));
+    if is_pattern && formats.is_empty() && ending(out) == "png" {
+        return ensure_range(Format::Kitti, out, params);
+    }
+    formats.iter().try_for_each(|format| ensure_range(*format, &out.join("NAME.png"), params))
+}
+
 /// A TIFF has at most 4 GiB.
 pub fn ensure_size(outputs: &[Output], width: u32, height: u32) -> Result<()> {
     let too_large = 4 * u64::from(width) * u64::from(height) >= (1 << 32) - (1 << 20);

@@ -69,6 +69,7 @@ pub fn resolve(args: VideoArgs) -> Result<Video> {
     params.masks = masks.read()?;
     resolve::ensure_adapter(&args.device)?;
     let in_flight = pipeline::in_flight(&args.in_flight)?;
+    output::ensure_ranges(&args.format, &args.output, &params)?;
 
     let mut pairs = pairs::find(left, right)?;
     let mut skipped = 0;
