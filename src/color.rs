@@ -4,9 +4,14 @@ use std::ops::RangeInclusive;
 
 use crate::{DisparityMap, Params};
 
-/// Red, green and blue of a share of a range in the colour map turbo: 0 is blue, 1 is red; below and above are those.
+/// The part of turbo that is used: towards its ends it becomes nearly black, which stands for no disparity.
+const FIRST: f64 = 0.08;
+const LAST: f64 = 0.97;
+
+/// Red, green and blue of a share of a range in the colour map turbo, without its dark ends: 0 is blue, 1 is red; below and
+/// above are those. No colour is near black.
 pub fn turbo(share: f64) -> [u8; 3] {
-    let color = colorous::TURBO.eval_continuous(share.clamp(0.0, 1.0));
+    let color = colorous::TURBO.eval_continuous(FIRST + share.clamp(0.0, 1.0) * (LAST - FIRST));
     [color.r, color.g, color.b]
 }
 
@@ -48,5 +53,21 @@ impl Params {
     /// The disparities that are searched, in pixels.
     pub fn searched(&self) -> RangeInclusive<i32> {
         self.min_disparity..=self.min_disparity.saturating_add_unsigned(self.disparities).saturating_sub(1)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn no_colour_is_near_that_of_no_disparity() {
+        for share in 0..=1000 {
+            let [red, green, blue] = turbo(f64::from(share) / 1000.0).map(f64::from);
+            let luma = 0.2126 * red + 0.7152 * green + 0.0722 * blue;
+            assert!(red.max(green).max(blue) > 120.0 && luma > 40.0, "{share}: {red} {green} {blue}, {luma}");
+        }
+        assert_eq!(turbo(-1.0), turbo(0.0));
+        assert_eq!(turbo(f64::INFINITY), turbo(1.0));
     }
 }
