@@ -801,6 +801,8 @@ fn json_has_exactly_the_promised_fields() {
             "driver",
             "width",
             "height",
+            "bits",
+            "turned",
             "min_disparity",
             "disparities",
             "valid",

@@ -80,6 +80,10 @@ pub struct Args {
     #[command(flatten)]
     pub masks: MaskArgs,
 
+    /// How the images are read
+    #[command(flatten)]
+    pub input: InputArgs,
+
     /// The cameras, and what is made with them
     #[command(flatten)]
     pub scene: Scene,
@@ -204,6 +208,44 @@ pub struct Scene {
     pub points: Vec<PathBuf>,
 }
 
+/// How images are read.
+#[derive(Clone, Debug, Default, clap::Args)]
+#[command(next_help_heading = "Input")]
+pub struct InputArgs {
+    /// Exchange LEFT and RIGHT
+    #[arg(long)]
+    pub swap: bool,
+
+    /// The bits that samples of 16-bit images have, 8 to 16; auto: 8, 10, 12, 14 or 16, as the largest sample of the pair
+    /// (of a video, of its first pair) needs. They are stretched to 16
+    #[arg(long, value_name = "N|auto", default_value = "auto", allow_negative_numbers = true)]
+    pub bits: Bits,
+}
+
+/// `--bits`.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Bits {
+    /// As the largest sample needs.
+    #[default]
+    Auto,
+    /// So many.
+    Given(u32),
+    /// As many as the first pair of the sequence has.
+    OfFirst(u32),
+}
+
+impl FromStr for Bits {
+    type Err = String;
+
+    fn from_str(text: &str) -> Result<Self, String> {
+        match text.parse() {
+            _ if text == "auto" => Ok(Self::Auto),
+            Ok(bits @ 8..=16) => Ok(Self::Given(bits)),
+            _ => Err("8 to 16 or auto is needed, such as 10".into()),
+        }
+    }
+}
+
 /// Where to compute.
 #[derive(Clone, Debug, clap::Args)]
 pub struct DeviceArgs {
@@ -300,6 +342,10 @@ pub struct BenchArgs {
     #[command(flatten)]
     pub settings: Settings,
 
+    /// How the images are read
+    #[command(flatten)]
+    pub input: InputArgs,
+
     /// Where to compute
     #[command(flatten)]
     pub device: DeviceArgs,
@@ -366,6 +412,10 @@ pub struct VideoArgs {
     /// Which pixels count
     #[command(flatten)]
     pub masks: MaskArgs,
+
+    /// How the images are read
+    #[command(flatten)]
+    pub input: InputArgs,
 
     /// Where to compute
     #[command(flatten)]
@@ -442,6 +492,10 @@ pub struct BatchArgs {
     /// Which pixels count
     #[command(flatten)]
     pub masks: MaskArgs,
+
+    /// How the images are read
+    #[command(flatten)]
+    pub input: InputArgs,
 
     /// Where to compute
     #[command(flatten)]
@@ -603,6 +657,10 @@ pub struct StudyArgs {
     /// Which pixels count
     #[command(flatten)]
     pub masks: MaskArgs,
+
+    /// How the images are read
+    #[command(flatten)]
+    pub input: InputArgs,
 
     /// Where to compute
     #[command(flatten)]

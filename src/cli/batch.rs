@@ -1,6 +1,6 @@
 //! Batch: the maps of all pairs of a data set, or of a share of them.
 
-use crate::args::{BatchArgs, DeviceArgs, Shard};
+use crate::args::{BatchArgs, DeviceArgs, InputArgs, Shard};
 use crate::list::{self, Listed};
 use crate::log::{Line, Log};
 use crate::mask::MaskFiles;
@@ -8,7 +8,7 @@ use crate::output::{self, Output};
 use crate::pipeline::{self, Frame, Pair, Ran, Refused, Setup};
 use crate::record::{Found, Record};
 use crate::terminal::{self, name, plain};
-use crate::{Outcome, pairs, report, resolve, warnings};
+use crate::{Outcome, pairs, report, resolve};
 use anyhow::{Context as _, Result, anyhow, bail};
 use gpu_stereo::Params;
 use serde::Serialize;
@@ -30,6 +30,7 @@ pub struct Batch {
     skipped: usize,
     shard: Option<Shard>,
     device: DeviceArgs,
+    input: InputArgs,
     params: Params,
     in_flight: usize,
     threads: usize,
@@ -102,7 +103,7 @@ pub fn resolve(args: BatchArgs) -> Result<Batch> {
     output::make_folder(out, out)?;
     let paths = all.iter().flat_map(|(_, item)| &item.outputs).map(|output| output.path.as_path());
     output::ensure_no_input(paths, all.iter().map(|(pair, _)| pair), &masks)?;
-    let record = Record::new(out, &params, &[]);
+    let record = Record::new(out, &params, &args.input, &[]);
     let found = record.ensure_no_other()?;
     let log = |name: &str| Log { path: out.join(name) };
     let (done, failures) = (log("done.jsonl"), log("failures.jsonl"));
@@ -129,6 +130,7 @@ pub fn resolve(args: BatchArgs) -> Result<Batch> {
         skipped,
         shard: args.shard,
         device: args.device,
+        input: args.input,
         params,
         in_flight,
         threads,
@@ -173,6 +175,8 @@ impl Batch {
         let setup = Setup {
             device: &self.device,
             params: &self.params,
+            input: &self.input,
+            looked_at: 1,
             in_flight: self.in_flight,
             readers: self.threads,
             writers: self.threads,
@@ -218,6 +222,7 @@ impl Batch {
     }
 
     fn summary(&self, ran: Ran) -> Summary {
+        let (warnings, doubts) = (ran.warnings(), ran.doubts("pairs"));
         let (adapter, backend, driver) = ran.names.map_or((None, None, None), |(a, b, d)| (Some(a), Some(b), Some(d)));
         let round = |value: f64| (value * 1e3).round() / 1e3;
         let failed = ran.failed.iter().map(|failure| {
@@ -238,8 +243,9 @@ impl Batch {
             seconds: round(ran.seconds),
             pairs_per_second: round(ran.done as f64 / ran.seconds.max(1e-9)),
             peak_device_bytes: ran.device_bytes,
+            warnings,
+            doubts,
             failures: failed.collect(),
-            warnings: warnings::all(),
             output: self.output.clone(),
         }
     }
@@ -255,6 +261,7 @@ impl Batch {
             writeln!(text, "shard    {shard}")?;
         }
         writeln!(text, "pairs    {} done, {} failed, {} there already", summary.done, summary.failed, summary.skipped)?;
+        text += &summary.doubts;
         writeln!(text, "time     {:.1} s, {:.1} pairs a second", summary.seconds, summary.pairs_per_second)?;
         match summary.done {
             0 => text += "written  nothing\n",
@@ -289,6 +296,9 @@ struct Summary {
     failures: Vec<Line>,
     /// Why maps are doubtful.
     warnings: Vec<String>,
+    /// The line on doubtful ones.
+    #[serde(skip)]
+    doubts: String,
     #[serde(serialize_with = "report::path")]
     output: PathBuf,
 }

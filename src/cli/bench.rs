@@ -1,8 +1,9 @@
 //! Bench: every scene of a data set with every variant: scores, a report with pictures, files to submit.
 
-use crate::args::{Backend, BenchArgs, DeviceArgs};
+use crate::args::{Backend, BenchArgs, DeviceArgs, InputArgs};
+use crate::diagnosis::{self, Evidence, Finding};
 use crate::evaluate::{Evaluation, Truth, percent, pixels};
-use crate::input;
+use crate::input::{self, Views};
 use crate::layout::{Layout, Scene};
 use crate::output::{self, Format};
 use crate::progress::Progress;
@@ -36,6 +37,7 @@ pub struct Bench {
     layout: Layout,
     scenes: Vec<Scene>,
     variants: Vec<Variant>,
+    input: InputArgs,
     device: DeviceArgs,
     repeat: Option<u32>,
     report: Option<PathBuf>,
@@ -115,6 +117,7 @@ pub fn resolve(args: BenchArgs) -> Result<Bench> {
         layout: args.layout,
         scenes,
         variants,
+        input: args.input,
         device: args.device,
         repeat,
         report: args.report,
@@ -185,6 +188,9 @@ const REGIONS: [&str; 2] = ["all", "noc"];
 struct Loaded {
     left: Image,
     right: Image,
+    /// Why the images may be wrong, and what their corners tell.
+    doubts: Vec<String>,
+    evidence: Evidence,
     disparities: u32,
     /// The truth with all its pixels, and with those that are not occluded.
     truth: Option<Truth>,
@@ -258,7 +264,7 @@ impl Bench {
                 progress.tell(&format!("failed: {}{}: {error}", name(&scene), plain(&of)));
                 found.failures.push(Failure { scene, variant, error });
             };
-            let loaded = match load(scene) {
+            let loaded = match load(scene, &self.input) {
                 Ok(loaded) => loaded,
                 Err(error) => {
                     fail(None, error);
@@ -270,6 +276,9 @@ impl Bench {
                 let result = self.compute(&mut engine, scene, &loaded, variant);
                 names = names.or_else(|| engine.as_ref().map(Engine::names));
                 let told = format!("{}, {}", name(&scene.label()), plain(&variant.label));
+                if let Ok((params, ..)) = &result {
+                    loaded.warn(scene, variant, params, &progress);
+                }
                 let done = result.and_then(|(params, map, mut result)| {
                     result.score(&loaded, &(&map).into())?;
                     if let Some(submission) = &self.submission {
@@ -359,9 +368,24 @@ fn settings(variant: &Variant, disparities: u32) -> Result<(Vec<(String, String)
     Ok((settings, params))
 }
 
-fn load(scene: &Scene) -> Result<Loaded> {
+impl Loaded {
+    /// Says why the scene's map is doubtful.
+    fn warn(&self, scene: &Scene, variant: &Variant, params: &Params, progress: &Progress) {
+        let warn = |of: &str, text: &str| warnings::warn_by(&format!("{of}: {text}"), |line| progress.tell(line));
+        let scene = scene.label();
+        self.doubts.iter().for_each(|doubt| warn(&scene, doubt));
+        match self.evidence.finding(&params.searched()) {
+            Some(finding @ Finding::Range { .. }) => warn(&format!("{scene}, {}", variant.label), &finding.to_string()),
+            Some(finding) => warn(&scene, &finding.to_string()), // of all variants
+            None => {}
+        }
+    }
+}
+
+fn load(scene: &Scene, options: &InputArgs) -> Result<Loaded> {
     let disparities = scene.disparities()?;
-    let (left, right) = input::read_pair(&scene.left, &scene.right)?;
+    let Views { left, right, doubts, .. } = input::read_pair(&scene.left, &scene.right, options)?;
+    let evidence = diagnosis::evidence(&left, &right, &Params::sgm(1))?; // no variant rectifies
     let size = (left.width(), left.height());
     let truth = scene.truth.as_ref().map(|truth| truth.read(size, &scene.left)).transpose()?;
     let noc = match (&truth, &scene.non_occluded) {
@@ -370,7 +394,7 @@ fn load(scene: &Scene) -> Result<Loaded> {
         }
         _ => None,
     };
-    Ok(Loaded { left, right, disparities, truth, noc })
+    Ok(Loaded { left, right, doubts, evidence, disparities, truth, noc })
 }
 
 impl SceneFound {

@@ -1,7 +1,13 @@
 //! Two image files become two [`Image`]s of one size and one sample format.
 
+mod bits;
+mod kind;
+
+use crate::args::{Bits, InputArgs};
+use crate::pipeline::Pair;
 use anyhow::{Context as _, Result, anyhow, bail, ensure};
-use gpu_stereo::{Image, Pixels};
+use gpu_stereo::{Image, PixelFormat, Pixels};
+use image::metadata::Orientation;
 use image::{DynamicImage, ImageDecoder, ImageFormat, ImageReader, Limits};
 use std::fs;
 use std::io::Cursor;
@@ -11,27 +17,120 @@ use std::path::Path;
 /// allocate it. 1 GiB is 130 megapixels of 16-bit colour.
 pub const MAX_BYTES: u64 = 1 << 30;
 
+/// The most pixels of an image: as many as a map can have.
+pub const MAX_PIXELS: u64 = 1 << 27;
+/// What a decoder may take beside the image: profiles, texts and the like are packed, too.
+const MAX_EXTRA: u64 = 32 << 20;
+
+/// A pair as it was read.
+pub struct Views {
+    /// The left image.
+    pub left: Image,
+    /// The right image.
+    pub right: Image,
+    /// The bits that samples have.
+    pub bits: u32,
+    /// How each image was turned, as its file says.
+    pub turned: [Orientation; 2],
+    /// Why the images may be wrong.
+    pub doubts: Vec<String>,
+}
+
+impl Views {
+    /// The samples, where they are not what the file's format says.
+    pub fn samples(&self) -> Option<String> {
+        let deep = matches!(self.left.format(), PixelFormat::Gray16 | PixelFormat::Rgba16);
+        (deep && self.bits < bits::ALL).then(|| format!("{} bits in 16", self.bits))
+    }
+
+    /// How the images were turned, if they were.
+    pub fn turns(&self) -> Option<String> {
+        let turn = |orientation| match orientation {
+            Orientation::NoTransforms => "as stored",
+            Orientation::Rotate90 => "by 90 degrees clockwise",
+            Orientation::Rotate180 => "by 180 degrees",
+            Orientation::Rotate270 => "by 90 degrees counterclockwise",
+            Orientation::FlipHorizontal => "mirrored left to right",
+            Orientation::FlipVertical => "mirrored top to bottom",
+            Orientation::Rotate90FlipH | Orientation::Rotate270FlipH => "mirrored along a diagonal",
+        };
+        match self.turned {
+            [Orientation::NoTransforms, Orientation::NoTransforms] => None,
+            [left, right] if left == right => Some(format!("{} (EXIF)", turn(left))),
+            [left, right] => Some(format!("left {}, right {} (EXIF)", turn(left), turn(right))),
+        }
+    }
+}
+
 /// Reads a pair.
-pub fn read_pair(left: &Path, right: &Path) -> Result<(Image, Image)> {
+pub fn read_pair(left: &Path, right: &Path, options: &InputArgs) -> Result<Views> {
+    let (left, right) = if options.swap { (right, left) } else { (left, right) };
     let (left_file, right_file) = (read_file(left, "an image")?, read_file(right, "an image")?);
-    let left_decoder = decoder(left, &left_file)?;
-    let right_decoder = decoder(right, &right_file)?;
-    let (left_size, right_size) = (left_decoder.dimensions(), right_decoder.dimensions());
+    let mut decoders = (decoder(left, &left_file)?, decoder(right, &right_file)?);
+    let turned = [orientation(&mut decoders.0), orientation(&mut decoders.1)];
+    let sizes = [(decoders.0.dimensions(), turned[0]), (decoders.1.dimensions(), turned[1])].map(oriented);
     ensure!(
-        left_size == right_size,
+        sizes[0] == sizes[1],
         "{left:?} is {}x{} but {right:?} is {}x{}; both must have one size: crop or rectify them again",
-        left_size.0,
-        left_size.1,
-        right_size.0,
-        right_size.1
+        sizes[0].0,
+        sizes[0].1,
+        sizes[1].0,
+        sizes[1].1
     );
-    let left_image = decode(left, left_decoder)?;
-    let right_image = decode(right, right_decoder)?;
+    let mut images = [decode(left, decoders.0)?, decode(right, decoders.1)?];
+
+    // Of an image of 8 bits the samples have 8, whatever the other one has.
+    let largest = images.each_ref().map(bits::largest);
+    let mut bits = 8;
+    if let Some(most) = largest.into_iter().flatten().max() {
+        let path = if largest[0] == Some(most) { left } else { right };
+        bits = bits::of(options.bits, most, path)?;
+        images.iter_mut().for_each(|image| bits::stretch(image, bits));
+    }
 
     // The matcher takes one format for both; the poorer image is brought to the richer one's, which changes no gray value.
-    let colour = left_image.color().has_color() || right_image.color().has_color();
-    let deep = is_deep(&left_image) || is_deep(&right_image);
-    Ok((to_image(left_image, colour, deep)?, to_image(right_image, colour, deep)?))
+    let colour = images.iter().any(|image| image.color().has_color());
+    let deep = images.iter().any(is_deep);
+    let mut doubts = Vec::new();
+    for (path, file) in [(left, &left_file), (right, &right_file)] {
+        if kind::has_more(file) {
+            doubts.push(format!(
+                "{path:?} holds several images, and the first one is read; split it if another is meant"
+            ));
+        }
+    }
+    let [left, right] = images;
+    Ok(Views { left: to_image(left, colour, deep)?, right: to_image(right, colour, deep)?, bits, turned, doubts })
+}
+
+/// So many pairs of a sequence are tried for the first one.
+pub const FIRST: usize = 8;
+
+/// The options for all pairs of a sequence: the first pair that can be read decides.
+pub fn as_first(options: &InputArgs, pairs: &[Pair]) -> InputArgs {
+    let mut options = options.clone();
+    let read = |pair: &Pair| read_pair(&pair.left, &pair.right, &options).ok();
+    if options.bits == Bits::Auto
+        && let Some(views) = pairs.iter().find_map(read)
+    {
+        options.bits = Bits::OfFirst(views.bits);
+    }
+    options
+}
+
+/// How the image is to be turned; what cannot be read says nothing.
+fn orientation(decoder: &mut impl ImageDecoder) -> Orientation {
+    decoder.orientation().unwrap_or(Orientation::NoTransforms)
+}
+
+/// The size of an image that was turned.
+fn oriented(((width, height), turned): ((u32, u32), Orientation)) -> (u32, u32) {
+    match turned {
+        Orientation::Rotate90 | Orientation::Rotate270 | Orientation::Rotate90FlipH | Orientation::Rotate270FlipH => {
+            (height, width)
+        }
+        _ => (width, height),
+    }
 }
 
 /// What is wrong with a path that leads nowhere, if its form tells; for the end of a sentence.
@@ -86,6 +185,9 @@ pub fn read_file(path: &Path, what: &str) -> Result<Vec<u8>> {
     );
     let bytes = fs::read(path).with_context(|| format!("{path:?} cannot be read; check its permissions"))?;
     ensure!(!bytes.is_empty(), "{path:?} is empty; save it again");
+    if let Some(pointer) = kind::pointer(&bytes) {
+        bail!("{path:?} is {pointer}");
+    }
     Ok(bytes)
 }
 
@@ -94,33 +196,65 @@ pub fn decoder<'a>(path: &Path, bytes: &'a [u8]) -> Result<impl ImageDecoder + u
     let reader = ImageReader::new(Cursor::new(bytes)).with_guessed_format()?;
     // The content tells the format, whatever the name says. Only TGA has no signature.
     let is_tga = || path.extension().is_some_and(|ending| ending.eq_ignore_ascii_case("tga"));
-    let format = reader.format().or_else(|| is_tga().then_some(ImageFormat::Tga));
-    let Some(format) = format else {
+    let known = reader.format().filter(ImageFormat::reading_enabled);
+    if let (None, Some(foreign)) = (known, kind::foreign(bytes)) {
+        bail!("{path:?} is {foreign}");
+    }
+    let Some(format) = known.or_else(|| is_tga().then_some(ImageFormat::Tga)) else {
         bail!("{path:?} is not an image in a known format; save it as PNG, JPEG, PNM, TIFF, BMP or WebP");
     };
+    ensure!(
+        format != ImageFormat::Tiff || !kind::begins_with_preview(bytes),
+        "{path:?} is a camera's raw file or begins with a preview, but the developed image is needed; convert it to 16-bit \
+         TIFF or PNG, for example with dcraw -T -6"
+    );
+    ensure!(is_whole(format, bytes), "{path:?} is cut short: the end of its {format:?} data is missing; save it again");
     let mut reader = ImageReader::with_format(reader.into_inner(), format);
     let mut limits = Limits::default();
-    limits.max_alloc = Some(2 * MAX_BYTES); // the decoded image, which is checked below, and a decoder's own buffers
-    reader.limits(limits);
-    ensure!(is_whole(format, bytes), "{path:?} is cut short: the end of its {format:?} data is missing; save it again");
-    let decoder = reader.into_decoder().map_err(|error| damaged(path, &error))?;
+    limits.max_alloc = Some(MAX_EXTRA);
+    reader.limits(limits.clone());
+    let mut decoder = reader.into_decoder().map_err(|error| damaged(path, &error))?;
     let (width, height) = decoder.dimensions();
     ensure!(width > 0 && height > 0, "{path:?} is {width}x{height}; both sides must be at least 1: save it again");
+    let (pixels, all) = (u64::from(width) * u64::from(height), decoder.total_bytes());
     ensure!(
-        decoder.total_bytes() <= MAX_BYTES,
-        "{path:?} declares {width}x{height} pixels, {} bytes, but at most {MAX_BYTES} are decoded; crop or scale it",
-        decoder.total_bytes()
+        pixels <= MAX_PIXELS && all <= MAX_BYTES,
+        "{path:?} declares {width}x{height} pixels, {all} bytes, but at most {MAX_PIXELS} pixels and {MAX_BYTES} bytes are \
+         decoded; crop or scale it"
     );
+    ensure!(
+        can_hold(format, bytes.len() as u64, pixels, all),
+        "{path:?} declares {width}x{height} pixels, but its {} bytes cannot hold so many; it is damaged: save it again",
+        bytes.len()
+    );
+    limits.max_alloc = Some(all + all / 4 + MAX_EXTRA + bytes.len() as u64);
+    if format != ImageFormat::Png {
+        decoder.set_limits(limits).map_err(|error| damaged(path, &error))?; // PNG has its own for all but the image
+    }
     Ok(decoder)
 }
 
-/// The image of a decoder.
-pub fn decode(path: &Path, decoder: impl ImageDecoder) -> Result<DynamicImage> {
-    let image = DynamicImage::from_decoder(decoder).map_err(|error| damaged(path, &error))?;
+/// Whether a file of `length` bytes can hold so much by its format: a header can declare anything.
+fn can_hold(format: ImageFormat, length: u64, pixels: u64, bytes: u64) -> bool {
+    match format {
+        // Each block of 8x8 pixels has a bit at least.
+        ImageFormat::Jpeg => pixels <= 512 * length,
+        // An area of one colour takes next to nothing.
+        ImageFormat::WebP => true,
+        // Deflate makes at most 1032 bytes of one, LZW somewhat more.
+        _ => bytes <= 4096 * length,
+    }
+}
+
+/// The image of a decoder, turned as its file says.
+pub fn decode(path: &Path, mut decoder: impl ImageDecoder) -> Result<DynamicImage> {
+    let turned = orientation(&mut decoder);
+    let mut image = DynamicImage::from_decoder(decoder).map_err(|error| damaged(path, &error))?;
     ensure!(
         !matches!(image, DynamicImage::ImageRgb32F(_) | DynamicImage::ImageRgba32F(_)),
         "{path:?} has floating-point samples, but 8-bit or 16-bit ones are needed; convert it to a 16-bit PNG"
     );
+    image.apply_orientation(turned);
     Ok(image)
 }
 

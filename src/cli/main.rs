@@ -10,6 +10,7 @@ mod batch;
 mod bench;
 mod calibration;
 mod depth;
+mod diagnosis;
 mod environment;
 mod evaluate;
 mod film;

@@ -2,14 +2,17 @@
 //! device waits for no file.
 
 use crate::adapter::Opened;
-use crate::args::{DeviceArgs, Whole};
+use crate::args::{DeviceArgs, InputArgs, Whole};
+use crate::diagnosis::{self, Finding};
+use crate::input::{self, Views};
 use crate::run::{self, Engine, OnAdapter};
-use crate::{input, name, tell};
+use crate::{name, tell, warnings};
 use anyhow::{Context as _, Result, anyhow};
 use gpu_stereo::{Error, Image, Matched, Params, PixelFormat, StereoMatcher, StereoStream, reference};
 use indicatif::{ProgressBar, ProgressFinish, ProgressStyle};
 use serde::Serialize;
-use std::collections::VecDeque;
+use std::collections::{HashSet, VecDeque};
+use std::mem::Discriminant;
 use std::path::PathBuf;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::mpsc::{Receiver, TryRecvError, sync_channel};
@@ -35,6 +38,10 @@ pub struct Setup<'a> {
     pub device: &'a DeviceArgs,
     /// The settings.
     pub params: &'a Params,
+    /// How they are read.
+    pub input: &'a InputArgs,
+    /// One of so many pairs is looked at whether it can be matched.
+    pub looked_at: usize,
     /// Pairs on the device at a time.
     pub in_flight: usize,
     /// Threads that read.
@@ -80,6 +87,8 @@ pub struct Ran {
     pub done: usize,
     /// Frames that were not.
     pub failed: Vec<Failure>,
+    /// Pairs whose map is doubtful, with why.
+    pub doubtful: Vec<(usize, String)>,
     /// From the start to the last frame written.
     pub seconds: f64,
     /// What ended it before its time.
@@ -130,8 +139,8 @@ pub fn run(
         let read = |first| {
             let (sender, receiver) = sync_channel(1);
             scope.spawn(move || {
-                for pair in pairs.iter().skip(first).step_by(readers) {
-                    if sender.send(input::read_pair(&pair.left, &pair.right)).is_err() {
+                for (place, pair) in pairs.iter().enumerate().skip(first).step_by(readers) {
+                    if sender.send(Read::pair(pair, setup, place % setup.looked_at == 0)).is_err() {
                         return; // the pairs that follow are not wanted any more
                     }
                 }
@@ -175,7 +184,7 @@ pub fn run(
             if stop.load(Ordering::Relaxed) || tally.is_stopped() {
                 break;
             }
-            let (left, right) = match pair {
+            let Read { left, right, doubts } = match pair {
                 Ok(pair) => pair,
                 Err(error) => {
                     tally.failed(place, &error);
@@ -212,6 +221,7 @@ pub fn run(
                 hand_on(flow.next()?)?;
             }
             flow.push(place, left, &right)?;
+            doubts.into_iter().for_each(|doubt| tally.doubt(place, doubt));
         }
         while let Some(flow) = flow.as_mut().filter(|flow| flow.in_flight() > 0 && !tally.is_stopped()) {
             hand_on(flow.next()?)?;
@@ -231,6 +241,31 @@ pub fn run(
         ran.stopped = Some(anyhow!("interrupted"));
     }
     ran
+}
+
+/// A pair as it was read, with what is doubtful about it.
+struct Read {
+    left: Image,
+    right: Image,
+    doubts: Vec<Doubt>,
+}
+
+/// Why a map is doubtful, and what kind of cause it is.
+struct Doubt {
+    text: String,
+    kind: Option<Discriminant<Finding>>,
+}
+
+impl Read {
+    fn pair(pair: &Pair, setup: &Setup<'_>, look: bool) -> Result<Self> {
+        let Views { left, right, doubts, .. } = input::read_pair(&pair.left, &pair.right, setup.input)?;
+        let mut doubts: Vec<_> = doubts.into_iter().map(|text| Doubt { text, kind: None }).collect();
+        // What cannot be rectified is refused later.
+        if look && let Ok(Some(finding)) = diagnosis::finding(&left, &right, setup.params) {
+            doubts.push(Doubt { text: finding.to_string(), kind: Some(finding.kind()) });
+        }
+        Ok(Self { left, right, doubts })
+    }
 }
 
 /// Whether others can be matched where this happened.
@@ -414,7 +449,26 @@ struct Tally<'a> {
 
 struct Counts {
     ran: Ran,
+    /// The kinds of doubts that were told: a whole video has the same one.
+    kinds: HashSet<Option<Discriminant<Finding>>>,
     told: Instant,
+}
+
+impl Ran {
+    /// All that is doubtful, as `--json` lists it.
+    pub fn warnings(&self) -> Vec<String> {
+        let of_pairs = self.doubtful.iter().map(|(_, text)| crate::one_line(text));
+        warnings::all().into_iter().chain(of_pairs).collect()
+    }
+
+    /// The line of the summary on doubtful pairs; empty if there are none.
+    pub fn doubts(&self, unit: &str) -> String {
+        let pairs: HashSet<_> = self.doubtful.iter().map(|(place, _)| place).collect();
+        match pairs.len() {
+            0 => String::new(),
+            pairs => format!("doubtful {pairs} {unit}: see the notes; --json lists them all\n"),
+        }
+    }
 }
 
 impl<'a> Tally<'a> {
@@ -432,7 +486,7 @@ impl<'a> Tally<'a> {
             bar,
             lines,
             start,
-            counts: Mutex::new(Counts { ran: Ran::default(), told: start }),
+            counts: Mutex::new(Counts { ran: Ran::default(), kinds: HashSet::new(), told: start }),
         }
     }
 
@@ -456,6 +510,15 @@ impl<'a> Tally<'a> {
         }
         counts.ran.failed.push(Failure { place, frame, error });
         self.show(&mut counts);
+    }
+
+    fn doubt(&self, place: usize, doubt: Doubt) {
+        let left = &self.pairs[place].left;
+        let mut counts = self.counts();
+        if counts.kinds.insert(doubt.kind) {
+            self.bar.suspend(|| tell(&format!("note: {}: {}", name(left), doubt.text)));
+        }
+        counts.ran.doubtful.push((place, format!("{}: {}", left.to_string_lossy(), doubt.text)));
     }
 
     fn stop(&self, error: anyhow::Error) {
@@ -483,6 +546,7 @@ impl<'a> Tally<'a> {
         self.bar.finish_and_clear();
         let mut ran = self.counts.into_inner().unwrap_or_else(PoisonError::into_inner).ran;
         ran.failed.sort_by_key(|failure| failure.place);
+        ran.doubtful.sort();
         ran
     }
 }

@@ -1,5 +1,6 @@
 //! Record: what the maps of a folder were made with, in a file beside them, so that no folder holds maps of two settings.
 
+use crate::args::{Bits, InputArgs};
 use crate::output::Output;
 use anyhow::{Context as _, Result, bail, ensure};
 use gpu_stereo::{Masks, Params};
@@ -41,8 +42,8 @@ pub struct Record {
 }
 
 impl Record {
-    /// The record that maps with `params` of what `sources` names have in `folder`.
-    pub fn new(folder: &Path, params: &Params, sources: &[(&str, &Path)]) -> Self {
+    /// The record that maps with `params` of what `sources` names, read as `input` says, have in `folder`.
+    pub fn new(folder: &Path, params: &Params, input: &InputArgs, sources: &[(&str, &Path)]) -> Self {
         let mut made_with = Map::new();
         made_with.insert("version".into(), env!("CARGO_PKG_VERSION").into());
         for (name, path) in sources {
@@ -55,6 +56,13 @@ impl Record {
         }
         if let Some(masks) = &params.masks {
             made_with.insert("mask-in".into(), digest(masks).into());
+        }
+        // As they usually are, they are not named.
+        if input.swap {
+            made_with.insert("swap".into(), true.into());
+        }
+        if let Bits::Given(bits) = input.bits {
+            made_with.insert("bits".into(), bits.into());
         }
         Self { path: folder.join(NAME), made_with }
     }

@@ -24,6 +24,13 @@ pub struct Report {
     pub width: u32,
     /// Rows.
     pub height: u32,
+    /// Bits that the images' samples have.
+    pub bits: u32,
+    /// The same in words, where the files have more.
+    #[serde(skip)]
+    pub samples: Option<String>,
+    /// How the images were turned, as their files say.
+    pub turned: Option<String>,
     /// Smallest disparity searched.
     pub min_disparity: i32,
     /// Disparities searched.
@@ -155,6 +162,11 @@ impl Report {
         let mut text = String::new();
         writeln!(text, "adapter  {}", plain(&format!("{} ({}, {})", self.adapter, self.backend, self.driver)))?;
         writeln!(text, "size     {} x {}", self.width, self.height)?;
+        for (what, told) in [("samples", &self.samples), ("turned", &self.turned)] {
+            if let Some(told) = told {
+                writeln!(text, "{what:<9}{told}")?;
+            }
+        }
         let last = i64::from(self.min_disparity) + i64::from(self.disparities) - 1;
         writeln!(text, "range    {} disparities, {} to {last} px", self.disparities, self.min_disparity)?;
         writeln!(text, "valid    {:.1} %", 100.0 * self.valid)?;

@@ -1,6 +1,6 @@
 //! Resolve: what was typed becomes settings that are known to be good, before an image is decoded or a device opened.
 
-use crate::args::{Args, Backend, DeviceArgs, Scene, Whole};
+use crate::args::{Args, Backend, DeviceArgs, InputArgs, Scene, Whole};
 use crate::calibration::{Calibration, Reading};
 use crate::evaluate::TruthFile;
 use crate::mask::MaskFiles;
@@ -17,6 +17,8 @@ pub struct Job {
     pub left: PathBuf,
     /// The right image's path.
     pub right: PathBuf,
+    /// How they are read.
+    pub input: InputArgs,
     /// The matcher's settings, validated.
     pub params: Params,
     /// Which pixels have content.
@@ -97,6 +99,7 @@ pub fn resolve(args: Args) -> Result<Job> {
     Ok(Job {
         left,
         right,
+        input: args.input,
         params,
         masks,
         calibration,

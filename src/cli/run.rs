@@ -3,10 +3,11 @@
 use crate::adapter::{self, Opened};
 use crate::args::{Backend, DeviceArgs};
 use crate::evaluate::Evaluation;
+use crate::input::Views;
 use crate::output::{Format, Maps};
 use crate::report::{FrameMs, Report};
 use crate::resolve::Job;
-use crate::{environment, input, output, warnings};
+use crate::{diagnosis, environment, input, output, warnings};
 use anyhow::{Result, bail};
 use gpu_stereo::evaluation::FloatMap;
 use gpu_stereo::{
@@ -27,7 +28,10 @@ pub struct OnAdapter {
 
 /// Does the job.
 pub fn run(job: &Job) -> Result<Report> {
-    let (left, right) = input::read_pair(&job.left, &job.right)?;
+    let views = input::read_pair(&job.left, &job.right, &job.input)?;
+    let (samples, turned) = (views.samples(), views.turns());
+    views.doubts.iter().for_each(|doubt| warnings::warn(doubt));
+    let Views { left, right, bits, .. } = views;
     output::ensure_size(&job.outputs, left.width(), left.height())?;
     let truth = job.truth.as_ref().map(|truth| truth.read((left.width(), left.height()), &job.left)).transpose()?;
 
@@ -38,6 +42,9 @@ pub fn run(job: &Job) -> Result<Report> {
     let timed = job.timings || job.json;
     let Frames { matched, first, times, stages } = engine.frames(&left, &right, params, timed, job.repeat)?;
     let first_frame_ms = (first - start).as_secs_f64() * 1e3;
+    if let Some(finding) = diagnosis::finding(&left, &right, params)? {
+        warnings::warn(&finding.to_string());
+    }
 
     let check = if job.check {
         // Column sums of two bytes, the cost, every direction, and an aggregate of two bytes.
@@ -76,6 +83,9 @@ pub fn run(job: &Job) -> Result<Report> {
         driver,
         width: matched.map.width,
         height: matched.map.height,
+        bits,
+        samples,
+        turned,
         min_disparity: params.min_disparity,
         disparities: params.disparities,
         valid: matched.map.valid_fraction(),

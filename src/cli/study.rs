@@ -1,7 +1,8 @@
 //! Study: maps of one pair with several settings, on one sheet and in one table: `sweep` and `compare`.
 
-use crate::args::{Compare, DeviceArgs, StudyArgs};
-use crate::input;
+use crate::args::{Compare, DeviceArgs, InputArgs, StudyArgs};
+use crate::diagnosis::{self, Finding};
+use crate::input::{self, Views};
 use crate::mask::MaskFiles;
 use crate::output::{self, Output, SheetFormat};
 use crate::progress::Progress;
@@ -26,6 +27,7 @@ pub struct Study {
     left: PathBuf,
     right: PathBuf,
     masks: MaskFiles,
+    input: InputArgs,
     variants: Vec<Variant>,
     /// The settings that all have in common.
     common: String,
@@ -163,6 +165,7 @@ fn resolve(args: &StudyArgs, variants: Vec<Variant>, common: String, order: Orde
         left: args.left.clone(),
         right: args.right.clone(),
         masks,
+        input: args.input.clone(),
         variants,
         common,
         order,
@@ -227,13 +230,16 @@ impl Found {
 impl Study {
     /// Computes every map and writes the sheet.
     pub fn run(&self) -> Result<StudyReport> {
-        let (left, right) = input::read_pair(&self.left, &self.right)?;
+        let Views { left, right, doubts, .. } = input::read_pair(&self.left, &self.right, &self.input)?;
+        doubts.iter().for_each(|doubt| warnings::warn(doubt));
+        let evidence = diagnosis::evidence(&left, &right, &Params::sgm(1))?; // no variant rectifies
         let masks = self.masks.read_for(&left)?;
         let mut engine: Option<Engine> = None;
         let mut sheet = None;
         let mut variants = Vec::new();
         let (first, last) = self.range();
         let progress = Progress::new(self.variants.len(), self.quiet);
+        let warn = |text: &str| warnings::warn_by(text, |line| progress.tell(line));
         for (place, Variant { label, settings, params }) in (1..).zip(&self.variants) {
             progress.begin(label);
             let mut params = params.clone();
@@ -251,6 +257,11 @@ impl Study {
             }
             let frames = ready.frames(&left, &right, params, false, repeat).with_context(context)?;
             let (map, times) = (frames.matched.map, frames.times);
+            match evidence.finding(&params.searched()) {
+                Some(finding @ Finding::Range { .. }) => warn(&format!("{label}: {finding}")),
+                Some(finding) => warn(&finding.to_string()), // of all variants
+                None => {}
+            }
             let found = Found {
                 label: label.clone(),
                 settings: settings.clone(),

@@ -1,6 +1,6 @@
 //! Video: the maps of all frames of two cameras.
 
-use crate::args::{DeviceArgs, VideoArgs};
+use crate::args::{DeviceArgs, InputArgs, VideoArgs};
 use crate::film::{self, Film};
 use crate::mask::MaskFiles;
 use crate::output::{self, Format, Output};
@@ -8,7 +8,7 @@ use crate::pairs::{self, Pattern};
 use crate::pipeline::{self, Failure, Frame, Pair, Ran, Refused, Setup};
 use crate::record::Record;
 use crate::terminal::{self, name, plain};
-use crate::{Outcome, report, resolve, warnings};
+use crate::{Outcome, input, report, resolve};
 use anyhow::{Context as _, Result, anyhow, bail, ensure};
 use gpu_stereo::Params;
 use serde::Serialize;
@@ -19,14 +19,19 @@ use std::path::{Path, PathBuf};
 use std::sync::OnceLock;
 
 const MAX_FPS: f64 = 1000.0;
+/// One of so many frames is looked at whether it can be matched: what is wrong with the cameras is wrong with all.
+const LOOKED_AT: usize = 16;
 
 /// A video, ready to start.
 pub struct Video {
     /// Those to compute.
     pairs: Vec<Pair>,
+    /// The first ones of all, which decide how all are read.
+    first: Vec<Pair>,
     /// Frames that were there already.
     skipped: usize,
     device: DeviceArgs,
+    input: InputArgs,
     params: Params,
     in_flight: usize,
     sink: Sink,
@@ -72,6 +77,7 @@ pub fn resolve(args: VideoArgs) -> Result<Video> {
     output::ensure_ranges(&args.format, &args.output, &params)?;
 
     let mut pairs = pairs::find(left, right)?;
+    let first = pairs.iter().take(input::FIRST).map(|(_, pair)| pair.clone()).collect();
     let mut skipped = 0;
     let sink = if film::is_film(&args.output) {
         ensure!(
@@ -106,8 +112,10 @@ pub fn resolve(args: VideoArgs) -> Result<Video> {
     resolve::tell_unused(&[(given, &params)]);
     Ok(Video {
         pairs: pairs.into_iter().map(|(_, pair)| pair).collect(),
+        first,
         skipped,
         device: args.device,
+        input: args.input,
         params,
         in_flight,
         sink,
@@ -174,7 +182,9 @@ impl Files {
         output::make_folder(folder, out)?;
         let all = names.iter().flatten().map(|output| output.path.as_path());
         output::ensure_no_input(all, pairs.iter().map(|(_, pair)| pair), masks)?;
-        let record = pattern.is_none().then(|| Record::new(out, params, &[("left", sides[0]), ("right", sides[1])]));
+        let record = pattern
+            .is_none()
+            .then(|| Record::new(out, params, &args.input, &[("left", sides[0]), ("right", sides[1])]));
         Ok(Self { outputs: names, skipped: Vec::new(), record, begun: OnceLock::new() })
     }
 
@@ -211,9 +221,12 @@ impl Video {
     pub fn run(self) -> Result<Outcome> {
         let stop = pipeline::stop_on_signals();
         let threads = pipeline::threads();
+        let input = input::as_first(&self.input, &self.first);
         let setup = Setup {
             device: &self.device,
             params: &self.params,
+            input: &input,
+            looked_at: LOOKED_AT,
             in_flight: self.in_flight,
             readers: threads,
             writers: if let Sink::Film(_) = self.sink { 1 } else { threads },
@@ -277,12 +290,16 @@ struct Summary {
     failures: Vec<Failure>,
     /// Why maps are doubtful.
     warnings: Vec<String>,
+    /// The line on doubtful ones.
+    #[serde(skip)]
+    doubts: String,
     #[serde(serialize_with = "report::path")]
     output: PathBuf,
 }
 
 impl Summary {
     fn new(ran: Ran, skipped: usize, params: &Params, output: &Path) -> Self {
+        let (warnings, doubts) = (ran.warnings(), ran.doubts("frames"));
         let (adapter, backend, driver) = ran.names.map_or((None, None, None), |(a, b, d)| (Some(a), Some(b), Some(d)));
         let round = |value: f64| (value * 1e3).round() / 1e3;
         Self {
@@ -300,8 +317,9 @@ impl Summary {
             seconds: round(ran.seconds),
             frames_per_second: round(ran.done as f64 / ran.seconds.max(1e-9)),
             peak_device_bytes: ran.device_bytes,
+            warnings,
+            doubts,
             failures: ran.failed,
-            warnings: warnings::all(),
             output: output.into(),
         }
     }
@@ -317,6 +335,7 @@ impl Summary {
         let last = i64::from(self.min_disparity) + i64::from(self.disparities) - 1;
         writeln!(text, "range    {} disparities, {} to {last} px", self.disparities, self.min_disparity)?;
         writeln!(text, "frames   {} done, {} failed, {} there already", self.done, self.failed, self.skipped)?;
+        text += &self.doubts;
         writeln!(text, "time     {:.1} s, {:.1} frames a second", self.seconds, self.frames_per_second)?;
         match self.done {
             0 => text += "written  nothing\n",

@@ -7,6 +7,11 @@ static ALL: Warnings = Warnings(Mutex::new(Vec::new()));
 
 /// Says in one line why a result is doubtful and what to do; without the word `note`.
 pub fn warn(text: &str) {
+    warn_by(text, tell);
+}
+
+/// The same where something else is on the screen, and `tell` knows how to print beside it.
+pub fn warn_by(text: &str, tell: impl FnOnce(&str)) {
     if let Some(text) = ALL.add(text) {
         tell(&format!("note: {text}"));
     }
