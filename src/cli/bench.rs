@@ -3,7 +3,6 @@
 use crate::args::{Backend, BenchArgs, DeviceArgs, InputArgs};
 use crate::diagnosis::{self, Evidence, Finding};
 use crate::evaluate::{Evaluation, Truth, percent, pixels};
-use crate::input::{self, Views};
 use crate::layout::{Layout, Scene};
 use crate::output::{self, Format};
 use crate::progress::Progress;
@@ -12,6 +11,7 @@ use crate::resolve;
 use crate::run::Engine;
 use crate::study::{self, Variant};
 use crate::terminal::{self, name, one_line, plain};
+use crate::views::{self, Views};
 use crate::warnings;
 use crate::{adapter, environment, places};
 use anyhow::{Result, bail, ensure};
@@ -384,7 +384,7 @@ impl Loaded {
 
 fn load(scene: &Scene, options: &InputArgs) -> Result<Loaded> {
     let disparities = scene.disparities()?;
-    let Views { left, right, doubts, .. } = input::read_pair(&scene.left, &scene.right, options)?;
+    let Views { left, right, doubts, .. } = views::read_pair(&scene.left, &scene.right, options)?;
     let evidence = diagnosis::evidence(&left, &right, &Params::sgm(1))?; // no variant rectifies
     let size = (left.width(), left.height());
     let truth = scene.truth.as_ref().map(|truth| truth.read(size, &scene.left)).transpose()?;

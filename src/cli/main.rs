@@ -35,6 +35,7 @@ mod study;
 mod terminal;
 mod tips;
 mod video;
+mod views;
 mod warnings;
 
 use args::Verb;

@@ -4,8 +4,8 @@
 use crate::adapter::Opened;
 use crate::args::{DeviceArgs, InputArgs, Whole};
 use crate::diagnosis::{self, Finding};
-use crate::input::{self, Views};
 use crate::run::{self, Engine, OnAdapter};
+use crate::views::{self, Views};
 use crate::{name, tell, warnings};
 use anyhow::{Context as _, Result, anyhow};
 use gpu_stereo::{Error, Image, Matched, Params, PixelFormat, StereoMatcher, StereoStream, reference};
@@ -258,7 +258,7 @@ struct Doubt {
 
 impl Read {
     fn pair(pair: &Pair, setup: &Setup<'_>, look: bool) -> Result<Self> {
-        let Views { left, right, doubts, .. } = input::read_pair(&pair.left, &pair.right, setup.input)?;
+        let Views { left, right, doubts, .. } = views::read_pair(&pair.left, &pair.right, setup.input)?;
         let mut doubts: Vec<_> = doubts.into_iter().map(|text| Doubt { text, kind: None }).collect();
         // What cannot be rectified is refused later.
         if look && let Ok(Some(finding)) = diagnosis::finding(&left, &right, setup.params) {

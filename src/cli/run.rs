@@ -3,11 +3,11 @@
 use crate::adapter::{self, Opened};
 use crate::args::{Backend, DeviceArgs};
 use crate::evaluate::Evaluation;
-use crate::input::Views;
 use crate::output::{Format, Maps};
 use crate::report::{FrameMs, Report};
 use crate::resolve::Job;
-use crate::{diagnosis, environment, input, output, warnings};
+use crate::views::{self, Views};
+use crate::{diagnosis, environment, output, warnings};
 use anyhow::{Result, bail};
 use gpu_stereo::evaluation::FloatMap;
 use gpu_stereo::{
@@ -28,7 +28,7 @@ pub struct OnAdapter {
 
 /// Does the job.
 pub fn run(job: &Job) -> Result<Report> {
-    let views = input::read_pair(&job.left, &job.right, &job.input)?;
+    let views = views::read_pair(&job.left, &job.right, &job.input)?;
     let (samples, turned) = (views.samples(), views.turns());
     views.doubts.iter().for_each(|doubt| warnings::warn(doubt));
     let Views { left, right, bits, .. } = views;

@@ -2,7 +2,6 @@
 
 use crate::args::{Compare, DeviceArgs, InputArgs, StudyArgs};
 use crate::diagnosis::{self, Finding};
-use crate::input::{self, Views};
 use crate::mask::MaskFiles;
 use crate::output::{self, Output, SheetFormat};
 use crate::progress::Progress;
@@ -10,6 +9,7 @@ use crate::report::{self, FrameMs};
 use crate::resolve;
 use crate::run::Engine;
 use crate::sheet::{Layout, Order, Sheet};
+use crate::views::{self, Views};
 use crate::{terminal, tips, warnings};
 use anyhow::{Context as _, Result, bail, ensure};
 use gpu_stereo::{Image, Params, Preset};
@@ -230,7 +230,7 @@ impl Found {
 impl Study {
     /// Computes every map and writes the sheet.
     pub fn run(&self) -> Result<StudyReport> {
-        let Views { left, right, doubts, .. } = input::read_pair(&self.left, &self.right, &self.input)?;
+        let Views { left, right, doubts, .. } = views::read_pair(&self.left, &self.right, &self.input)?;
         doubts.iter().for_each(|doubt| warnings::warn(doubt));
         let evidence = diagnosis::evidence(&left, &right, &Params::sgm(1))?; // no variant rectifies
         let masks = self.masks.read_for(&left)?;

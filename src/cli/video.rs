@@ -8,7 +8,7 @@ use crate::pairs::{self, Pattern};
 use crate::pipeline::{self, Failure, Frame, Pair, Ran, Refused, Setup};
 use crate::record::Record;
 use crate::terminal::{self, name, plain};
-use crate::{Outcome, input, report, resolve};
+use crate::{Outcome, report, resolve, views};
 use anyhow::{Context as _, Result, anyhow, bail, ensure};
 use gpu_stereo::Params;
 use serde::Serialize;
@@ -77,7 +77,7 @@ pub fn resolve(args: VideoArgs) -> Result<Video> {
     output::ensure_ranges(&args.format, &args.output, &params)?;
 
     let mut pairs = pairs::find(left, right)?;
-    let first = pairs.iter().take(input::FIRST).map(|(_, pair)| pair.clone()).collect();
+    let first = pairs.iter().take(views::FIRST).map(|(_, pair)| pair.clone()).collect();
     let mut skipped = 0;
     let sink = if film::is_film(&args.output) {
         ensure!(
@@ -221,7 +221,7 @@ impl Video {
     pub fn run(self) -> Result<Outcome> {
         let stop = pipeline::stop_on_signals();
         let threads = pipeline::threads();
-        let input = input::as_first(&self.input, &self.first);
+        let input = views::as_first(&self.input, &self.first);
         let setup = Setup {
             device: &self.device,
             params: &self.params,
