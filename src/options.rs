@@ -406,7 +406,7 @@ impl Params {
             "wls" "on|off" wls switch
                 "Edge-preserving smoothing by weighted least squares";
             "wls-lambda" "L|off" wls lambda
-                "Strength of that smoothing, 8000 unless given; switches it on"
+                "Strength of that smoothing, 4 unless given; switches it on"
                 idle by "wls" if |params| params.wls.is_none();
             "wls-sigma" "S|off" wls sigma
                 "Intensity step that stops it, 1.5 unless given; switches it on"
