@@ -7,7 +7,7 @@ mod support;
 use gpu_stereo::reference::{self, Content, Plane, validity};
 use gpu_stereo::{
     Cost, DepthMap, DisparityMap, Fill, Image, Lens, Masks, Matched, Median, Params, PixelFormat, Preset,
-    Rectification, RightView, StereoMatcher, Wls, wgpu,
+    Rectification, RightView, StereoMatcher, StereoStream, Wls, wgpu,
 };
 use rand::{Rng, SeedableRng};
 use rand_chacha::ChaCha8Rng;
@@ -259,6 +259,17 @@ fn masks_come_and_go() {
             let expected = reference::compute(&left, &right, &params).unwrap();
             assert!(matcher.compute_blocking(&left, &right).unwrap().map == expected, "{width}x{height}, {seed}");
         }
+    }
+    // Several pairs in flight.
+    let mut params = Params::preset(Preset::Balanced, 12);
+    params.masks = Some(support::masks(70, 50, 2));
+    let matcher = StereoMatcher::new(&device, &queue, 70, 50, PixelFormat::Gray8, &params).unwrap();
+    let mut stream = StereoStream::new(matcher, 3).unwrap();
+    let pairs: Vec<_> = (0..3).map(|seed| support::pair(70, 50, seed)).collect();
+    pairs.iter().for_each(|(left, right)| assert!(stream.try_push(left, right).unwrap().is_some()));
+    for (left, right) in &pairs {
+        let found = stream.next_blocking().unwrap().result.unwrap();
+        assert!(found == reference::compute_all(left, right, &params).unwrap());
     }
     let masks = support::masks(9, 9, 1);
     assert_eq!(masks, masks.clone());
