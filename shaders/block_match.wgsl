@@ -15,11 +15,13 @@ const BACKWARDS: bool = true;
 @compute @workgroup_size(LANES)
 fn main(@builtin(global_invocation_id) id: vec3<u32>, @builtin(local_invocation_index) local: u32) {
     let line = join_group(id.x, local);
-    if line >= pass_.rows && !BARRIERS {
+    let works = line < pass_.rows;
+    // src/kernels.rs takes this out where barriers follow.
+    if !works {
         return;
     }
     let band_row = min(line, pass_.rows - 1u);
-    let writes = member == 0u && (line < pass_.rows || !BARRIERS);
+    let writes = member == 0u && (works || !BARRIERS);
     let reach = 2u * frame.block_radius;
     let first = band_row * (frame.width + reach) * QUADS;
     var sums = no_costs(0u);

@@ -125,7 +125,7 @@ fn largest_rival(best: u32) -> u32 {
 
 // Bits d - 1, d and d + 1, as far as they are within 0 .. 15.
 fn neighbourhood(d: i32) -> u32 {
-    return ((7u << u32(clamp(d, -2, 17) + 2)) >> 3u) & 0xffffu;
+    return ((7u << u32(clamp(d + 2, 0, 19))) >> 3u) & 0xffffu;
 }
 
 // What the slice knows of the winner `best` of a row: the sums before and after it in bits 0 to 14 and 16 to 30, whether
@@ -227,10 +227,10 @@ fn main(@builtin(global_invocation_id) id: vec3<u32>, @builtin(subgroup_invocati
             let missing = u32(clamp(x4 + 3 + i32(BLOCK) - start, 0, 4));
             let left_mask = select(0xffffffffu >> (8u * (missing & 3u)), 0u, missing == 4u);
             let right_mask = select(0xffffffffu << (8u * (missing & 3u)), 0u, missing == 4u);
-            var entering_left: Words;
-            var entering_right: Words;
-            var leaving_left: Words;
-            var leaving_right: Words;
+            var entering_left = Words();
+            var entering_right = Words();
+            var leaving_left = Words();
+            var leaving_right = Words();
             for (var j = 0u; j < ROWS; j++) {
                 let y = row_at(top, j);
                 entering_left[j] = left_bytes(x4, y);
@@ -240,10 +240,10 @@ fn main(@builtin(global_invocation_id) id: vec3<u32>, @builtin(subgroup_invocati
             }
             for (var x = min(x4 + 3, from_x); x >= max(x4, to_x); x--) {
                 let shift = 8u * (u32(x) & 3u);
-                var entering_words: Words;
-                var leaving_words: Words;
-                var entering_values: Words;
-                var leaving_values: Words;
+                var entering_words = Words();
+                var leaving_words = Words();
+                var entering_values = Words();
+                var leaving_values = Words();
                 for (var j = 0u; j < ROWS; j++) {
                     entering_values[j] = ((entering_left[j] >> shift) & 0xffu) * 0x01010101u;
                     leaving_values[j] = ((leaving_left[j] >> shift) & 0xffu) * 0x01010101u;
@@ -252,8 +252,8 @@ fn main(@builtin(global_invocation_id) id: vec3<u32>, @builtin(subgroup_invocati
                 }
                 for (var w = 0u; w < QUARTER; w++) {
                     // The column that enters minus the one that leaves: bytes of a row biased by 128, their sums not.
-                    var even: Words;
-                    var odd: Words;
+                    var even = Words();
+                    var odd = Words();
                     var even_sum = 0xffffffffu - BLOCK * 128u * 0x10001u + 1u;
                     var odd_sum = even_sum;
                     for (var j = 0u; j < ROWS; j++) {
@@ -276,9 +276,9 @@ fn main(@builtin(global_invocation_id) id: vec3<u32>, @builtin(subgroup_invocati
                         }
                     }
                 }
-                var keys: array<u32, OWN>;
-                var around: array<u32, OWN>;
-                var right_keys: array<u32, OWN>;
+                var keys = array<u32, OWN>();
+                var around = array<u32, OWN>();
+                var right_keys = array<u32, OWN>();
                 for (var k = 0u; k < STRIP; k++) {
                     var pairs = sums[k];
                     if PADDED {

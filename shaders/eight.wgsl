@@ -15,11 +15,11 @@ fn map_at(index: u32) -> vec4<u32> {
 // The pixels of a row from column 8 i on, and the one before; those outside the image are invalid.
 fn eight(row: u32, i: u32) -> Eight {
     let at = row * (frame.map_stride / 4u) + i;
-    let words = bitcast<vec4<i32>>(map_at(at));
+    let words = map_at(at);
     let inside = i32(frame.width) - i32(8u * i);
     return Eight(
-        select(vec4(INVALID), (words << vec4(16u)) >> vec4(16u), vec4(0, 2, 4, 6) < vec4(inside)),
-        select(vec4(INVALID), words >> vec4(16u), vec4(1, 3, 5, 7) < vec4(inside)),
+        select(vec4(INVALID), bitcast<vec4<i32>>(words << vec4(16u)) >> vec4(16u), vec4(0, 2, 4, 6) < vec4(inside)),
+        select(vec4(INVALID), bitcast<vec4<i32>>(words) >> vec4(16u), vec4(1, 3, 5, 7) < vec4(inside)),
         select(map_value(map_at(max(at, 1u) - 1u).w, 1u), INVALID, i == 0u));
 }
 

@@ -48,9 +48,9 @@ fn moved(row: Row, dx: i32) -> vec4<u32> {
     }
     let shift = vec4((u32(dx) & 3u) * 8u);
     if dx < 0 {
-        return (row.before >> shift) | (row.here << (vec4(32u) - shift));
+        return (row.before >> shift) | ((row.here << vec4(1u)) << (vec4(31u) - shift));
     }
-    return (row.here >> shift) | (row.after << (vec4(32u) - shift));
+    return (row.here >> shift) | ((row.after << vec4(1u)) << (vec4(31u) - shift));
 }
 
 // The top bit of each byte: whether it is less than the other one.

@@ -26,10 +26,11 @@ fn main(@builtin(global_invocation_id) id: vec3<u32>) {
     var odd = p.odd;
     if wanted != 0u {
         let at = 2u * (id.y * (stride + 1u) + id.x);
-        let a = bitcast<vec4<i32>>(nearest[at]);
-        let b = bitcast<vec4<i32>>(nearest[at + 1u]);
-        let e = farther((a << vec4(16u)) >> vec4(16u), (b << vec4(16u)) >> vec4(16u));
-        let o = farther(a >> vec4(16u), b >> vec4(16u));
+        let a = nearest[at];
+        let b = nearest[at + 1u];
+        let e = farther(
+            bitcast<vec4<i32>>(a << vec4(16u)) >> vec4(16u), bitcast<vec4<i32>>(b << vec4(16u)) >> vec4(16u));
+        let o = farther(bitcast<vec4<i32>>(a) >> vec4(16u), bitcast<vec4<i32>>(b) >> vec4(16u));
         even = select(even, e, (vec4(wanted) & vec4(1u, 4u, 16u, 64u)) != vec4(0u));
         odd = select(odd, o, (vec4(wanted) & vec4(2u, 8u, 32u, 128u)) != vec4(0u));
     }

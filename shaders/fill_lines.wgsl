@@ -32,11 +32,12 @@ fn main(@builtin(global_invocation_id) id: vec3<u32>) {
         let a = map_at(u32(y * stride + clamp(at, 0, stride - 1)));
         let b = map_at(u32(y * stride + clamp(at + 1, 0, stride - 1)));
         let offset = u32(x & 7);
-        let words = bitcast<vec4<i32>>(
-            from_byte(from_word(a, b, offset >> 1u), from_word(b, b, offset >> 1u).x, 2u * offset));
+        let words = from_byte(from_word(a, b, offset >> 1u), from_word(b, b, offset >> 1u).x, 2u * offset);
+        let low = bitcast<vec4<i32>>(words << vec4(16u)) >> vec4(16u);
+        let high = bitcast<vec4<i32>>(words) >> vec4(16u);
         let columns = vec4(x) + vec4(0, 2, 4, 6);
-        let e = select(vec4(INVALID), (words << vec4(16u)) >> vec4(16u), (columns >= vec4(0)) & (columns < vec4(width)));
-        let o = select(vec4(INVALID), words >> vec4(16u), (columns >= vec4(-1)) & (columns < vec4(width - 1)));
+        let e = select(vec4(INVALID), low, (columns >= vec4(0)) & (columns < vec4(width)));
+        let o = select(vec4(INVALID), high, (columns >= vec4(-1)) & (columns < vec4(width - 1)));
         even = select(e, even, e == vec4(INVALID));
         odd = select(o, odd, o == vec4(INVALID));
         let slot = y * (stride + 1) + group - ((-pass_.dx * y) >> 3u);

@@ -51,7 +51,7 @@ fn row_sums(column: u32, q: u32, row: u32) -> Sums {
     var bytes = vec4(0u);
     for (var i = 0u; i < BLOCK; i++) {
         let c = REACH - i;
-        var pixel: Pixel;
+        var pixel = Pixel();
         for (var p = 0u; p < PLANES; p++) {
             pixel[p] = extractBits(values[p][c >> 2u], (c & 3u) * 8u, 8u) * 0x01010101u;
         }

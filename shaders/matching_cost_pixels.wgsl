@@ -39,8 +39,8 @@ fn main(@builtin(global_invocation_id) id: vec3<u32>) {
         seen[p] = window(start + 1u, p * frame.height + y);
     }
     for (var x = 0u; x < frame.width; x += 4u) {
-        var values: Pixel;
-        var entering: Pixel;
+        var values = Pixel();
+        var entering = Pixel();
         for (var p = 0u; p < PLANES; p++) {
             values[p] = textureLoad(left, vec2(x >> 2u, p * frame.height + y)).x;
             entering[p] = entering_bytes(start - x, p * frame.height + y);

@@ -41,8 +41,8 @@ fn main(@builtin(global_invocation_id) id: vec3<u32>) {
     var sums: Sums;
     for (var four = 0u; four < columns; four += 4u) {
         // The pixels of four columns: of the left plane the first in the lowest byte, of the right one in the highest.
-        var values: array<Pixel, ROWS>;
-        var entering: array<Pixel, ROWS>;
+        var values = array<Pixel, ROWS>();
+        var entering = array<Pixel, ROWS>();
         for (var j = 0u; j < ROWS; j++) {
             for (var p = 0u; p < PLANES; p++) {
                 let plane_row = p * frame.height + row_at(first, j);
@@ -59,7 +59,7 @@ fn main(@builtin(global_invocation_id) id: vec3<u32>) {
             var top = vec4(0u);
             var bottom = vec4(0u);
             for (var j = 0u; j < ROWS; j++) {
-                var pixel: Pixel;
+                var pixel = Pixel();
                 for (var p = 0u; p < PLANES; p++) {
                     let words = windows[j][p];
                     windows[j][p] = (words << vec4(8u)) | vec4(entering[j][p] >> 24u, words.xyz >> vec3(24u));

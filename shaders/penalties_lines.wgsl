@@ -20,8 +20,9 @@ fn main(@builtin(global_invocation_id) id: vec3<u32>) {
     let width = i32(frame.width);
     // Of the pixel before the first one.
     var y = i32(id.y / rows * 16u * rows + id.y % rows) - pass_.dy;
-    var x = (i32(id.x) + pass_.dx * (i32(id.y / rows * 16u) - 1)) % width;
-    x += select(0, width, x < 0);
+    let moved = pass_.dx * (i32(id.y / rows * 16u) - 1);
+    let turn = u32(abs(moved)) % frame.width;
+    var x = i32((id.x + select(turn, frame.width - turn, moved < 0)) % frame.width);
     var before = gray_of(u32(x), u32(max(y, 0)));
     var bytes = vec4(0u);
     for (var i = 0u; i < 4u; i++) {

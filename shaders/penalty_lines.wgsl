@@ -7,8 +7,8 @@ fn penalties_from(place: i32, line: u32) -> vec4<u32> {
     return penalties[pass_.penalties_from + u32(place >> 4u) * pass_.penalties_step + line * pass_.penalties_line];
 }
 
-fn steps_from(place: i32, forward: bool) -> i32 {
-    return select((place & 15) + 1, 16 - (place & 15), forward);
+fn is_unknown(place: i32, forward: bool) -> bool {
+    return (place & 15) == select(15, 0, forward);
 }
 
 fn penalty(known: vec4<u32>, place: i32) -> u32 {

@@ -7,5 +7,5 @@ fn pixel_pairs(left: Pixel, right: Window) -> array<vec4<u32>, 2> {
 fn squares(pairs: vec4<u32>) -> vec4<u32> {
     let low = pairs & vec4(0xffu);
     let high = pairs >> vec4(16u);
-    return low * low | ((high * high) << vec4(16u));
+    return (low * low) | ((high * high) << vec4(16u));
 }

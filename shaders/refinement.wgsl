@@ -7,7 +7,7 @@ fn quotient(a: u32, b: u32, digits: u32) -> u32 {
     var rest = a;
     var bits = 0u;
     for (var i = 0u; i < digits; i++) {
-        let part = b << (digits - 1u - i);
+        let part = b << ((digits - 1u - i) & 31u);
         let fits = rest >= part;
         rest -= select(0u, part, fits);
         bits = 2u * bits + select(0u, 1u, fits);

@@ -18,8 +18,9 @@ fn main(@builtin(global_invocation_id) id: vec3<u32>, @builtin(local_invocation_
     let horizontal = pass_.dy == 0;
     let width = i32(frame.width);
     let group = join_group(id.x, local);
-    let writes = group < pass_.lines;
-    if !writes && !BARRIERS {
+    let works = group < pass_.lines;
+    // src/kernels.rs takes this out where barriers follow.
+    if !works {
         return;
     }
     let line = i32(pass_.first_line + min(group, pass_.lines - 1u));
@@ -45,29 +46,28 @@ fn main(@builtin(global_invocation_id) id: vec3<u32>, @builtin(local_invocation_
     let steps = select(i32(pass_.rows), width, horizontal);
     let forward = pass_.dy > 0 || (horizontal && pass_.dx > 0);
     var place = pass_.place;
-    var i = 0;
-    while i < steps {
-        let known = penalties_from(place, u32(line));
-        let end = min(steps, i + steps_from(place, forward));
-        for (; i < end; i++) {
-            path_step(&state, u32(at), penalty(known, place), writes || !BARRIERS);
-            place += select(-1, 1, forward);
-            at += pass_.dy * stride + pass_.dx;
-            x += pass_.dx;
-            // A mask in place of a branch, which would copy the state.
-            let leaves = !horizontal && (x < 0 || x >= width);
-            let keep = vec4(select(0xffffffffu, 0u, leaves));
-            for (var s = 0u; s < SLICES; s++) {
-                for (var w = 0u; w < WIDTH; w++) {
-                    state[s][w] &= keep;
-                }
-            }
-            let back = select(0, turn, leaves);
-            x -= back;
-            at -= back;
+    var known = penalties_from(place, u32(line));
+    for (var i = 0; i < steps; i++) {
+        if is_unknown(place, forward) {
+            known = penalties_from(place, u32(line));
         }
+        path_step(&state, u32(at), penalty(known, place), works || !BARRIERS);
+        place += select(-1, 1, forward);
+        at += pass_.dy * stride + pass_.dx;
+        x += pass_.dx;
+        // A mask in place of a branch, which would copy the state.
+        let leaves = !horizontal && (x < 0 || x >= width);
+        let keep = vec4(select(0xffffffffu, 0u, leaves));
+        for (var s = 0u; s < SLICES; s++) {
+            for (var w = 0u; w < WIDTH; w++) {
+                state[s][w] &= keep;
+            }
+        }
+        let back = select(0, turn, leaves);
+        x -= back;
+        at -= back;
     }
-    if !horizontal && writes {
+    if !horizontal && works {
         // The state belongs to the pixel before x. After a wrap the next row's path starts anew and needs none.
         let last = x - pass_.dx;
         if last >= 0 && last < width {
@@ -83,8 +83,8 @@ fn main(@builtin(global_invocation_id) id: vec3<u32>, @builtin(local_invocation_
 fn path_step(state: ptr<function, State>, pixel: u32, p2: u32, writes: bool) {
     var around = surroundings(state);
     for (var s = 0u; s < SLICES; s++) {
-        var costs: Slice;
-        var sums: Slice;
+        var costs = Slice();
+        var sums = Slice();
         if in_volume(s * WIDTH) {
             costs = costs_at(slice_at(pixel + pass_.volume_row * frame.volume_stride, s));
             if pass_.accumulate == 1u {

@@ -23,9 +23,9 @@ fn main(@builtin(global_invocation_id) id: vec3<u32>) {
     var starts = run_starts(p, along);
     var removed = 0u;
     while starts != 0u {
-        let start = firstTrailingBit(starts);
+        let start = min(firstTrailingBit(starts), 7u);
         starts &= starts - 1u;
-        let length = 1u + firstTrailingBit(~(along >> (start + 1u)));
+        let length = 1u + min(firstTrailingBit(~(along >> (start + 1u))), 7u);
         if counts[parents[8u * at + start]] <= frame.speckle_window {
             removed |= ((1u << length) - 1u) << start;
         }

@@ -17,7 +17,7 @@ fn main(@builtin(global_invocation_id) id: vec3<u32>) {
     let first = 8u * (id.y * stride + id.x);
     var starts = run_starts(p, along);
     while starts != 0u {
-        let start = firstTrailingBit(starts);
+        let start = min(firstTrailingBit(starts), 7u);
         starts &= starts - 1u;
         let root = root_of(first + start);
         atomicStore(&parents[first + start], root);

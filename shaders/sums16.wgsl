@@ -4,7 +4,7 @@ alias Sums = array<vec4<u32>, 2>;
 const PARTS_OF_SUMS: u32 = 2u;
 
 fn sums_of(pairs: array<vec4<u32>, 2>) -> Sums {
-    return pairs;
+    return Sums(pairs[0], pairs[1]);
 }
 
 fn values_of(sums: Sums) -> array<vec4<u32>, 4> {

@@ -107,7 +107,7 @@ fn main(@builtin(global_invocation_id) id: vec3<u32>) {
     for (var k = 0u; k < 8u; k++) {
         let here = extractBits(grays[2][AROUND][k / 4u], (k % 4u) * 8u, 8u);
         let valid = extractBits(values[2][AROUND][k / 2u], (k % 2u) * 16u, 16u) != 0u;
-        var keys: array<u32, 25>;
+        var keys = array<u32, 25>();
         for (var n = 0u; n < 25u; n++) {
             let at = 8u * AROUND + k + n % 5u * SPACING - 2u * SPACING;
             let value = extractBits(values[n / 5u][at / 8u][at / 2u % 4u], (at % 2u) * 16u, 16u);

@@ -18,29 +18,29 @@ const BACKWARDS: bool = true;
 @compute @workgroup_size(LANES)
 fn main(@builtin(global_invocation_id) id: vec3<u32>, @builtin(local_invocation_index) local: u32) {
     let line = join_group(id.x, local);
-    if line >= pass_.rows && !BARRIERS {
+    let works = line < pass_.rows;
+    // src/kernels.rs takes this out where barriers follow.
+    if !works {
         return;
     }
     let strip_row = min(line, pass_.rows - 1u);
-    let writes = member == 0u && (line < pass_.rows || !BARRIERS);
+    let writes = member == 0u && (works || !BARRIERS);
     var state: State;
     var costs: Costs;
     var diagonal = no_costs(COST_NONE << 12u);
     var kept = RowWriter(INVALID, 0, INVALID);
     let steps = row_steps();
-    var i = 0;
-    while i < steps {
-        // What P2 is outside the image does not matter.
+    var known = penalties_from(i32(frame.width), strip_row);
+    for (var i = 0; i < steps; i++) {
         let x = row_start() - i;
-        let known = penalties_from(clamp(x + 1, 0, i32(frame.width)), strip_row);
-        let end = min(steps, i + steps_from(x + 1, false));
-        for (; i < end; i++) {
-            let x = row_start() - i;
-            if inside_row(x) {
-                walk(&state, &costs, strip_row * frame.volume_stride + u32(x), penalty(known, x + 1));
-            }
-            choose(&costs, &diagonal, &kept, pass_.first_row + strip_row, x, writes);
+        // What P2 is outside the image does not matter.
+        if is_unknown(x + 1, false) {
+            known = penalties_from(clamp(x + 1, 0, i32(frame.width)), strip_row);
         }
+        if inside_row(x) {
+            walk(&state, &costs, strip_row * frame.volume_stride + u32(x), penalty(known, x + 1));
+        }
+        choose(&costs, &diagonal, &kept, pass_.first_row + strip_row, x, writes);
     }
 }
 
@@ -49,8 +49,8 @@ fn walk(state: ptr<function, State>, costs: ptr<function, Costs>, strip_pixel: u
     let pixel = pass_.volume_row * frame.volume_stride + strip_pixel;
     var around = surroundings(state);
     for (var s = 0u; s < SLICES; s++) {
-        var c: Slice;
-        var t: array<Slice, PAIRED + 1u>;
+        var c = Slice();
+        var t = array<Slice, PAIRED + 1u>();
         if in_volume(s * WIDTH) {
             c = costs_at(slice_at(pixel, s));
             t[0] = slice_of(forward[slice_at(strip_pixel, s)]);

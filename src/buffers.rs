@@ -246,14 +246,6 @@ impl Sizes {
         let penalties = 16 * u64::from(across.max(along));
         if plan.adaptive {
             fits("the penalties of the pixels", penalties, "make the images smaller or switch adaptive_p2 off")?;
-            // `winner` takes a round for sixteen pixels more.
-            let most = ROUNDS / 17 * 16;
-            if width + params.min_disparity.unsigned_abs() > most {
-                return Err(Error::Image(format!(
-                    "the images are {width} pixels wide, but with an adaptive P2 at most {most}, less the smallest disparity, \
-                     are possible; make them smaller or switch adaptive_p2 off"
-                )));
-            }
         }
         let map = texels(map_stride);
         let right_map = if params.confidence { 2 * map } else { map };

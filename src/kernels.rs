@@ -309,9 +309,15 @@ pub(crate) fn constants(kernel: &Kernel, params: &Params, format: PixelFormat, p
     chosen.map(|(name, (kind, value))| format!("const {name}: {kind} = {value}; ")).collect()
 }
 
+/// How invocations without a line of their own leave a kernel that walks lines.
+const EARLY_RETURN: &str = "    if !works {\n        return;\n    }\n";
+
 /// The whole text of a specialised kernel.
 pub(crate) fn source(kernel: &Kernel, params: &Params, format: PixelFormat, plan: &Plan) -> String {
     let text = format!("{}\n{}\n", kernel.fragments(params, plan).join("\n"), constants(kernel, params, format, plan));
+    // A barrier is for all invocations of a workgroup: there they walk the last line once more, and write nothing.
+    let barriers = plan.exchange == Exchange::Workgroup && kernel.choices.contains(&Choice::Members);
+    let text = if barriers { text.replacen(EARLY_RETURN, "", 1) } else { text };
     #[cfg(test)]
     let text = tests::edited(kernel.name, text);
     text

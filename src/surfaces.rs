@@ -8,7 +8,7 @@ use checked::{INPUTS, Spot};
 pub(crate) use checked::{Middle, Spots};
 pub(crate) use passes::Surfaces;
 #[cfg(test)]
-pub(crate) use passes::{SHADERS, tests::are_made};
+pub(crate) use passes::{SHADERS, tests::are_made, tests::texts};
 use wgpu::TextureFormat;
 
 /// A layer of a texture. The matcher makes the view of it itself: wgpu does not say in which format a view shows its

@@ -206,16 +206,27 @@ fn ncc(disparities: u32) -> Params {
 /// The longest rows: lavapipe leaves an invocation after 65,535 rounds of its loops.
 #[test]
 fn longest_rows() {
-    let Some((adapter, device, queue)) = support::device() else { return };
+    let Some(setup) = support::device() else { return };
+    let (adapter, device, queue) = &setup;
     for (seed, (width, height)) in (0..).zip([(40_000, 2), (60_000, 1), (1, 60_000)]) {
         let (left, right) = support::pair(width, height, seed);
         let cases = [(Params::sgm(5), -2047), (Params::bm(5), -2047), (Params::bm(16), 500), (Params::bm(32), 2000)];
         for (mut params, min_disparity) in cases {
             params.min_disparity = min_disparity;
-            let matcher = StereoMatcher::new(&device, &queue, width, height, left.format(), &params).unwrap();
-            support::assert_equal(&matcher.check_blocking(&left, &right).unwrap(), &adapter, &(width, height, &params));
+            let matcher = StereoMatcher::new(device, queue, width, height, left.format(), &params).unwrap();
+            support::assert_equal(&matcher.check_blocking(&left, &right).unwrap(), adapter, &(width, height, &params));
         }
     }
+    // An adaptive P2 is loaded now and then, and that must take no round of its own.
+    for (seed, (width, height)) in (10..).zip([(60_000, 3), (58_257, 1), (3, 60_000)]) {
+        let (left, right) = support::pair(width, height, seed);
+        for (schedule, min_disparity) in [(Schedule::Lines, 0), (Schedule::Lines, 2047), (Schedule::Lanes, -2047)] {
+            let mut params = Params::sgm(6);
+            (params.adaptive_p2, params.schedule, params.min_disparity) = (true, schedule, min_disparity);
+            check(&setup, &left, &right, &params, seed);
+        }
+    }
+    let (adapter, device, queue) = setup;
     let (params, format) = (Params::sgm(5), gpu_stereo::PixelFormat::Gray8);
     let refused = StereoMatcher::new(&device, &queue, 60_001, 1, format, &params).unwrap_err();
     assert!(refused.to_string().contains("60000"), "{refused}");

@@ -2,8 +2,6 @@
 //! constant once the loops are unrolled; one other index, and the array lies in memory, 2 to 5 times slower on lavapipe
 //! (docs/PERFORMANCE.md). So the text of every specialised kernel is searched for such an index.
 
-use std::collections::BTreeMap;
-
 use naga::{Expression, Function, Handle, Module, Statement, TypeInner};
 
 use super::*;
@@ -170,7 +168,7 @@ fn examine(
 fn local_arrays_stay_in_registers() {
     for kernel in KERNELS {
         for text in texts(kernel) {
-            let wrong = unknown_indices(&text, &parse(kernel, &text));
+            let wrong = unknown_indices(text, &parse(kernel, text));
             assert!(
                 wrong.is_empty(),
                 "{}.wgsl: unless loops of at most {MOST_TRIPS} trips to a constant unroll, Mesa keeps an array in \

@@ -28,6 +28,11 @@ fn works() -> Vec<Work> {
     works
 }
 
+/// The texts of all, with the names of their first files.
+pub(crate) fn texts() -> impl Iterator<Item = (&'static str, String)> {
+    works().into_iter().map(|work| (work.files()[0], work.source()))
+}
+
 /// Whether wgpu accepts all pipelines on a device.
 pub(crate) fn are_made(device: &wgpu::Device) -> bool {
     works().into_iter().all(|work| scopes::guarded(device, || compile(device, work)).is_ok())
