@@ -1,7 +1,7 @@
 //! Sizes, strides and usages of every buffer, computed in one place before anything is created.
 
 use crate::schedule::Plan;
-use crate::{Cost, Error, Fill, Method, Params, PixelFormat, kernels, reference};
+use crate::{Cost, Error, Fill, Method, Params, PixelFormat, kernels, reference, rounds};
 
 /// The WGSL block `Frame`: what stays the same for all dispatches of a frame.
 #[repr(C)]
@@ -76,18 +76,10 @@ pub(crate) struct Rows {
     pub(crate) count: u32,
 }
 
-/// lavapipe leaves all loops of an invocation after so many rounds, without a word.
-const ROUNDS: u32 = 65_535;
+/// The longest side that is taken: a row and the smallest disparity take a round a pixel ([`rounds`]).
+pub(crate) const MOST_SIDE: u32 = 60_000;
 
-/// A row and the smallest disparity take a round a pixel; where four pixels at a time are loaded, six rounds for four, and
-/// one more for two pixels of the right view that no left pixel sees.
-const MOST_SIDE: u32 = 60_000;
-const MOST_SIDE_IN_FOURS: u32 = 40_000;
-
-/// Groups of eight columns that are joined across a border of two bands at a time. Only roots get other parents, and only
-/// roots of the upper band become them. So a way to a root has at most 8 * 128 of those, and what it had before in each
-/// band: one pixel for each segment of each border so far, 59 * 16. `speckle_flatten` walks eight times a way from above,
-/// to look for the root, and one from above and one from below: 8 * (3 * 1024 + 4 * 944) rounds, fewer than [`ROUNDS`].
+/// Groups of eight columns that are joined across a border of two bands at a time, so that no way to a root is long ([`rounds`]).
 pub(crate) const SEGMENT_GROUPS: u32 = 128;
 
 /// Bytes a buffer of column sums may take. They live only until the cost is computed from them, so more of them than
@@ -187,14 +179,17 @@ impl Sizes {
                 "the images are {width}x{height}, but at most {side} pixels a side are possible here; make them smaller"
             )));
         }
-        // With checks some loops over a state stay loops.
-        let rounds = if plan.own_quads <= 4 { 5 } else { 5 * plan.own_quads } + 8 * u32::from(params.confidence);
-        let rounds = rounds + if params.cost == Cost::Ncc { 2 * plan.own_quads } else { 0 };
-        let most = ROUNDS / rounds;
-        if params.shader_checks && !plan.lanes && width + params.min_disparity.unsigned_abs() > most {
+        let taken = |kernel, side: u32| {
+            let rounds = rounds::rounds(kernel, params, [width.min(side), height.min(side)], plan);
+            rounds.is_none_or(|rounds| rounds <= rounds::MOST)
+        };
+        let walks: &[&str] = if params.method == Method::Sgm { &["sgm_aggregate", "winner"] } else { &["block_match"] };
+        let all_taken = |side: &u32| walks.iter().all(|kernel| taken(kernel, *side));
+        if !all_taken(&MOST_SIDE) {
+            let most = (1..width.max(height)).rev().find(all_taken).unwrap_or(0);
             return Err(Error::Image(format!(
-                "the images are {width} pixels wide, but with shader checks the schedule lines takes at most {most}, less \
-                 the smallest disparity; switch the checks off or take the schedule lanes"
+                "the images are {width}x{height}, but with shader checks at most {most} pixels a side are possible with these \
+                 settings; switch the checks off or make the images smaller"
             )));
         }
         let pixels = u64::from(width) * u64::from(height);
@@ -302,8 +297,7 @@ impl Sizes {
         };
         let small_method = match params.method {
             Method::Sgm => true,
-            // Not with the checks: lavapipe ends an invocation after 65535 rounds of all of its loops, silently, and the
-            // checks keep the loops over an invocation's state from being unrolled.
+            // Not with the checks, which keep the loops over an invocation's state from being unrolled.
             Method::Bm => {
                 !plan.lanes
                     && plan.subgroup >= 8
@@ -315,11 +309,16 @@ impl Sizes {
                     && !params.confidence
             }
         };
+        let small_kernel = match (params.method, plan.lanes, params.block) {
+            (Method::Bm, ..) => "block_match_small",
+            (Method::Sgm, true, _) => "matching_cost_lanes",
+            (Method::Sgm, false, 1) => "matching_cost_pixels",
+            (Method::Sgm, false, _) => "matching_cost_small",
+        };
         let small_block = small_method
             && largest.is_none_or(|largest| largest.small_block)
             && params.sums_small_blocks()
-            && width <= MOST_SIDE_IN_FOURS
-            && (!params.shader_checks || width * (params.block + 5) <= ROUNDS)
+            && taken(small_kernel, MOST_SIDE)
             && left_stride.max(right_stride).max(height * params.planes()) <= limits.max_texture_dimension_2d;
         if !small_block {
             fits("a row of column sums", chunk_row, fewer)?;

@@ -98,6 +98,7 @@ mod params;
 mod readback;
 mod rectification;
 pub mod reference;
+mod rounds;
 mod schedule;
 mod scopes;
 mod steps;

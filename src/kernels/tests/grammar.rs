@@ -195,21 +195,50 @@ fn variables_of_loops_have_initial_values() {
 #[test]
 fn missing_parentheses_are_found() {
     for expression in [
-        "a * b | c", "a | b & c", "a << 1u | b", "a + b << 2u", "a << b + c", "a & b == c", "a == b & c", "a < b == c",
-        "a && b || c", "f(a * a | (b << 1u))", "x[a ^ b + 1u]", "a << 1u << 2u", "a % b & c", "-a & b | c", "a & b + c",
-        "(a & b) | c + d", "a - b >> c",
+        "a * b | c",
+        "a | b & c",
+        "a << 1u | b",
+        "a + b << 2u",
+        "a << b + c",
+        "a & b == c",
+        "a == b & c",
+        "a < b == c",
+        "a && b || c",
+        "f(a * a | (b << 1u))",
+        "x[a ^ b + 1u]",
+        "a << 1u << 2u",
+        "a % b & c",
+        "-a & b | c",
+        "a & b + c",
+        "(a & b) | c + d",
+        "a - b >> c",
     ] {
-        for around in ["return {};", "let x = {};", "if {} { }", "x += {};", "x = f(1u, {}, y);", "for (; {}; i++) { }"] {
+        for around in ["return {};", "let x = {};", "if {} { }", "x += {};", "x = f(1u, {}, y);", "for (; {}; i++) { }"]
+        {
             let text = around.replace("{}", expression);
             assert!(!unparenthesised(&text).is_empty(), "{text} passed");
         }
     }
     for expression in [
-        "(a * b) | c", "a | b | c", "(a << 1u) | b", "a + b * c % d", "a < b && c + d >= e && f", "a << (b + c)", "-a & ~b",
-        "(a & b) == c", "x < (y >> 3u) || z", "vec4<u32>(a) >> vec4(b)", "a + f(b & c)", "a == b", "1.5 * a", "a >> 1u <= b << 2u",
-        "array<vec4<u32>, 2>(a, b)", "a - -b",
+        "(a * b) | c",
+        "a | b | c",
+        "(a << 1u) | b",
+        "a + b * c % d",
+        "a < b && c + d >= e && f",
+        "a << (b + c)",
+        "-a & ~b",
+        "(a & b) == c",
+        "x < (y >> 3u) || z",
+        "vec4<u32>(a) >> vec4(b)",
+        "a + f(b & c)",
+        "a == b",
+        "1.5 * a",
+        "a >> 1u <= b << 2u",
+        "array<vec4<u32>, 2>(a, b)",
+        "a - -b",
     ] {
-        for around in ["return {};", "let x = {};", "if {} { }", "x += {};", "x = f(1u, {}, y);", "for (; {}; i++) { }"] {
+        for around in ["return {};", "let x = {};", "if {} { }", "x += {};", "x = f(1u, {}, y);", "for (; {}; i++) { }"]
+        {
             let text = around.replace("{}", expression);
             assert_eq!(unparenthesised(&text), Vec::<String>::new(), "{text}");
         }
@@ -219,7 +248,8 @@ fn missing_parentheses_are_found() {
 /// The test of the second one.
 #[test]
 fn unset_variables_are_found() {
-    let kernel = |body: &str| format!("fn f() -> u32 {{ var a: u32; {body} return a; }} fn g() {{ var b: vec4<u32>; }}");
+    let kernel =
+        |body: &str| format!("fn f() -> u32 {{ var a: u32; {body} return a; }} fn g() {{ var b: vec4<u32>; }}");
     for (body, expected) in [
         ("", 0),
         ("for (var i = 0u; i < 4u; i++) { var x = Words(); }", 0),

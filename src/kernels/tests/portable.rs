@@ -5,7 +5,9 @@
 use std::collections::BTreeMap;
 use std::sync::LazyLock;
 
-use naga::{AddressSpace, BinaryOperator, Expression, Function, Handle, Literal, MathFunction, Module, Statement, TypeInner};
+use naga::{
+    AddressSpace, BinaryOperator, Expression, Function, Handle, Literal, MathFunction, Module, Statement, TypeInner,
+};
 
 use super::*;
 
@@ -71,7 +73,9 @@ impl Walk<'_> {
     fn varies(&self, expression: Handle<Expression>) -> bool {
         let any = |parts: &[Option<Handle<Expression>>]| parts.iter().flatten().any(|part| self.varies(*part));
         match &self.function.expressions[expression] {
-            Expression::Literal(_) | Expression::Constant(_) | Expression::Override(_) | Expression::ZeroValue(_) => false,
+            Expression::Literal(_) | Expression::Constant(_) | Expression::Override(_) | Expression::ZeroValue(_) => {
+                false
+            }
             Expression::Compose { components, .. } => components.iter().any(|part| self.varies(*part)),
             Expression::Access { base, index } => any(&[Some(*base), Some(*index)]),
             Expression::AccessIndex { base, .. } => self.varies(*base),
@@ -98,9 +102,9 @@ impl Walk<'_> {
             Expression::Relational { argument, .. } => self.varies(*argument),
             Expression::Math { arg, arg1, arg2, arg3, .. } => any(&[Some(*arg), *arg1, *arg2, *arg3]),
             Expression::CallResult(callee) => self.varying.results.contains(callee),
-            Expression::ArrayLength(_) | Expression::ImageQuery { .. } | Expression::WorkGroupUniformLoadResult { .. } => {
-                false
-            }
+            Expression::ArrayLength(_)
+            | Expression::ImageQuery { .. }
+            | Expression::WorkGroupUniformLoadResult { .. } => false,
             _ => true,
         }
     }
@@ -144,7 +148,8 @@ impl Walk<'_> {
                     // A `break` in it leaves the switch alone; that it may be a `continue` makes this stricter, not laxer.
                     let some = some || self.varies(*selector);
                     for case in cases {
-                        left |= self.block(&case.body, some) && case.body.iter().any(|s| !matches!(s, Statement::Break));
+                        left |=
+                            self.block(&case.body, some) && case.body.iter().any(|s| !matches!(s, Statement::Break));
                     }
                 }
                 Statement::Loop { body, continuing, break_if } => {
@@ -206,8 +211,7 @@ fn lonely_barriers(module: &Module) -> Vec<String> {
         // Callers before those that they call.
         for (handle, function) in functions(module).into_iter().rev() {
             let some = handle.is_some_and(|handle| varying.called.contains(&handle));
-            let mut walk =
-                Walk { module, handle, function, varying: &mut varying, gone: false, wrong: Vec::new() };
+            let mut walk = Walk { module, handle, function, varying: &mut varying, gone: false, wrong: Vec::new() };
             walk.block(&function.body, some);
             wrong.extend(walk.wrong);
         }
@@ -244,7 +248,13 @@ impl<'a> Ranges<'a> {
     }
 
     /// The least and the most that an expression can be, in any of its components; `None` where that is not known.
-    fn of(&self, f: &'a Function, handle: Option<Handle<Function>>, e: Handle<Expression>, depth: u32) -> Option<(u64, u64)> {
+    fn of(
+        &self,
+        f: &'a Function,
+        handle: Option<Handle<Function>>,
+        e: Handle<Expression>,
+        depth: u32,
+    ) -> Option<(u64, u64)> {
         let depth = depth.checked_sub(1)?;
         let of = |e: Handle<Expression>| self.of(f, handle, e, depth);
         let union = |ranges: Vec<Option<(u64, u64)>>| {
@@ -341,9 +351,7 @@ impl<'a> Ranges<'a> {
             }
             _ => (),
         });
-        let rises = |e: &Handle<Expression>| {
-            matches!(f.expressions[*e], Expression::Binary { op: BinaryOperator::Add, left, .. } if is_load(left))
-        };
+        let rises = |e: &Handle<Expression>| matches!(f.expressions[*e], Expression::Binary { op: BinaryOperator::Add, left, .. } if is_load(left));
         let counts = values.iter().any(rises);
         values.retain(|value| !rises(value));
         let starts = values.iter().map(|value| self.of(f, handle, *value, depth)).collect::<Option<Vec<_>>>()?;
@@ -557,7 +565,10 @@ mod mutants {
             ("var n = rows; if own(n) { return; } wait(local);", false),
             ("for (var i = 0u; i < rows; i++) { if i == 7u { break; } wait(i); }", false),
             ("switch block.list[1].x { case 1u: { wait(1u); } default: { } }", false),
-            ("var i = 0u; loop { if local == i { data[1] = i; } wait(i); continuing { i++; break if i == rows; } }", false),
+            (
+                "var i = 0u; loop { if local == i { data[1] = i; } wait(i); continuing { i++; break if i == rows; } }",
+                false,
+            ),
             ("maybe(rows);", false),
             ("if local > 3u { return; } workgroupBarrier();", true),
             ("if local > 3u && false { return; } two(1u);", true),
@@ -644,7 +655,10 @@ mod mutants {
             ("fn f() -> Sums { let p = Pair(Sums(), 1u); return p.a; }", 0),
             ("fn f() -> Sums { return array(vec4(1u), vec4(2u)); }", 1),
             ("fn f() -> Sums { return array<vec4<u32>, 2>(vec4(1u), vec4(2u)); }", 1),
-            ("fn g(a: array<vec4<u32>, 2>) -> Sums { return a; } fn f() -> Sums { return g(array<vec4<u32>, 2>()); }", 1),
+            (
+                "fn g(a: array<vec4<u32>, 2>) -> Sums { return a; } fn f() -> Sums { return g(array<vec4<u32>, 2>()); }",
+                1,
+            ),
             ("fn f() -> Sums { var s: Sums; s = array(vec4(1u), vec4(2u)); return s; }", 1),
             ("fn f() -> Sums { let a = array(vec4(1u), vec4(2u)); data[1] = take(a); return Sums(); }", 1),
             ("fn f() -> Sums { var a = array(vec4(1u), vec4(2u)); change(&a); return Sums(); }", 1),
