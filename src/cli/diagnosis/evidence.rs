@@ -172,13 +172,16 @@ fn is_related(fitting: usize, of: usize) -> bool {
 /// `before`: the matches in common rows as it is.
 fn turned(left: &[Corner], right: &Gray, before: usize) -> Option<Finding> {
     let (width, height) = (right.width, right.height);
-    let ways: [(&str, fn(usize, usize, usize, usize) -> (usize, usize)); 3] = [
-        ("upside down", |x, y, w, h| (w - 1 - x, h - 1 - y)),
-        ("mirrored left to right", |x, y, w, _| (w - 1 - x, y)),
-        ("mirrored top to bottom", |x, y, _, h| (x, h - 1 - y)),
+    // Whether columns and rows run backwards.
+    let ways = [
+        ("upside down", [true, true]),
+        ("mirrored left to right", [true, false]),
+        ("mirrored top to bottom", [false, true]),
     ];
-    ways.into_iter().find_map(|(how, place)| {
-        let pixels = (0..height).flat_map(|y| (0..width).map(move |x| place(x, y, width, height)));
+    ways.into_iter().find_map(|(how, [columns, rows])| {
+        let place =
+            |x: usize, y: usize| (if columns { width - 1 - x } else { x }, if rows { height - 1 - y } else { y });
+        let pixels = (0..height).flat_map(|y| (0..width).map(move |x| place(x, y)));
         let data = pixels.map(|(x, y)| right.data[y * width + x]).collect();
         let right = corners(&Gray { width, height, data });
         let free = Distances::new(left, &right).matches(left, &right, |_, _| true);
