@@ -301,7 +301,7 @@ fn sources(folder: &Path) -> Vec<(String, String)> {
     for path in fs::read_dir(folder).unwrap().map(|entry| entry.unwrap().path()) {
         if path.is_dir() {
             all.extend(sources(&path));
-        } else {
+        } else if path.file_name() != Some("tests.rs".as_ref()) {
             all.push((path.to_string_lossy().replace('\\', "/"), fs::read_to_string(&path).unwrap()));
         }
     }
