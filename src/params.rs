@@ -518,10 +518,9 @@ impl Params {
             "100 is usual",
         )?;
         if let Some(Wls { lambda, sigma }) = self.wls {
-            for (name, value, least, most, remedy) in [
-                ("wls-lambda", lambda, 0.0, 1e6, "4 is usual"),
-                ("wls-sigma", sigma, 0.1, 1000.0, "1 to 2 is usual"),
-            ] {
+            for (name, value, least, most, remedy) in
+                [("wls-lambda", lambda, 0.0, 1e6, "4 is usual"), ("wls-sigma", sigma, 0.1, 1000.0, "1 to 2 is usual")]
+            {
                 let good = (least..=most).contains(&value);
                 check(good, name, value.to_string(), format!("from {least} to {most}"), remedy)?;
             }

@@ -66,11 +66,18 @@ pub(crate) fn rounds(kernel: &str, params: &Params, [width, height]: [u32; 2], p
         }
         "texture_columns" => repeated(reach, 0) + repeated(segment, 0),
         "matching_cost" => repeated(reach, 0) + repeated(kernels::span(plan).min(width), 0),
-        "matching_cost_pixels" => repeated(width.div_ceil(4), checks * 4 * repeated(params.planes(), 0)),
+        "matching_cost_pixels" => repeated(width.div_ceil(4), checks * 8 * repeated(params.planes().max(8), 0)),
         // The four columns of a step are not unrolled.
         "matching_cost_small" => {
-            let column = checks * (block + 4);
-            repeated((width + reach).div_ceil(4), repeated(4, column))
+            let planes = params.planes();
+            let (rows, column) = match planes {
+                1 => (0, block + 4),
+                _ => {
+                    let rows = repeated(block + 1, repeated(planes, 0));
+                    (rows, rows + (block + 1) * repeated(planes.max(8), 0) + repeated(4, repeated(block, 0)))
+                }
+            };
+            repeated((width + reach).div_ceil(4), checks * rows + repeated(4, checks * column))
         }
         "matching_cost_lanes" => {
             let planes = repeated(params.planes().max(8), 0);
