@@ -53,6 +53,7 @@ fn maps(folder: &TempDir) -> BTreeMap<PathBuf, Vec<u8>> {
     let maps = folder.path().join("maps");
     let all = contents(&maps).into_iter().map(|(path, bytes)| (path.strip_prefix(&maps).unwrap().to_owned(), bytes));
     all.filter(|(path, _)| !path.to_string_lossy().ends_with(".json") && !path.to_string_lossy().ends_with(".jsonl"))
+        .filter(|(path, _)| !path.to_string_lossy().starts_with(".gpu-stereo-begun-"))
         .collect()
 }
 
@@ -388,7 +389,9 @@ fn failures_are_told_and_logged_and_the_log_is_a_list() {
     let whole = fs::read(at("l1.png")).unwrap();
     fs::write(at("l1.png"), &whole[..whole.len() / 2]).unwrap();
     fs::remove_file(at("r2.png")).unwrap();
-    fs::create_dir_all(at("maps/p/3.png/in the way")).unwrap();
+    let other = fs::read(at("r3.png")).unwrap();
+    save(folder.path(), 9, [20, 20], Into::into);
+    fs::rename(at("r9.png"), at("r3.png")).unwrap();
     let output = run(folder.path(), &batch(&["--json"]));
     assert_eq!(output.status.code(), Some(1));
     let mut told_of = told(&output);
@@ -406,8 +409,11 @@ fn failures_are_told_and_logged_and_the_log_is_a_list() {
     let mut logged = log(&folder, "failures.jsonl");
     logged.sort_by_key(|line| line["name"].to_string());
     assert_eq!(json!(logged), failures);
-    let words =
-        [("p/1", "l1.png", "cut short"), ("p/2", "l2.png", "does not exist"), ("p/3", "l3.png", "cannot be written")];
+    let words = [
+        ("p/1", "l1.png", "cut short"),
+        ("p/2", "l2.png", "does not exist"),
+        ("p/3", "l3.png", "both must have one size"),
+    ];
     for (line, (name, left, error)) in logged.iter().zip(words) {
         assert!(line["name"] == name && Path::new(line["left"].as_str().unwrap()).is_absolute(), "{line}");
         assert!(
@@ -418,7 +424,7 @@ fn failures_are_told_and_logged_and_the_log_is_a_list() {
     }
     // What failed is computed again by itself, once the causes are gone.
     fs::write(at("l1.png"), &whole).unwrap();
-    fs::remove_dir_all(at("maps/p/3.png")).unwrap();
+    fs::write(at("r3.png"), &other).unwrap();
     let output = run(folder.path(), &of(&["maps/failures.jsonl"], &["--json"]));
     assert_eq!(counts(&told(&output)), [3, 2, 1, 0]);
     assert_eq!(log(&folder, "failures.jsonl").len(), 4);

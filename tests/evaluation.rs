@@ -576,7 +576,7 @@ fn kitti_in_its_layout() {
         let picture = image::open(folder.path().join("report").join(picture)).unwrap();
         assert!(picture.height() == 30, "{shown:?}");
     }
-    assert_eq!(files_below(&folder.path().join("report")).len(), shown.len() + 2);
+    assert_eq!(files_below(&folder.path().join("report")).len(), shown.len() + 3); // report.md, results.json, done.jsonl
     let json: Value = serde_json::from_slice(&fs::read(folder.path().join("report/results.json")).unwrap()).unwrap();
     assert_eq!(json["scenes"][0]["evaluation"], all);
 

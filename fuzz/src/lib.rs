@@ -24,10 +24,14 @@ pub use rectification::{Lens, Rectification};
 
 #[path = "../../src/cli/calibration.rs"]
 pub mod calibration;
+#[path = "../../src/cli/facts.rs"]
+mod facts;
 #[path = "../../src/cli/input.rs"]
 pub mod input;
 #[path = "../../src/cli/list.rs"]
 pub mod list;
+#[path = "../../src/cli/lossless.rs"]
+mod lossless;
 #[path = "../../src/cli/maps.rs"]
 pub mod maps;
 #[path = "../../src/cli/stereo_rectify.rs"]

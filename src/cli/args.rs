@@ -363,6 +363,14 @@ pub struct BenchArgs {
     #[arg(long, value_name = "FOLDER", help_heading = OUTPUT)]
     pub submission: Option<PathBuf>,
 
+    /// Do not wait until each file is on the disk; --resume then reads them before it trusts them
+    #[arg(long, help_heading = OUTPUT)]
+    pub no_sync: bool,
+
+    /// Keep what an earlier run with the same settings found in the folder of --report, and compute only what is missing
+    #[arg(long, help_heading = OUTPUT)]
+    pub resume: bool,
+
     /// The method's name in the files to submit
     #[arg(long, value_name = "METHOD", default_value = "gpu-stereo", help_heading = OUTPUT)]
     pub method_name: String,
@@ -438,9 +446,21 @@ pub struct VideoArgs {
     #[arg(long, value_name = "FPS", allow_negative_numbers = true, help_heading = OUTPUT)]
     pub fps: Option<String>,
 
-    /// Keep the files of an earlier run with the same settings, and compute only what is missing
+    /// Keep the files of an earlier run with the same settings and the same images, and compute only what is missing
     #[arg(long, help_heading = OUTPUT)]
     pub resume: bool,
+
+    /// With --resume: try again what ended the processes that computed it
+    #[arg(long, requires = "resume", help_heading = OUTPUT)]
+    pub retry: bool,
+
+    /// Do not wait until each file is on the disk; --resume then reads the maps before it trusts them
+    #[arg(long, help_heading = OUTPUT)]
+    pub no_sync: bool,
+
+    /// Internal: compute the pairs of this journal one by one
+    #[arg(long, hide = true, value_name = "FILE")]
+    pub suspects: Option<PathBuf>,
 
     /// Print one JSON object instead of the summary
     #[arg(long, help_heading = OUTPUT)]
@@ -522,9 +542,21 @@ pub struct BatchArgs {
     #[arg(long, value_name = "FORMAT", value_delimiter = ',', hide_possible_values = true, help_heading = OUTPUT)]
     pub format: Vec<Format>,
 
-    /// Keep the files of an earlier run with the same settings, and compute only what is missing
+    /// Keep the files of an earlier run with the same settings and the same images, and compute only what is missing
     #[arg(long, help_heading = OUTPUT)]
     pub resume: bool,
+
+    /// With --resume: try again what ended the processes that computed it
+    #[arg(long, requires = "resume", help_heading = OUTPUT)]
+    pub retry: bool,
+
+    /// Do not wait until each file is on the disk; --resume then reads the maps before it trusts them
+    #[arg(long, help_heading = OUTPUT)]
+    pub no_sync: bool,
+
+    /// Internal: compute the pairs of this journal one by one
+    #[arg(long, hide = true, value_name = "FILE")]
+    pub suspects: Option<PathBuf>,
 
     /// Print one JSON object instead of the summary
     #[arg(long, help_heading = OUTPUT)]

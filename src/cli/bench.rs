@@ -1,6 +1,7 @@
 //! Bench: every scene of a data set with every variant: scores, a report with pictures, files to submit.
 
 use crate::args::{Backend, BenchArgs, DeviceArgs, InputArgs};
+use crate::bench_log::{self, BenchLog, Kept, Known};
 use crate::diagnosis::{self, Evidence, Finding};
 use crate::evaluate::{Evaluation, Truth, percent, pixels};
 use crate::layout::{Layout, Scene};
@@ -12,8 +13,7 @@ use crate::run::Engine;
 use crate::study::{self, Variant};
 use crate::terminal::{self, name, one_line, plain};
 use crate::views::{self, Views};
-use crate::warnings;
-use crate::{adapter, environment, places};
+use crate::{adapter, disk, environment, list, places, warnings};
 use anyhow::{Result, bail, ensure};
 use gpu_stereo::evaluation::{FloatMap, Scores};
 use gpu_stereo::{DisparityMap, Image, Params};
@@ -21,7 +21,7 @@ use image::RgbImage;
 use image::imageops::{self, FilterType};
 use serde::Serialize;
 use std::collections::BTreeSet;
-use std::fmt::Write as _;
+use std::fmt::{self, Display, Formatter, Write as _};
 use std::path::{Path, PathBuf};
 
 /// Pictures of the report are at most so wide.
@@ -42,6 +42,7 @@ pub struct Bench {
     repeat: Option<u32>,
     report: Option<PathBuf>,
     submission: Option<Submission>,
+    resume: bool,
     json: bool,
     quiet: bool,
 }
@@ -113,6 +114,13 @@ pub fn resolve(args: BenchArgs) -> Result<Bench> {
     for folder in [args.report.as_ref(), submission.as_ref().map(|s| &s.folder)].into_iter().flatten() {
         output::ensure_folder(folder)?;
     }
+    ensure!(
+        !args.resume || args.report.is_some(),
+        "--resume needs the folder where the earlier run kept what it found; add --report FOLDER"
+    );
+    if args.no_sync {
+        disk::leave_to_the_system();
+    }
     let bench = Bench {
         layout: args.layout,
         scenes,
@@ -122,6 +130,7 @@ pub fn resolve(args: BenchArgs) -> Result<Bench> {
         repeat,
         report: args.report,
         submission,
+        resume: args.resume,
         json: args.json,
         quiet: args.quiet,
     };
@@ -161,7 +170,22 @@ struct SceneFound {
     evaluation_noc: Option<Evaluation>,
     #[serde(skip)]
     scores: [Option<Scores>; 2],
+    /// The numbers of scene and variant, from 1.
+    #[serde(skip)]
+    numbers: [usize; 2],
 }
+
+/// A result that could not be written.
+#[derive(Debug)]
+struct Unwritten(anyhow::Error);
+
+impl Display for Unwritten {
+    fn fmt(&self, to: &mut Formatter<'_>) -> fmt::Result {
+        write!(to, "{:#}", self.0)
+    }
+}
+
+impl std::error::Error for Unwritten {}
 
 /// A set with a variant: the mean of its scenes, and all their pixels together.
 #[derive(Serialize)]
@@ -254,45 +278,76 @@ impl Bench {
             failures: vec![],
             warnings: vec![],
         };
-        let mut pictures = Pictures::new(self.report.as_deref());
+        let log = BenchLog::open(self.report.as_deref(), self.resume)?;
         for (number, scene) in (1..).zip(&self.scenes) {
-            progress.begin(&scene.label());
+            let label = scene.label();
+            progress.begin(&label);
             let mut fail = |variant: Option<&Variant>, error: anyhow::Error| {
-                let (scene, variant) = (scene.label(), variant.map(|variant| variant.label.clone()));
+                let (scene, variant) = (label.clone(), variant.map(|variant| variant.label.clone()));
                 let error = one_line(&format!("{error:#}"));
                 let of = variant.iter().map(|variant| format!(", {variant}")).collect::<String>();
                 progress.tell(&format!("failed: {}{}: {error}", name(&scene), plain(&of)));
                 found.failures.push(Failure { scene, variant, error });
             };
-            let loaded = match load(scene, &self.input) {
+            let warned = warnings::all().len();
+            let key = |place: usize| self.key(number, place, scene);
+            let kept = |place: usize| log.find(&label, &self.variants[place].label, &key(place));
+            let kept: Vec<_> = (0..self.variants.len()).map(kept).collect();
+            let inputs = if kept.iter().all(Option::is_some) { Vec::new() } else { log.inputs(scene.files()) };
+            let loaded = if kept.iter().all(Option::is_some) { None } else { Some(load(scene, &self.input)) };
+            let loaded = match loaded.transpose() {
                 Ok(loaded) => loaded,
                 Err(error) => {
                     fail(None, error);
-                    self.variants.iter().for_each(|_| progress.done(&name(&scene.label()).to_string()));
+                    self.variants.iter().for_each(|_| progress.done(&name(&label).to_string()));
                     continue;
                 }
             };
-            for variant in &self.variants {
-                let result = self.compute(&mut engine, scene, &loaded, variant);
-                names = names.or_else(|| engine.as_ref().map(Engine::names));
-                let told = format!("{}, {}", name(&scene.label()), plain(&variant.label));
-                if let Ok((params, ..)) = &result {
-                    loaded.warn(scene, variant, params, &progress);
-                }
-                let done = result.and_then(|(params, map, mut result)| {
-                    result.score(&loaded, &(&map).into())?;
-                    if let Some(submission) = &self.submission {
-                        submission.write(self, scene, variant, &map, &result, &params)?;
+            let mut is_first = true;
+            for (place, variant) in self.variants.iter().enumerate() {
+                let told = format!("{}, {}", name(&label), plain(&variant.label));
+                let done = match (kept[place], &loaded) {
+                    (Some(kept), _) => {
+                        names.get_or_insert_with(|| kept.names.clone());
+                        kept.warnings.iter().for_each(|line| warnings::warn_by(line, |line| progress.tell(line)));
+                        self.kept(scene, variant, kept)
                     }
-                    pictures.add(number, &result, &loaded, &map, output::searched(&params))?;
-                    Ok(result)
-                });
+                    (None, Some(loaded)) => {
+                        let result = self.compute(&mut engine, scene, loaded, variant);
+                        if let Some(engine) = &engine {
+                            names.get_or_insert_with(|| engine.names());
+                        }
+                        if let Ok((params, ..)) = &result {
+                            loaded.warn(scene, variant, params, &progress);
+                        }
+                        result.and_then(|(params, map, mut result)| {
+                            result.numbers = [number, place + 1];
+                            result.score(loaded, &(&map).into())?;
+                            let written = self.write(&result, scene, variant, loaded, &map, &params, is_first);
+                            let outputs = written.map_err(Unwritten)?;
+                            let names = names.clone().unwrap_or_default();
+                            let keep = [label.as_str(), &variant.label, &key(place)];
+                            log.keep(keep, &inputs, outputs, result.kept(names, &warnings::all()[warned..]))
+                                .map_err(Unwritten)?;
+                            Ok(result)
+                        })
+                    }
+                    (None, None) => continue, // all were kept
+                };
                 match done {
-                    Ok(result) => {
+                    Ok(mut result) => {
+                        result.numbers = [number, place + 1];
+                        is_first = false;
                         progress.done(&format!("{told}: {}", result.told()));
                         found.scenes.push(result);
                     }
                     Err(error) => {
+                        if error.downcast_ref().is_some_and(|Unwritten(error)| disk::is_lasting(error)) {
+                            drop(progress);
+                            let (maps, all) = (found.scenes.len(), self.scenes.len() * self.variants.len());
+                            let advice = if self.report.is_some() { ": --resume computes the rest" } else { "" };
+                            bail!("{error:#}; {maps} of {all} maps were scored{advice}");
+                        }
                         fail(Some(variant), error);
                         progress.done(&told);
                     }
@@ -304,7 +359,7 @@ impl Bench {
         found.sets = sets(&found.scenes);
         found.warnings = warnings::all();
         if let Some(folder) = &self.report {
-            pictures.write_report(folder, &found)?;
+            write_report(folder, &found)?;
         }
         if self.json {
             terminal::print_json(&found)?;
@@ -313,6 +368,72 @@ impl Bench {
             terminal::print(&format!("{}{}{set_table}", scene_table(&found.scenes), separator(&set_table)))?;
         }
         Ok(found.failures.is_empty())
+    }
+
+    /// All that decides about the result of a scene with a variant and about the files that are made of it, but the contents
+    /// of the scene's files.
+    fn key(&self, number: usize, place: usize, scene: &Scene) -> String {
+        let variant = &self.variants[place];
+        let submission = self.submission.as_ref().map(|to| (list::absolute(&to.folder), &to.method));
+        let files: Vec<_> = scene.files().map(list::absolute).collect();
+        let (version, several) = (env!("CARGO_PKG_VERSION"), self.variants.len() > 1);
+        let of_run = (
+            version,
+            self.layout,
+            self.repeat,
+            self.device.backend,
+            &self.device.adapter,
+            submission,
+            several,
+            &self.input,
+        );
+        format!("{of_run:?} {number} {place} {:?} {:?} {scene:?} {files:?}", variant.settings, variant.params)
+    }
+
+    /// What was found before.
+    fn kept(&self, scene: &Scene, variant: &Variant, kept: &Kept) -> Result<SceneFound> {
+        let (settings, params) = settings(variant, scene.disparities()?)?;
+        let scores = kept.scores.each_ref().map(|scores| scores.as_ref().map(Scores::from));
+        let [evaluation, evaluation_noc] = scores.each_ref().map(|scores| scores.as_ref().map(Evaluation::from));
+        let [median, min] = kept.ms.map(f64::from);
+        Ok(SceneFound {
+            set: scene.set.clone(),
+            scene: scene.name.clone(),
+            variant: variant.label.clone(),
+            settings,
+            width: kept.size.0,
+            height: kept.size.1,
+            min_disparity: params.min_disparity,
+            disparities: params.disparities,
+            valid: kept.valid.into(),
+            frame_ms: FrameMs { median, min },
+            evaluation,
+            evaluation_noc,
+            scores,
+            numbers: [0, 0],
+        })
+    }
+
+    /// Writes the files of a scene with a variant.
+    #[allow(clippy::too_many_arguments)]
+    fn write(
+        &self,
+        found: &SceneFound,
+        scene: &Scene,
+        variant: &Variant,
+        loaded: &Loaded,
+        map: &DisparityMap,
+        params: &Params,
+        is_first: bool,
+    ) -> Result<Vec<Known>> {
+        let mut written = Vec::new();
+        if let Some(submission) = &self.submission {
+            written.extend(submission.write(self, scene, variant, map, found, params)?);
+        }
+        if let Some(report) = &self.report {
+            written.extend(write_pictures(report, found, loaded, map, output::searched(params), is_first)?);
+        }
+        Ok(written)
     }
 
     /// The map of a scene.
@@ -353,6 +474,7 @@ impl Bench {
             evaluation: None,
             evaluation_noc: None,
             scores: [None, None],
+            numbers: [0, 0],
         };
         Ok((params, map, result))
     }
@@ -403,6 +525,18 @@ impl SceneFound {
         self.scores = [score(&loaded.truth)?, score(&loaded.noc)?];
         [self.evaluation, self.evaluation_noc] = self.scores.each_ref().map(|s| s.as_ref().map(Evaluation::from));
         Ok(())
+    }
+
+    /// What is kept of it.
+    fn kept<'a>(&'a self, names: (String, String, String), warnings: &[String]) -> bench_log::Found<'a> {
+        bench_log::Found {
+            warnings: warnings.to_vec(),
+            names,
+            size: (self.width, self.height),
+            valid: self.valid,
+            ms: [self.frame_ms.median, self.frame_ms.min],
+            scores: self.scores.each_ref().map(Option::as_ref),
+        }
     }
 
     /// The outcome in a few words.
@@ -557,16 +691,17 @@ impl Submission {
         map: &DisparityMap,
         found: &SceneFound,
         params: &Params,
-    ) -> Result<()> {
+    ) -> Result<Vec<Known>> {
         let files = self.files(bench, scene, variant, map.data.contains(&DisparityMap::INVALID));
-        output::write_in_folder(&files.map, &output::encode(files.format, map, None, None, params)?)?;
-        let Some(time) = files.time else { return Ok(()) };
+        let mut written = vec![put(&files.map, &output::encode(files.format, map, None, None, params)?)?];
+        let Some(time) = files.time else { return Ok(written) };
         let seconds = found.frame_ms.median / 1e3;
         let text = match bench.layout {
             Layout::Eth3d => format!("runtime {seconds:.6}\n"),
             _ => format!("{seconds:.6}\n"),
         };
-        output::write_in_folder(&time, text.as_bytes())
+        written.push(put(&time, text.as_bytes())?);
+        Ok(written)
     }
 }
 
@@ -575,81 +710,91 @@ fn file_name(label: &str) -> String {
     label.chars().map(|c| if c.is_ascii_alphanumeric() || "-_".contains(c) { c } else { '_' }).collect()
 }
 
-/// The pictures of the report, each written when it is there, and the text that shows them.
-struct Pictures {
-    folder: Option<PathBuf>,
-    text: String,
-    scene: u32,
-    maps: u32,
+/// Writes a file that belongs to a result.
+fn put(path: &Path, bytes: &[u8]) -> Result<Known> {
+    Ok(Known::new(path, output::write_in_folder(path, bytes)?))
 }
 
-impl Pictures {
-    fn new(report: Option<&Path>) -> Self {
-        Self { folder: report.map(|folder| folder.join(PICTURES)), text: String::new(), scene: 0, maps: 0 }
-    }
+/// The name of a picture of the report.
+fn picture_name(found: &SceneFound, kind: &str) -> String {
+    let of = file_name(&format!("{}_{}", found.set, found.scene));
+    format!("{:04}_{of}_{kind}.png", found.numbers[0])
+}
 
-    /// A row of the scene's table; before the first one its heading.
-    fn add(
-        &mut self,
-        scene: u32,
-        found: &SceneFound,
-        loaded: &Loaded,
-        estimate: &DisparityMap,
-        range: (i32, i32),
-    ) -> Result<()> {
-        let Some(folder) = self.folder.clone() else { return Ok(()) };
-        let put = |kind: &str, picture: &RgbImage| -> Result<String> {
-            let name = format!("{scene:04}_{}_{kind}.png", file_name(&format!("{}_{}", found.set, found.scene)));
-            output::write_in_folder(&folder.join(&name), &output::png(&scaled(picture))?)?;
-            Ok(format!("![{kind}](pictures/{name})"))
-        };
-        if self.scene != scene {
-            (self.scene, self.maps) = (scene, 0);
-            let input = put("input", &output::drawn(&loaded.left))?;
-            let truth = match &loaded.truth {
-                Some(truth) => put("truth", &output::truth_picture(&thinned(&truth.map)?, range))?,
-                None => "none".into(),
-            };
-            write!(self.text, "\n### {}/{}\n\n", escaped(&found.set), escaped(&found.scene))?;
+/// Writes the pictures of a scene with a variant, with the first variant those of the scene, too.
+fn write_pictures(
+    report: &Path,
+    found: &SceneFound,
+    loaded: &Loaded,
+    estimate: &DisparityMap,
+    range: (i32, i32),
+    is_first: bool,
+) -> Result<Vec<Known>> {
+    let folder = report.join(PICTURES);
+    let put =
+        |kind: &str, picture: &RgbImage| put(&folder.join(picture_name(found, kind)), &output::png(&scaled(picture))?);
+    let mut written = Vec::new();
+    if is_first {
+        written.push(put("input", &output::drawn(&loaded.left))?);
+        if let Some(truth) = &loaded.truth {
+            written.push(put("truth", &output::truth_picture(&thinned(&truth.map)?, range))?);
+        }
+    }
+    let number = found.numbers[1];
+    written.push(put(&format!("estimate{number}"), &output::picture(estimate, range))?);
+    // Occluded pixels are half as bright.
+    if let Some(truth) = loaded.noc.as_ref().or(loaded.truth.as_ref()) {
+        written.push(put(&format!("errors{number}"), &truth.error_picture(&estimate.into())?)?);
+    }
+    Ok(written)
+}
+
+/// The tables of a report that show its pictures, one a scene.
+fn picture_tables(scenes: &[SceneFound]) -> Result<String> {
+    let mut text = String::new();
+    for (i, found) in scenes.iter().enumerate() {
+        let has_truth = found.scores[0].is_some();
+        let shown = |file: &str, kind: &str| format!("![{kind}]({PICTURES}/{})", picture_name(found, file));
+        if i == 0 || scenes[i - 1].numbers[0] != found.numbers[0] {
+            let truth = if has_truth { shown("truth", "truth") } else { "none".into() };
+            write!(text, "\n### {}/{}\n\n", escaped(&found.set), escaped(&found.scene))?;
             let size = format!("{} x {}", found.width, found.height);
-            write!(self.text, "| input, {size} | truth |\n|---|---|\n| {input} | {truth} |\n\n")?;
-            write!(self.text, "| setting | estimate | errors |\n|---|---|---|\n")?;
+            write!(text, "| input, {size} | truth |\n|---|---|\n| {} | {truth} |\n\n", shown("input", "input"))?;
+            write!(text, "| setting | estimate | errors |\n|---|---|---|\n")?;
         }
-        self.maps += 1;
-        let map = put(&format!("estimate{}", self.maps), &output::picture(estimate, range))?;
-        // Occluded pixels are half as bright.
-        let errors = match loaded.noc.as_ref().or(loaded.truth.as_ref()) {
-            Some(truth) => put(&format!("errors{}", self.maps), &truth.error_picture(&estimate.into())?)?,
-            None => String::new(),
-        };
-        writeln!(self.text, "| {}: {} | {map} | {errors} |", escaped(&found.variant), found.told())?;
-        Ok(())
+        let [estimate, errors] = ["estimate", "errors"].map(|kind| {
+            let file = format!("{kind}{}", found.numbers[1]);
+            shown(&file, &file)
+        });
+        let errors = if has_truth { errors } else { String::new() };
+        writeln!(text, "| {}: {} | {estimate} | {errors} |", escaped(&found.variant), found.told())?;
     }
+    Ok(text)
+}
 
-    /// Writes report.md and results.json.
-    fn write_report(&self, folder: &Path, found: &Found) -> Result<()> {
-        let mut text = String::from("# Scores of a data set\n\n");
-        writeln!(text, "{}\n", escaped(&format!("{}, {} ({}).", found.adapter, found.backend, found.driver)))?;
-        text += "Figures are defined in docs/EVALUATION.md; ms are of a frame: upload, kernels, readback. \"noc\" is without \
+/// Writes report.md and results.json.
+fn write_report(folder: &Path, found: &Found) -> Result<()> {
+    let mut text = String::from("# Scores of a data set\n\n");
+    writeln!(text, "{}\n", escaped(&format!("{}, {} ({}).", found.adapter, found.backend, found.driver)))?;
+    text += "Figures are defined in docs/EVALUATION.md; ms are of a frame: upload, kernels, readback. \"noc\" is without \
                  occluded pixels. \"pooled\" is over the pixels of all scenes together, the others are means of the scenes.\n";
-        if !found.failures.is_empty() {
-            text += "\n## Failures\n\n";
-            for Failure { scene, variant, error } in &found.failures {
-                let variant = variant.iter().map(|variant| format!(", {variant}")).collect::<String>();
-                writeln!(text, "- {}: {}", escaped(&format!("{scene}{variant}")), escaped(error))?;
-            }
+    if !found.failures.is_empty() {
+        text += "\n## Failures\n\n";
+        for Failure { scene, variant, error } in &found.failures {
+            let variant = variant.iter().map(|variant| format!(", {variant}")).collect::<String>();
+            writeln!(text, "- {}: {}", escaped(&format!("{scene}{variant}")), escaped(error))?;
         }
-        for (title, table) in [("Sets", set_table(&found.sets)), ("Scenes", scene_table(&found.scenes))] {
-            if !table.is_empty() {
-                write!(text, "\n## {title}\n\n{table}")?;
-            }
-        }
-        text += "\n## Pictures\n\nTurbo colours over the range searched: red is near, blue is far, black is unknown or invalid. \
-                 Errors in KITTI's colours, holes filled: blue up to 3 px or 5 %, then yellow to red; half as bright where occluded.\n";
-        text += &self.text;
-        output::write_in_folder(&folder.join(RESULTS), terminal::pretty_json(found)?.as_bytes())?;
-        output::write_in_folder(&folder.join(REPORT), text.as_bytes())
     }
+    for (title, table) in [("Sets", set_table(&found.sets)), ("Scenes", scene_table(&found.scenes))] {
+        if !table.is_empty() {
+            write!(text, "\n## {title}\n\n{table}")?;
+        }
+    }
+    text += "\n## Pictures\n\nTurbo colours over the range searched: red is near, blue is far, black is unknown or invalid. \
+                 Errors in KITTI's colours, holes filled: blue up to 3 px or 5 %, then yellow to red; half as bright where occluded.\n";
+    text += &picture_tables(&found.scenes)?;
+    output::write_in_folder(&folder.join(RESULTS), terminal::pretty_json(found)?.as_bytes())?;
+    output::write_in_folder(&folder.join(REPORT), text.as_bytes()).map(drop)
 }
 
 /// At most [`PICTURE`] pixels wide, so that a sparse map can still be seen: each pixel takes the first value of its

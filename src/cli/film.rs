@@ -1,8 +1,10 @@
 //! Film: the left images beside their colour maps, as a video that the `ffmpeg` on the PATH encodes.
 
+use crate::disk;
 use crate::output::{self, ending};
-use crate::pipeline::{Frame, Refused};
+use crate::pipeline::{Frame, Refused, Work};
 use anyhow::{Context as _, Result, anyhow, bail, ensure};
+use std::fs::File;
 use std::io::{Read as _, Write as _};
 use std::path::{Path, PathBuf};
 use std::process::{Child, ChildStdin, Command, Stdio};
@@ -46,10 +48,6 @@ impl Film {
     }
 
     /// Adds a frame. All have the size of the first one.
-    pub fn put(&self, frame: &Frame) -> Result<(), Refused> {
-        self.add(frame).map_err(Refused::All)
-    }
-
     fn add(&self, frame: &Frame) -> Result<()> {
         let (left, map) = (output::drawn(&frame.left), output::picture(&frame.matched.map, self.range));
         let row = 3 * map.width() as usize;
@@ -89,11 +87,12 @@ impl Film {
         let (Some(frames), Some(mut errors)) = (child.stdin.take(), child.stderr.take()) else {
             bail!("ffmpeg has no pipes");
         };
-        let told = thread::spawn(move || {
+        let told = thread::Builder::new().spawn(move || {
             let mut bytes = Vec::new();
             let _ = errors.read_to_end(&mut bytes); // what was read by then
             String::from_utf8_lossy(&bytes).into_owned()
         });
+        let told = told.context("a thread cannot be started; raise the limit of threads (ulimit -u)")?;
         Ok(Encoder { child, frames, told, file })
     }
 
@@ -118,8 +117,18 @@ impl Film {
             self.path,
             if told.is_empty() { "it does not say why" } else { &told }
         );
-        file.persist(&self.place).with_context(|| format!("output {:?} cannot be written", self.path))?;
-        Ok(())
+        let written = || -> std::io::Result<()> {
+            disk::sync(&File::open(&file)?)?;
+            file.persist(&self.place).map_err(|error| error.error)?;
+            disk::sync_folder(self.place.parent().unwrap_or(Path::new("/")))
+        };
+        written().with_context(|| format!("output {:?} cannot be written", self.path))
+    }
+}
+
+impl Work for Film {
+    fn put(&self, frame: &Frame) -> Result<(), Refused> {
+        self.add(frame).map_err(Refused::All)
     }
 }
 

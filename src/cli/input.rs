@@ -3,11 +3,12 @@
 #[path = "input/kind.rs"] // for those who take this file alone, too
 pub mod kind;
 
+use crate::facts::Facts;
 use anyhow::{Context as _, Result, anyhow, bail, ensure};
 use image::metadata::Orientation;
 use image::{DynamicImage, ImageDecoder, ImageFormat, ImageReader, Limits};
-use std::fs;
-use std::io::Cursor;
+use std::fs::{self, File};
+use std::io::{Cursor, Read as _};
 use std::path::Path;
 
 /// The largest file, and the largest decoded image, that is taken: a header can declare any size, and a decoder would
@@ -58,6 +59,11 @@ pub fn read_mask(path: &Path) -> Result<Mask> {
 
 /// The bytes of a regular file of a sane size, which holds `what`.
 pub fn read_file(path: &Path, what: &str) -> Result<Vec<u8>> {
+    read_file_with_facts(path, what).map(|(bytes, _)| bytes)
+}
+
+/// The same, with what tells whether the file is still the same later.
+pub fn read_file_with_facts(path: &Path, what: &str) -> Result<(Vec<u8>, Facts)> {
     let kind = match fs::metadata(path) {
         Ok(kind) => kind,
         Err(error) if error.kind() == std::io::ErrorKind::NotFound => {
@@ -74,12 +80,20 @@ pub fn read_file(path: &Path, what: &str) -> Result<Vec<u8>> {
         "{path:?} has {} bytes, but at most {MAX_BYTES} are read; crop or scale it",
         kind.len()
     );
-    let bytes = fs::read(path).with_context(|| format!("{path:?} cannot be read; check its permissions"))?;
+    let read = || -> std::io::Result<_> {
+        let mut file = File::open(path)?;
+        let before = file.metadata()?;
+        let mut bytes = Vec::new();
+        file.read_to_end(&mut bytes)?;
+        let facts = Facts::of_read(&bytes, [&before, &file.metadata()?]);
+        Ok((bytes, facts))
+    };
+    let (bytes, facts) = read().with_context(|| format!("{path:?} cannot be read; check its permissions"))?;
     ensure!(!bytes.is_empty(), "{path:?} is empty; save it again");
     if let Some(pointer) = kind::pointer(&bytes) {
         bail!("{path:?} is {pointer}");
     }
-    Ok(bytes)
+    Ok((bytes, facts))
 }
 
 /// A decoder that has read the header; what it declares is known to be of a sane size.

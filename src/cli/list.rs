@@ -1,5 +1,6 @@
 //! Lists of pairs, as CSV or as JSON lines.
 
+use crate::lossless::Name;
 use anyhow::{Context as _, Result, anyhow, bail, ensure};
 use serde::Deserialize;
 use serde::de::IgnoredAny;
@@ -86,9 +87,9 @@ pub fn parse(text: &str, kind: Kind) -> Result<Vec<Listed>> {
 #[derive(Deserialize)]
 #[serde(deny_unknown_fields)]
 struct Row {
-    left: String,
-    right: String,
-    name: Option<String>,
+    left: Name,
+    right: Name,
+    name: Option<Name>,
     /// The log of failures is a list, too.
     #[serde(rename = "error")]
     _error: Option<IgnoredAny>,
@@ -97,20 +98,19 @@ struct Row {
 impl Row {
     fn listed(self, line: usize) -> Result<Listed> {
         for (side, path) in [("left", &self.left), ("right", &self.right)] {
-            ensure!(!path.is_empty(), "{side} is empty; give the path of an image");
+            ensure!(path.0 != Path::new(""), "{side} is empty; give the path of an image");
         }
-        let name = self.name.filter(|name| !name.is_empty()).map(|name| within(&name)).transpose()?;
-        Ok(Listed { line: Some(line), left: self.left.into(), right: self.right.into(), name })
+        let name = self.name.filter(|name| name.0 != Path::new("")).map(|name| within(&name.0)).transpose()?;
+        Ok(Listed { line: Some(line), left: self.left.0, right: self.right.0, name })
     }
 }
 
 /// A path that does not lead out of the folder that it is joined to.
-fn within(name: &str) -> Result<PathBuf> {
-    let path = Path::new(name);
-    let mut parts = path.components().filter(|part| *part != Component::CurDir).peekable();
+fn within(name: &Path) -> Result<PathBuf> {
+    let mut parts = name.components().filter(|part| *part != Component::CurDir).peekable();
     let leads_out = parts.clone().any(|part| !matches!(part, Component::Normal(_)));
     ensure!(
-        parts.peek().is_some() && !leads_out && !name.contains(char::is_control),
+        parts.peek().is_some() && !leads_out && !name.to_string_lossy().contains(char::is_control),
         "name is {name:?}, but must be a path within the output folder, such as scene/0001; leave out .. and the root"
     );
     Ok(parts.collect())
@@ -163,8 +163,9 @@ fn csv_row(text: &str, columns: &mut Option<Columns>) -> Result<Option<Row>> {
         "it has {count} fields, but {} are expected; separate them by commas",
         if *columns == BARE { "left,right or left,right,name".into() } else { format!("{header}, as in the header,") }
     );
-    let [left, right, name] = columns.map(|column| column.and_then(|column| record.get(column)).map(str::to_owned));
-    Ok(Some(Row { left: left.unwrap_or_default(), right: right.unwrap_or_default(), name, _error: None }))
+    let [left, right, name] = columns.map(|column| column.and_then(|column| record.get(column)).map(Name::from));
+    let none = || Name::from("");
+    Ok(Some(Row { left: left.unwrap_or_else(none), right: right.unwrap_or_else(none), name, _error: None }))
 }
 
 /// The name of each pair. One without a name has that of its left image below the folder that all such images are in.

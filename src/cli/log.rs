@@ -1,36 +1,12 @@
-//! Logs: what came of the pairs of a batch, a JSON object a line. Several processes may write one at once.
+//! Logs: files of JSON lines. Several processes may add to one at once.
 
-use crate::list::absolute;
-use crate::pipeline::Pair;
-use crate::record::read_shared;
-use crate::terminal;
+use crate::{disk, terminal};
 use anyhow::{Context as _, Result};
-use serde::{Deserialize, Serialize};
-use std::fs::{self, OpenOptions};
+use serde::Serialize;
+use serde::de::DeserializeOwned;
+use std::fs::OpenOptions;
 use std::io::{ErrorKind, Read as _, Seek as _, SeekFrom, Write as _};
-use std::path::{Path, PathBuf};
-
-/// A line: a pair, with its failure if it failed.
-#[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
-pub struct Line {
-    /// The name of its map.
-    pub name: String,
-    /// The left image's absolute path.
-    pub left: String,
-    /// The right image's absolute path.
-    pub right: String,
-    /// Why it failed.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
-    pub error: Option<String>,
-}
-
-impl Line {
-    /// A pair that did not fail.
-    pub fn new(name: &str, pair: &Pair) -> Self {
-        let text = |path: &Path| absolute(path).to_string_lossy().into_owned();
-        Self { name: name.into(), left: text(&pair.left), right: text(&pair.right), error: None }
-    }
-}
+use std::path::PathBuf;
 
 /// A file of lines.
 #[derive(Debug)]
@@ -40,82 +16,118 @@ pub struct Log {
 }
 
 impl Log {
-    /// Adds a whole line.
-    pub fn append(&self, line: &Line) -> Result<()> {
-        let add = || -> Result<()> {
-            let mut text = terminal::json(line)? + "\n";
-            let file = OpenOptions::new().read(true).append(true).create(true).open(&self.path)?;
-            let mut lock = fd_lock::RwLock::new(file);
-            let mut file = lock.write()?;
-            // A process that ended in the middle of a line spoils that one alone.
-            let mut last = [b'\n'];
-            if file.seek(SeekFrom::End(-1)).is_ok() {
-                file.read_exact(&mut last)?;
-            }
-            if last != [b'\n'] {
-                text.insert(0, '\n');
-            }
-            file.write_all(text.as_bytes())?;
-            Ok(())
+    /// Adds whole lines, all at once. `sync`: waits until they are on the disk.
+    pub fn append(&self, lines: &[impl Serialize], sync: bool) -> Result<()> {
+        let mut text = text(lines)?;
+        let file = disk::open_own(&self.path, OpenOptions::new().read(true).append(true).create(true))?;
+        disk::locked(&self.path, file, |file| {
+            let mut add = || -> std::io::Result<()> {
+                // A process that ended in the middle of a line spoils that one alone.
+                let mut last = [b'\n'];
+                if file.seek(SeekFrom::End(-1)).is_ok() {
+                    file.read_exact(&mut last)?;
+                }
+                if last != [b'\n'] {
+                    text.insert(0, '\n');
+                }
+                let before = file.seek(SeekFrom::End(0))?;
+                let written =
+                    file.write_all(text.as_bytes()).and_then(|()| if sync { disk::sync(file) } else { Ok(()) });
+                if written.is_err() {
+                    let _ = file.set_len(before); // the error is what matters
+                }
+                written
+            };
+            add().map_err(|error| {
+                let told = format!("{:?} cannot be written; {}", self.path, disk::remedy(&error));
+                anyhow::Error::from(error).context(told)
+            })
+        })
+    }
+
+    /// It is a regular file, if it is there.
+    pub fn ensure_own(&self) -> Result<()> {
+        disk::ensure_own(&self.path)
+    }
+
+    /// Waits until it is on the disk, if it is there.
+    pub fn sync(&self) -> Result<()> {
+        let synced = match OpenOptions::new().append(true).open(&self.path) {
+            Ok(file) => disk::sync(&file),
+            Err(error) if error.kind() == ErrorKind::NotFound => Ok(()),
+            Err(error) => Err(error),
         };
-        add().with_context(|| format!("{:?} cannot be written; check the space and its permissions", self.path))
+        synced.with_context(|| format!("{:?} cannot be written", self.path))
     }
 
     /// The lines that are whole; none if there is no such file.
-    pub fn read(&self) -> Result<Vec<Line>> {
-        match read_shared(&self.path) {
-            Ok(bytes) => {
-                Ok(bytes.split(|&byte| byte == b'\n').filter_map(|l| serde_json::from_slice(l).ok()).collect())
-            }
-            Err(error) if error.kind() == ErrorKind::NotFound => Ok(Vec::new()),
-            Err(error) => Err(error).with_context(|| format!("{:?} cannot be read; check its permissions", self.path)),
-        }
+    pub fn read<L: DeserializeOwned>(&self) -> Result<Vec<L>> {
+        let read = || -> Result<Vec<u8>> {
+            let mut bytes = Vec::new();
+            disk::open_own(&self.path, OpenOptions::new().read(true))?.read_to_end(&mut bytes)?;
+            Ok(bytes)
+        };
+        let bytes = match read() {
+            Err(error) if is_missing(&error) => return Ok(Vec::new()),
+            other => other.with_context(|| format!("{:?} cannot be read", self.path))?,
+        };
+        Ok(bytes.split(|&byte| byte == b'\n').filter_map(|line| serde_json::from_slice(line).ok()).collect())
     }
+}
 
-    /// Begins anew.
-    pub fn remove(&self) -> std::io::Result<()> {
-        match fs::remove_file(&self.path) {
-            Err(error) if error.kind() != ErrorKind::NotFound => Err(error),
-            _ => Ok(()),
-        }
-    }
+/// Lines as they are written, with nothing in them that a terminal would obey.
+pub fn text(lines: &[impl Serialize]) -> Result<String> {
+    lines.iter().map(|line| Ok(terminal::json(line)? + "\n")).collect()
+}
+
+/// Whether there is no such file.
+pub fn is_missing(error: &anyhow::Error) -> bool {
+    error.downcast_ref::<std::io::Error>().is_some_and(|error| error.kind() == ErrorKind::NotFound)
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
+    use std::fs;
 
     #[test]
     fn a_torn_line_spoils_no_other() {
         let folder = tempfile::tempdir().unwrap();
         let log = Log { path: folder.path().join("log") };
-        let line = |name: &str| Line { name: name.into(), left: "l".into(), right: "r\n".into(), error: None };
-        assert_eq!(log.read().unwrap(), []);
-        log.append(&line("a")).unwrap();
+        let read = || log.read::<String>().unwrap();
+        assert!(read().is_empty());
+        log.append(&["a\n"], false).unwrap();
         let mut bytes = fs::read(&log.path).unwrap();
-        bytes.extend(&bytes.clone()[..7]);
+        bytes.extend(&bytes.clone()[..3]);
         fs::write(&log.path, bytes).unwrap();
-        log.append(&line("b")).unwrap();
-        log.append(&line("c")).unwrap();
-        assert_eq!(log.read().unwrap(), ["a", "b", "c"].map(line));
-        log.remove().unwrap();
-        log.remove().unwrap();
-        assert_eq!(log.read().unwrap(), []);
+        log.append(&["b"], true).unwrap();
+        log.append(&["c", "d"], false).unwrap();
+        assert_eq!(read(), ["a\n", "b", "c", "d"]);
     }
 
     #[test]
     fn lines_of_many_threads_are_whole() {
         let folder = tempfile::tempdir().unwrap();
         let log = Log { path: folder.path().join("log") };
-        let line = |i: usize| Line { name: "n".repeat(i), left: "l".into(), right: "r".into(), error: None };
         std::thread::scope(|scope| {
             for first in 0..8 {
                 let log = &log;
-                scope.spawn(move || (first..400).step_by(8).for_each(|i| log.append(&line(i)).unwrap()));
+                let add = move || (first..400).step_by(8).for_each(|i| log.append(&["n".repeat(i)], false).unwrap());
+                scope.spawn(add);
             }
         });
-        let mut lengths: Vec<_> = log.read().unwrap().iter().map(|line| line.name.len()).collect();
+        let mut lengths: Vec<_> = log.read::<String>().unwrap().iter().map(String::len).collect();
         lengths.sort_unstable();
         assert!(lengths.into_iter().eq(0..400));
+    }
+
+    #[cfg(unix)]
+    #[test]
+    fn a_link_in_its_place_is_refused() {
+        let folder = tempfile::tempdir().unwrap();
+        let log = Log { path: folder.path().join("log") };
+        std::os::unix::fs::symlink(folder.path().join("other"), &log.path).unwrap();
+        assert!(log.append(&["a"], false).unwrap_err().to_string().contains("is a link"));
+        assert!(log.read::<String>().is_err() && !folder.path().join("other").exists());
     }
 }

@@ -8,16 +8,21 @@ mod adapter;
 mod args;
 mod batch;
 mod bench;
+mod bench_log;
 mod calibration;
 mod depth;
 mod diagnosis;
+mod disk;
 mod environment;
 mod evaluate;
+mod facts;
 mod film;
 mod input;
+mod journal;
 mod layout;
 mod list;
 mod log;
+mod lossless;
 mod maps;
 mod mask;
 mod output;
@@ -31,9 +36,11 @@ mod resolve;
 mod run;
 mod sheet;
 mod stereo_rectify;
+mod store;
 mod study;
 mod terminal;
 mod tips;
+mod trial;
 mod video;
 mod views;
 mod warnings;
@@ -62,6 +69,7 @@ fn main() -> ExitCode {
         let text = text.unwrap_or("something that should not happen did");
         tell(&format!("error: {text}{place}; this is a bug, please report it"));
     }));
+    survive_file_limit();
     let args = match args::parse() {
         Ok(args) => args,
         Err(code) => return code,
@@ -75,6 +83,17 @@ fn main() -> ExitCode {
         Ok(result) => exit_code(&result),
         Err(_) => 2,
     })
+}
+
+/// A file that grows beyond what is allowed (`ulimit -f`) is then an error of its own, not the end of the process.
+fn survive_file_limit() {
+    #[cfg(unix)]
+    {
+        let seen = std::sync::Arc::new(std::sync::atomic::AtomicBool::new(false));
+        if let Err(error) = signal_hook::flag::register(signal_hook::consts::SIGXFSZ, seen) {
+            tell(&format!("note: a file beyond the limit of the system will end the process ({error})"));
+        }
+    }
 }
 
 fn execute(args: args::Args) -> anyhow::Result<Outcome> {

@@ -1,7 +1,8 @@
 //! Disparity maps become files, whole or not at all.
 
+use crate::facts::Facts;
 pub use crate::places::{ensure_folder, ensure_no_input, make_folder, writable_place};
-use crate::{depth, places};
+use crate::{depth, disk, places};
 use anyhow::{Context as _, Result, bail, ensure};
 use clap::ValueEnum;
 use gpu_stereo::evaluation::FloatMap;
@@ -11,7 +12,7 @@ use image::codecs::jpeg::JpegEncoder;
 use image::codecs::png::PngEncoder;
 use image::{ExtendedColorType, ImageEncoder as _, Rgb, RgbImage};
 use npyz::WriterBuilder as _;
-use std::fs;
+use std::fs::{self, File};
 use std::io::{Cursor, Write as _};
 use std::path::{Path, PathBuf};
 use tempfile::NamedTempFile;
@@ -301,8 +302,8 @@ pub fn temporary(folder: &Path, suffix: &str) -> std::io::Result<NamedTempFile> 
     builder.tempfile_in(folder)
 }
 
-/// Writes maps to every file, or, if one cannot be written, to none.
-pub fn write_maps(outputs: &[Output], maps: &Maps<'_>) -> Result<()> {
+/// Writes maps to every file, or, if one cannot be written, to none. What tells whether each is still the same later.
+pub fn write_maps(outputs: &[Output], maps: &Maps<'_>) -> Result<Vec<Facts>> {
     put(outputs, |format| contents(format, maps))
 }
 
@@ -313,7 +314,7 @@ pub fn write(
     confidence: Option<&ConfidenceMap>,
     errors: Option<&RgbImage>,
     params: &Params,
-) -> Result<()> {
+) -> Result<Vec<Facts>> {
     write_maps(outputs, &Maps { map, confidence, errors, depth: None, left: None, params })
 }
 
@@ -327,45 +328,82 @@ pub fn write_sheet(outputs: &[Output<SheetFormat>], sheet: &RgbImage) -> Result<
             Ok(bytes.into_inner())
         }
     })
+    .map(drop)
 }
 
 /// Writes every file, or, if one cannot be, none: names appear only when all contents are on disk.
-fn put<F: Copy>(outputs: &[Output<F>], contents: impl Fn(F) -> Result<Vec<u8>>) -> Result<()> {
+fn put<F: Copy>(outputs: &[Output<F>], contents: impl Fn(F) -> Result<Vec<u8>>) -> Result<Vec<Facts>> {
     let mut written = Vec::new();
     for output in outputs {
         let bytes = contents(output.format).with_context(|| format!("output {:?} cannot be written", output.path))?;
-        let stage = || -> std::io::Result<NamedTempFile> {
-            let mut file = temporary(output.place.parent().unwrap_or(Path::new("/")), "")?;
-            file.write_all(&bytes)?;
-            file.flush()?;
-            Ok(file)
-        };
-        written.push(stage().with_context(|| cannot_write(output))?);
+        if let Some(what) = fs::symlink_metadata(&output.place).ok().and_then(|kind| in_the_way(kind.file_type())) {
+            bail!(
+                "output {:?} cannot be written: {what} is in its place; remove it, or give another name",
+                output.path
+            );
+        }
+        let file = stage(folder_of(&output.place), &bytes).map_err(|error| cannot_write(&output.path, error))?;
+        written.push((file, bytes));
     }
-    for (file, output) in written.into_iter().zip(outputs) {
-        file.persist(&output.place).map_err(|error| error.error).with_context(|| cannot_write(output))?;
+    let mut files = Vec::new();
+    for ((file, bytes), output) in written.into_iter().zip(outputs) {
+        let file = file.persist(&output.place).map_err(|error| cannot_write(&output.path, error.error))?;
+        files.push((file, bytes));
     }
-    Ok(())
+    for (i, output) in outputs.iter().enumerate() {
+        let folder = folder_of(&output.place);
+        if outputs[..i].iter().all(|other| folder_of(&other.place) != folder) {
+            disk::sync_folder(folder).map_err(|error| cannot_write(&output.path, error))?;
+        }
+    }
+    Ok(files.iter().map(|(file, bytes)| facts(file, bytes)).collect())
 }
 
-/// Writes a file of many, whole or not at all; its folder is made where it is missing.
-pub fn write_in_folder(path: &Path, bytes: &[u8]) -> Result<()> {
-    let folder = path.parent().unwrap_or(Path::new("."));
-    let write = || -> std::io::Result<()> {
+/// What tells later whether a file is still the same. One that was left to the system may be lost, whatever its times say.
+fn facts(file: &File, bytes: &[u8]) -> Facts {
+    let kind = disk::syncs().then(|| file.metadata().ok()).flatten();
+    Facts::of_written(bytes, kind.as_ref())
+}
+
+/// What a file cannot take the place of. A link is no more than a name.
+fn in_the_way(kind: fs::FileType) -> Option<&'static str> {
+    if kind.is_symlink() { None } else { disk::other_than_file(kind) }
+}
+
+fn folder_of(place: &Path) -> &Path {
+    match place.parent() {
+        Some(folder) if folder != Path::new("") => folder,
+        Some(_) => Path::new("."),
+        None => Path::new("/"),
+    }
+}
+
+/// A file without a name, its contents on the disk.
+fn stage(folder: &Path, bytes: &[u8]) -> std::io::Result<NamedTempFile> {
+    let mut file = temporary(folder, "")?;
+    file.write_all(bytes)?;
+    file.flush()?;
+    disk::sync(file.as_file())?;
+    Ok(file)
+}
+
+/// Writes a file of many, whole or not at all; its folder is made where it is missing. What tells whether it is still the
+/// same later.
+pub fn write_in_folder(path: &Path, bytes: &[u8]) -> Result<Facts> {
+    let folder = folder_of(path);
+    let write = || -> std::io::Result<Facts> {
         fs::create_dir_all(folder)?;
-        let mut file = temporary(folder, "")?;
-        file.write_all(bytes)?;
-        file.flush()?;
-        file.persist(path).map_err(|error| error.error)?;
-        Ok(())
+        let file = stage(folder, bytes)?.persist(path).map_err(|error| error.error)?;
+        disk::sync_folder(folder)?;
+        Ok(facts(&file, bytes))
     };
-    write().with_context(|| {
-        format!("output {path:?} cannot be written; check the space and the permissions of its folder")
-    })
+    write().map_err(|error| cannot_write(path, error))
 }
 
-fn cannot_write<F>(output: &Output<F>) -> String {
-    format!("output {:?} cannot be written; check the space and the permissions of its folder", output.path)
+/// The error that a file cannot be written, and what to do about it.
+fn cannot_write(path: &Path, error: std::io::Error) -> anyhow::Error {
+    let told = format!("output {path:?} cannot be written; {}", disk::remedy(&error));
+    anyhow::Error::from(error).context(told)
 }
 
 /// A picture as PNG.

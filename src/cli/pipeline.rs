@@ -4,20 +4,21 @@
 use crate::adapter::Opened;
 use crate::args::{DeviceArgs, InputArgs, Whole};
 use crate::diagnosis::{self, Finding};
+use crate::lossless::Name;
 use crate::run::{self, Engine, OnAdapter};
 use crate::views::{self, Views};
-use crate::{name, tell, warnings};
-use anyhow::{Context as _, Result, anyhow};
+use crate::{disk, name, tell, warnings};
+use anyhow::{Context as _, Result, anyhow, bail};
 use gpu_stereo::{Error, Image, Matched, Params, PixelFormat, StereoMatcher, StereoStream, reference};
 use indicatif::{ProgressBar, ProgressFinish, ProgressStyle};
-use serde::Serialize;
+use serde::{Deserialize, Serialize};
 use std::collections::{HashSet, VecDeque};
 use std::mem::Discriminant;
 use std::path::PathBuf;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::mpsc::{Receiver, TryRecvError, sync_channel};
 use std::sync::{Mutex, MutexGuard, PoisonError};
-use std::thread;
+use std::thread::{self, Scope};
 use std::time::{Duration, Instant};
 
 /// Between two lines of progress where there is no terminal.
@@ -33,6 +34,7 @@ pub struct Pair {
 }
 
 /// How to match them.
+#[derive(Clone, Copy)]
 pub struct Setup<'a> {
     /// Where.
     pub device: &'a DeviceArgs,
@@ -50,6 +52,10 @@ pub struct Setup<'a> {
     pub writers: usize,
     /// Whether pairs may differ in size and samples; else all must be as the first one.
     pub mixed: bool,
+    /// What the first one must be, if that is known, unless they may differ.
+    pub kind: Option<&'a Kind>,
+    /// Whether each pair is written before the next one is read.
+    pub alone: bool,
     /// What the progress counts.
     pub unit: &'static str,
     /// No progress.
@@ -66,12 +72,56 @@ pub struct Frame {
     pub matched: Matched,
 }
 
-/// Why a frame could not be written.
+/// Size and samples of a pair, in words.
+#[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
+pub struct Kind(String);
+
+impl Kind {
+    /// That of an image.
+    pub fn of(image: &Image) -> Self {
+        Self(format!("{}x{} in {:?}", image.width(), image.height(), image.format()))
+    }
+
+    /// All frames are of the first one's kind.
+    fn ensure(&self, image: &Image) -> Result<()> {
+        let (Self(first), it) = (self, Self::of(image));
+        if it != *self {
+            let it = it.0;
+            bail!(Error::Image(format!("it is {it}, but the first frame is {first}; give frames of one kind")));
+        }
+        Ok(())
+    }
+}
+
+/// Why a frame could not be read or written.
 pub enum Refused {
     /// Others can be.
     Frame(anyhow::Error),
     /// No other can be, either.
     All(anyhow::Error),
+}
+
+impl Refused {
+    /// A failure to write: some last, as that of a full disk.
+    pub fn of(error: anyhow::Error) -> Self {
+        if disk::is_lasting(&error) { Self::All(error) } else { Self::Frame(error) }
+    }
+}
+
+/// Where pairs come from, and where their maps go.
+pub trait Work: Sync {
+    /// Reads a pair.
+    fn read(&self, _place: usize, pair: &Pair, options: &InputArgs) -> Result<Views, Refused> {
+        views::read_pair(&pair.left, &pair.right, options).map_err(Refused::Frame)
+    }
+
+    /// Writes a frame.
+    fn put(&self, frame: &Frame) -> Result<(), Refused>;
+
+    /// Writes down that a pair failed, and why.
+    fn failed(&self, _place: usize, _error: &str) -> Result<()> {
+        Ok(())
+    }
 }
 
 /// What came of all pairs.
@@ -102,7 +152,7 @@ pub struct Failure {
     #[serde(skip)]
     pub place: usize,
     /// The left image's path.
-    pub frame: String,
+    pub frame: Name,
     /// Why.
     pub error: String,
 }
@@ -121,59 +171,63 @@ pub fn threads() -> usize {
     (thread::available_parallelism().map_or(1, usize::from) / 2).clamp(1, 8)
 }
 
-/// Matches all pairs and hands each result to `put`. What fails is told at once, and to `failed`, and the rest goes on.
-/// Once `stop` is true, no further pair is begun.
-pub fn run(
-    pairs: &[Pair],
-    setup: &Setup<'_>,
-    stop: &AtomicBool,
-    put: impl Fn(&Frame) -> Result<(), Refused> + Sync,
-    failed: impl Fn(usize, &str) -> Result<()> + Sync,
-) -> Ran {
+/// Matches all pairs. What fails is reported at once, and the rest goes on. Once `stop` is true, no further pair is begun.
+pub fn run(pairs: &[Pair], setup: &Setup<'_>, stop: &AtomicBool, work: &impl Work) -> Ran {
     let start = Instant::now();
-    let tally = Tally::new(pairs, setup, &failed);
+    let tally = Tally::new(pairs, setup, work);
     let mut flow: Option<Flow> = None;
     let ended = thread::scope(|scope| {
         // The threads take turns, so the order is kept, and no more is read ahead than the channels hold.
-        let readers = setup.readers.max(1);
+        let readers = if setup.alone { 0 } else { setup.readers.max(1) };
         let read = |first| {
             let (sender, receiver) = sync_channel(1);
-            scope.spawn(move || {
+            spawn(scope, move || {
                 for (place, pair) in pairs.iter().enumerate().skip(first).step_by(readers) {
-                    if sender.send(Read::pair(pair, setup, place % setup.looked_at == 0)).is_err() {
+                    if sender.send(Read::pair(work, place, pair, setup)).is_err() {
                         return; // the pairs that follow are not wanted any more
                     }
                 }
-            });
-            receiver
+            })?;
+            anyhow::Ok(receiver)
         };
-        let read: Vec<Receiver<_>> = (0..readers).map(read).collect();
+        let read = (0..readers).map(read).collect::<Result<Vec<Receiver<_>>>>()?;
         let write = |_| {
             let (sender, receiver) = sync_channel::<Frame>(1);
-            let (tally, put) = (&tally, &put);
-            scope.spawn(move || {
+            let tally = &tally;
+            spawn(scope, move || {
                 for frame in receiver {
                     if tally.is_stopped() {
                         continue;
                     }
-                    match put(&frame) {
+                    match work.put(&frame) {
                         Ok(()) => tally.done(),
                         Err(Refused::Frame(error)) => tally.failed(frame.place, &error),
                         Err(Refused::All(error)) => tally.stop(error),
                     }
                 }
-            });
-            sender
+            })?;
+            anyhow::Ok(sender)
         };
-        let written: Vec<_> = (0..setup.writers.max(1)).map(write).collect();
+        let written = (0..setup.writers.max(1)).map(write).collect::<Result<Vec<_>>>()?;
         let hand_on = |frame: Option<(usize, Image, Matched)>| -> Result<()> {
             let Some((place, left, matched)) = frame else { return Ok(()) };
             let writer = &written[place % written.len()];
             writer.send(Frame { place, left, matched }).map_err(|_| anyhow!("the thread that writes has ended"))
         };
 
-        for place in 0..pairs.len() {
+        for (place, pair) in pairs.iter().enumerate() {
             let pair = loop {
+                if setup.alone {
+                    while let Some(flow) = flow.as_mut().filter(|flow| flow.in_flight() > 0) {
+                        hand_on(flow.next()?)?;
+                    }
+                    tally.wait_for(place);
+                    break if tally.is_stopped() {
+                        Err(Refused::Frame(anyhow!("stopped")))
+                    } else {
+                        Read::pair(work, place, pair, setup)
+                    };
+                }
                 match (read[place % readers].try_recv(), &mut flow) {
                     (Ok(pair), _) => break pair,
                     // Time for a result while the pair is read.
@@ -184,12 +238,17 @@ pub fn run(
             if stop.load(Ordering::Relaxed) || tally.is_stopped() {
                 break;
             }
+            let pair = pair.and_then(|pair| match setup.kind {
+                Some(kind) if !setup.mixed => kind.ensure(&pair.left).map(|()| pair).map_err(Refused::Frame),
+                _ => Ok(pair),
+            });
             let Read { left, right, doubts } = match pair {
                 Ok(pair) => pair,
-                Err(error) => {
+                Err(Refused::Frame(error)) => {
                     tally.failed(place, &error);
                     continue;
                 }
+                Err(Refused::All(error)) => return Err(error),
             };
             let ready = match &mut flow {
                 Some(flow) => {
@@ -257,15 +316,25 @@ struct Doubt {
 }
 
 impl Read {
-    fn pair(pair: &Pair, setup: &Setup<'_>, look: bool) -> Result<Self> {
-        let Views { left, right, doubts, .. } = views::read_pair(&pair.left, &pair.right, setup.input)?;
+    fn pair(work: &impl Work, place: usize, pair: &Pair, setup: &Setup<'_>) -> Result<Self, Refused> {
+        let Views { left, right, doubts, .. } = work.read(place, pair, setup.input)?;
         let mut doubts: Vec<_> = doubts.into_iter().map(|text| Doubt { text, kind: None }).collect();
         // What cannot be rectified is refused later.
-        if look && let Ok(Some(finding)) = diagnosis::finding(&left, &right, setup.params) {
+        if place % setup.looked_at == 0
+            && let Ok(Some(finding)) = diagnosis::finding(&left, &right, setup.params)
+        {
             doubts.push(Doubt { text: finding.to_string(), kind: Some(finding.kind()) });
         }
         Ok(Self { left, right, doubts })
     }
+}
+
+/// Starts a thread, unless the system has no more.
+fn spawn<'scope>(scope: &'scope Scope<'scope, '_>, work: impl FnOnce() + Send + 'scope) -> Result<()> {
+    let started = thread::Builder::new().spawn_scoped(scope, work);
+    started
+        .map(drop)
+        .context("a thread cannot be started; raise the limit of threads (ulimit -u), or give fewer (-j 1)")
 }
 
 /// Whether others can be matched where this happened.
@@ -279,6 +348,7 @@ struct Flow {
     names: (String, String, String),
     /// Of the first pair.
     size: (u32, u32),
+    kind: Kind,
     /// Of the pairs in it.
     format: PixelFormat,
     waiting: VecDeque<(usize, Image)>,
@@ -364,19 +434,15 @@ impl Flow {
             }
         };
         let size = (left.width(), left.height());
-        Ok(Self { matcher, names, size, format: left.format(), waiting: VecDeque::new() })
+        Ok(Self { matcher, names, size, kind: Kind::of(left), format: left.format(), waiting: VecDeque::new() })
     }
 
     /// Makes sure that a pair can be pushed, which must be as the first one unless they are mixed. Those in it have the
     /// same samples.
     fn fit(&mut self, setup: &Setup<'_>, left: &Image) -> Result<()> {
-        let (size, format) = ((left.width(), left.height()), left.format());
-        if !setup.mixed && (size, format) != (self.size, self.format) {
-            let told = |(width, height), format| format!("{width}x{height} in {format:?}");
-            let (it, first) = (told(size, format), told(self.size, self.format));
-            return Err(
-                Error::Image(format!("it is {it}, but the first frame is {first}; give frames of one kind")).into()
-            );
+        let format = left.format();
+        if !setup.mixed {
+            self.kind.ensure(left)?;
         }
         match &mut self.matcher {
             Matcher::Streams(on) => on.fit(left, self.waiting.is_empty())?,
@@ -440,7 +506,7 @@ impl Flow {
 struct Tally<'a> {
     pairs: &'a [Pair],
     unit: &'static str,
-    note: &'a (dyn Fn(usize, &str) -> Result<()> + Sync),
+    work: &'a dyn Work,
     bar: ProgressBar,
     lines: bool,
     start: Instant,
@@ -472,7 +538,7 @@ impl Ran {
 }
 
 impl<'a> Tally<'a> {
-    fn new(pairs: &'a [Pair], setup: &Setup<'_>, note: &'a (dyn Fn(usize, &str) -> Result<()> + Sync)) -> Self {
+    fn new(pairs: &'a [Pair], setup: &Setup<'_>, work: &'a dyn Work) -> Self {
         let quiet = setup.quiet;
         let bar = if quiet { ProgressBar::hidden() } else { ProgressBar::new(pairs.len() as u64) };
         let style = ProgressStyle::with_template("{bar:24} {pos}/{len}  {msg}");
@@ -482,7 +548,7 @@ impl<'a> Tally<'a> {
         Self {
             pairs,
             unit: setup.unit,
-            note,
+            work,
             bar,
             lines,
             start,
@@ -501,11 +567,11 @@ impl<'a> Tally<'a> {
     }
 
     fn failed(&self, place: usize, error: &anyhow::Error) {
-        let frame = self.pairs[place].left.to_string_lossy().into_owned();
+        let frame = Name::from(&self.pairs[place].left);
         let error = crate::one_line(&format!("{error:#}"));
         let mut counts = self.counts();
         self.bar.suspend(|| tell(&format!("failed: {}: {error}", name(&self.pairs[place].left))));
-        if let Err(error) = (self.note)(place, &error) {
+        if let Err(error) = self.work.failed(place, &error) {
             counts.ran.stopped.get_or_insert(error);
         }
         counts.ran.failed.push(Failure { place, frame, error });
@@ -523,6 +589,14 @@ impl<'a> Tally<'a> {
 
     fn stop(&self, error: anyhow::Error) {
         self.counts().ran.stopped.get_or_insert(error);
+    }
+
+    /// Until all pairs before this one are written or failed.
+    fn wait_for(&self, place: usize) {
+        let is_behind = |ran: &Ran| ran.done + ran.failed.len() < place && ran.stopped.is_none();
+        while is_behind(&self.counts().ran) {
+            thread::sleep(Duration::from_millis(1));
+        }
     }
 
     fn is_stopped(&self) -> bool {

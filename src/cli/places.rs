@@ -27,7 +27,7 @@ fn identities(path: &Path) -> Vec<(PathBuf, [u64; 2])> {
 }
 
 /// Whether a folder takes `A` and `a` for the same name, which a temporary file in it tells.
-fn is_caseless(folder: &Path) -> bool {
+pub fn is_caseless(folder: &Path) -> bool {
     let Ok(trial) = temporary(folder, "") else { return false };
     let shouted = trial.path().file_name().map(|name| name.to_string_lossy().to_uppercase());
     shouted.is_some_and(|name| folder.join(name).exists())

@@ -5,18 +5,15 @@ use crate::film::{self, Film};
 use crate::mask::MaskFiles;
 use crate::output::{self, Format, Output};
 use crate::pairs::{self, Pattern};
-use crate::pipeline::{self, Failure, Frame, Pair, Ran, Refused, Setup};
-use crate::record::Record;
+use crate::pipeline::{self, Failure, Frame, Pair, Ran, Refused, Setup, Work};
+use crate::store::{self, Item, Mode, Planned, Store};
 use crate::terminal::{self, name, plain};
-use crate::{Outcome, report, resolve, views};
-use anyhow::{Context as _, Result, anyhow, bail, ensure};
+use crate::{Outcome, disk, report, resolve, trial, views};
+use anyhow::{Context as _, Result, bail, ensure};
 use gpu_stereo::Params;
 use serde::Serialize;
-use std::collections::HashMap;
 use std::fmt::Write as _;
-use std::fs;
 use std::path::{Path, PathBuf};
-use std::sync::OnceLock;
 
 const MAX_FPS: f64 = 1000.0;
 /// One of so many frames is looked at whether it can be matched: what is wrong with the cameras is wrong with all.
@@ -24,12 +21,6 @@ const LOOKED_AT: usize = 16;
 
 /// A video, ready to start.
 pub struct Video {
-    /// Those to compute.
-    pairs: Vec<Pair>,
-    /// The first ones of all, which decide how all are read.
-    first: Vec<Pair>,
-    /// Frames that were there already.
-    skipped: usize,
     device: DeviceArgs,
     input: InputArgs,
     params: Params,
@@ -42,17 +33,23 @@ pub struct Video {
 
 /// Where the frames go.
 enum Sink {
-    Files(Files),
-    Film(Film),
+    Folder(Box<Store>),
+    Numbered(Vec<Pair>, Numbered),
+    Film(Vec<Pair>, Film),
 }
 
-struct Files {
-    /// Of each pair to compute.
-    outputs: Vec<Vec<Output>>,
-    /// Of the pairs that were there already.
-    skipped: Vec<Vec<Output>>,
-    record: Option<Record>,
-    begun: OnceLock<Result<(), String>>,
+/// A file a frame.
+struct Numbered {
+    outputs: Vec<Output>,
+    params: Params,
+}
+
+impl Work for Numbered {
+    fn put(&self, frame: &Frame) -> Result<(), Refused> {
+        let (output, matched) = (&self.outputs[frame.place..=frame.place], &frame.matched);
+        let written = output::write(output, &matched.map, matched.confidence.as_ref(), None, &self.params);
+        written.map(drop).map_err(Refused::of)
+    }
 }
 
 /// Endings of videos that are not written.
@@ -76,22 +73,15 @@ pub fn resolve(args: VideoArgs) -> Result<Video> {
     let in_flight = pipeline::in_flight(&args.in_flight)?;
     output::ensure_ranges(&args.format, &args.output, &params)?;
 
-    let mut pairs = pairs::find(left, right)?;
-    let first = pairs.iter().take(views::FIRST).map(|(_, pair)| pair.clone()).collect();
-    let mut skipped = 0;
+    if args.no_sync {
+        disk::leave_to_the_system();
+    }
+
+    let pairs = pairs::find(left, right)?;
+    let first: Vec<_> = pairs.iter().take(views::FIRST).map(|(_, pair)| pair.clone()).collect();
+    let input = views::as_first(&args.input, &first);
     let sink = if film::is_film(&args.output) {
-        ensure!(
-            args.format.is_empty() && !args.resume,
-            "--format and --resume are for numbered files, but output {:?} is a video; drop them, or give a folder",
-            args.output
-        );
-        output::ensure_no_input([args.output.as_path()], pairs.iter().map(|(_, pair)| pair), &masks)?;
-        let fps = args.fps.as_deref().unwrap_or("10");
-        ensure!(
-            fps.parse().is_ok_and(|fps: f64| fps > 0.0 && fps <= MAX_FPS),
-            "--fps is {fps:?}, but must be above 0 and at most {MAX_FPS}; 10 is usual"
-        );
-        Sink::Film(Film::new(&args.output, fps, output::searched(&params))?)
+        film(&args, pairs, &params, &masks)?
     } else {
         ensure!(
             !OTHER_FILMS.contains(&output::ending(&args.output).as_str()) || args.output.is_dir(),
@@ -103,19 +93,15 @@ pub fn resolve(args: VideoArgs) -> Result<Video> {
             "--fps is for a video, but output {:?} is none; drop it, or give a name that ends in .mp4, .mkv or .webm",
             args.output
         );
-        let mut files = Files::resolve(&args, &pairs, &params, [left, right], &masks)?;
-        if args.resume {
-            skipped = files.skip(&mut pairs)?;
+        match Pattern::parse(&args.output).with_context(|| format!("output is {:?}", args.output))? {
+            Some(pattern) => numbered(&args, pairs, &params, &masks, &pattern)?,
+            None => Sink::Folder(Box::new(folder(&args, pairs, &params, &input, masks, [left, right])?)),
         }
-        Sink::Files(files)
     };
     resolve::tell_unused(&[(given, &params)]);
     Ok(Video {
-        pairs: pairs.into_iter().map(|(_, pair)| pair).collect(),
-        first,
-        skipped,
         device: args.device,
-        input: args.input,
+        input,
         params,
         in_flight,
         sink,
@@ -125,95 +111,81 @@ pub fn resolve(args: VideoArgs) -> Result<Video> {
     })
 }
 
-impl Files {
-    fn resolve(
-        args: &VideoArgs,
-        pairs: &[(u64, Pair)],
-        params: &Params,
-        sides: [&PathBuf; 2],
-        masks: &MaskFiles,
-    ) -> Result<Self> {
-        let out = &args.output;
-        let mut formats = output::formats(&args.format)?;
-        let pattern = Pattern::parse(out).with_context(|| format!("output is {out:?}"))?;
-        let (folder, names): (&Path, Vec<Vec<Output>>) = match &pattern {
-            Some(pattern) => {
-                ensure!(!args.resume, "--resume needs a folder, but output is {out:?}; give a folder, or drop it");
-                let of_name = output::map_format(&pattern.path(0))?;
-                let format = match formats[..] {
-                    [] => of_name,
-                    [format] if format.suffix().ends_with(&format!(".{}", output::ending(out))) => format,
-                    _ => bail!(
-                        "output {out:?} is one file a frame, and --format must fit its ending; drop it, or give a folder"
-                    ),
-                };
-                let file = |(number, _): &(u64, Pair)| vec![Output::at(pattern.path(*number), format)];
-                (pattern.folder(), pairs.iter().map(file).collect())
-            }
-            None => {
-                if formats.is_empty() {
-                    formats.push(output::default_format(params, "NAME"));
-                }
-                let files = |(_, pair): &(u64, Pair)| {
-                    let stem = pair.left.file_stem().unwrap_or_default();
-                    let file = |&format: &Format| {
-                        let mut name = stem.to_owned();
-                        name.push(format.suffix());
-                        Output::at(out.join(name), format)
-                    };
-                    formats.iter().map(file).collect()
-                };
-                (out, pairs.iter().map(files).collect())
-            }
-        };
-        let mut frames = HashMap::new();
-        for (outputs, (_, pair)) in names.iter().zip(pairs) {
-            for output in outputs {
-                if let Some(other) = frames.insert(&output.path, &pair.left) {
-                    bail!(
-                        "{:?} and {other:?} would both become {:?}; give a printf pattern as output, such as {:?}",
-                        pair.left,
-                        output.path,
-                        out.join("%06d.png")
-                    );
-                }
-            }
-        }
-        output::make_folder(folder, out)?;
-        let all = names.iter().flatten().map(|output| output.path.as_path());
-        output::ensure_no_input(all, pairs.iter().map(|(_, pair)| pair), masks)?;
-        let record = pattern
-            .is_none()
-            .then(|| Record::new(out, params, &args.input, &[("left", sides[0]), ("right", sides[1])]));
-        Ok(Self { outputs: names, skipped: Vec::new(), record, begun: OnceLock::new() })
-    }
+fn film(args: &VideoArgs, pairs: Vec<(u64, Pair)>, params: &Params, masks: &MaskFiles) -> Result<Sink> {
+    ensure!(
+        args.format.is_empty() && !args.resume,
+        "--format and --resume are for numbered files, but output {:?} is a video; drop them, or give a folder",
+        args.output
+    );
+    output::ensure_no_input([args.output.as_path()], pairs.iter().map(|(_, pair)| pair), masks)?;
+    let fps = args.fps.as_deref().unwrap_or("10");
+    ensure!(
+        fps.parse().is_ok_and(|fps: f64| fps > 0.0 && fps <= MAX_FPS),
+        "--fps is {fps:?}, but must be above 0 and at most {MAX_FPS}; 10 is usual"
+    );
+    let film = Film::new(&args.output, fps, output::searched(params))?;
+    Ok(Sink::Film(pairs.into_iter().map(|(_, pair)| pair).collect(), film))
+}
 
-    /// Drops the pairs whose files are all there.
-    fn skip(&mut self, pairs: &mut Vec<(u64, Pair)>) -> Result<usize> {
-        let exists = |output: &Output| fs::metadata(&output.path).is_ok_and(|file| file.is_file() && file.len() > 0);
-        if let Some(record) = &self.record {
-            record.ensure_same(self.outputs.iter().flatten().any(exists))?;
-        }
-        let all = std::mem::take(&mut self.outputs).into_iter().zip(std::mem::take(pairs));
-        let (there, missing): (Vec<_>, Vec<_>) = all.partition(|(outputs, _)| outputs.iter().all(exists));
-        (self.outputs, *pairs) = missing.into_iter().unzip();
-        self.skipped = there.into_iter().map(|(outputs, _)| outputs).collect();
-        Ok(self.skipped.len())
-    }
+fn numbered(
+    args: &VideoArgs,
+    pairs: Vec<(u64, Pair)>,
+    params: &Params,
+    masks: &MaskFiles,
+    pattern: &Pattern,
+) -> Result<Sink> {
+    let out = &args.output;
+    let formats = output::formats(&args.format)?;
+    ensure!(!args.resume, "--resume needs a folder, but output is {out:?}; give a folder, or drop it");
+    let of_name = output::map_format(&pattern.path(0))?;
+    let format = match formats[..] {
+        [] => of_name,
+        [format] if format.suffix().ends_with(&format!(".{}", output::ending(out))) => format,
+        _ => bail!("output {out:?} is one file a frame, and --format must fit its ending; drop it, or give a folder"),
+    };
+    let outputs: Vec<_> = pairs.iter().map(|(number, _)| Output::at(pattern.path(*number), format)).collect();
+    output::make_folder(pattern.folder(), out)?;
+    let paths = outputs.iter().map(|output| output.path.as_path());
+    output::ensure_no_input(paths, pairs.iter().map(|(_, pair)| pair), masks)?;
+    let pairs = pairs.into_iter().map(|(_, pair)| pair).collect();
+    Ok(Sink::Numbered(pairs, Numbered { outputs, params: params.clone() }))
+}
 
-    fn put(&self, frame: &Frame, params: &Params) -> Result<(), Refused> {
-        // Only now, so that a run that cannot compute changes nothing.
-        let begun = self.begun.get_or_init(|| {
-            let all = self.outputs.iter().chain(&self.skipped).flatten();
-            self.record.as_ref().map_or(Ok(()), |record| record.begin(all)).map_err(|error| format!("{error:#}"))
-        });
-        if let Err(error) = begun {
-            return Err(Refused::All(anyhow!("the output folder cannot be written: {error}; check its permissions")));
-        }
-        let matched = &frame.matched;
-        output::write(&self.outputs[frame.place], &matched.map, matched.confidence.as_ref(), None, params)
-            .map_err(Refused::Frame)
+fn folder(
+    args: &VideoArgs,
+    pairs: Vec<(u64, Pair)>,
+    params: &Params,
+    input: &InputArgs,
+    masks: MaskFiles,
+    sides: [&PathBuf; 2],
+) -> Result<Store> {
+    let out = &args.output;
+    let mut formats = output::formats(&args.format)?;
+    if formats.is_empty() {
+        formats.push(output::default_format(params, "NAME"));
     }
+    let planned = |pair, name| Planned { pair, item: Item::new(out, name, &formats), line: None };
+    let named = |(_, pair): (u64, Pair)| {
+        let name = pair.left.file_stem().unwrap_or_default().into();
+        planned(pair, name)
+    };
+    let planned: Vec<_> = match &args.suspects {
+        Some(journal) => store::suspects(journal)?.into_iter().map(|(pair, name)| planned(pair, name)).collect(),
+        None => pairs.into_iter().map(named).collect(),
+    };
+    let mode = Mode {
+        resume: args.resume,
+        retry: args.retry,
+        video: true,
+        input: input.clone(),
+        masks,
+        suspects: args.suspects.clone(),
+    };
+    let advice = format!("give a printf pattern as output, such as {:?}", out.join("%06d.png"));
+    let sources = [("left", sides[0].as_path()), ("right", sides[1].as_path())];
+    let mut store = Store::new(out, params, &sources, &planned, &advice, mode)?;
+    store.fill(planned)?;
+    Ok(store)
 }
 
 impl Video {
@@ -221,49 +193,63 @@ impl Video {
     pub fn run(self) -> Result<Outcome> {
         let stop = pipeline::stop_on_signals();
         let threads = pipeline::threads();
-        let input = views::as_first(&self.input, &self.first);
         let setup = Setup {
             device: &self.device,
             params: &self.params,
-            input: &input,
+            input: &self.input,
             looked_at: LOOKED_AT,
             in_flight: self.in_flight,
             readers: threads,
-            writers: if let Sink::Film(_) = self.sink { 1 } else { threads },
+            writers: if let Sink::Film(..) = self.sink { 1 } else { threads },
             mixed: false,
+            kind: None,
+            alone: false,
             unit: "frames",
             quiet: self.quiet,
         };
-        let put = |frame: &Frame| match &self.sink {
-            Sink::Files(files) => files.put(frame, &self.params),
-            Sink::Film(film) => film.put(frame),
-        };
-        let mut ran = pipeline::run(&self.pairs, &setup, stop, put, |_, _| Ok(()));
-        let (frames, done, stopped) = (self.pairs.len(), ran.done, ran.stopped.take());
-        let kept = match self.sink {
-            Sink::Files(files) => files.record.map_or("were written", |_| "were written: --resume computes the rest"),
-            Sink::Film(film) => {
-                let finished = film.finish(stopped.is_none());
-                if stopped.is_none() {
-                    finished?;
-                } else if let Err(why) = finished {
-                    // ffmpeg's own words are the cause.
-                    bail!("{why:#}, after {done} of {frames} frames; no video was written");
+        let (ran, skipped) = match self.sink {
+            Sink::Folder(store) => {
+                if store.mode.suspects.is_some() {
+                    trial::stop_with_parent(stop)?;
                 }
-                "were done, and no video was written"
+                let ran = trial::run(&store, &setup, stop);
+                let closed = store.close();
+                let ran = whole(ran, store.pairs.len(), "were written: --resume computes the rest")?;
+                closed?;
+                (ran, store.skipped)
+            }
+            Sink::Numbered(pairs, work) => {
+                (whole(pipeline::run(&pairs, &setup, stop, &work), pairs.len(), "were written")?, 0)
+            }
+            Sink::Film(pairs, film) => {
+                let ran = pipeline::run(&pairs, &setup, stop, &film);
+                let is_whole = ran.stopped.is_none();
+                match film.finish(is_whole) {
+                    Err(why) if is_whole => return Err(why),
+                    // ffmpeg's own words are the cause.
+                    Err(why) => {
+                        bail!("{why:#}, after {} of {} frames; no video was written", ran.done, pairs.len())
+                    }
+                    Ok(()) => (whole(ran, pairs.len(), "were done, and no video was written")?, 0),
+                }
             }
         };
-        if let Some(error) = stopped {
-            bail!("{error:#}; {done} of {frames} frames {kept}");
-        }
         let failed = !ran.failed.is_empty();
-        let summary = Summary::new(ran, self.skipped, &self.params, &self.output);
+        let summary = Summary::new(ran, skipped, &self.params, &self.output);
         if self.json {
             terminal::print_json(&summary)?;
         } else if !self.quiet {
             terminal::print(&summary.text()?)?;
         }
         Ok(if failed { Outcome::FramesFailed } else { Outcome::Done })
+    }
+}
+
+/// What came of all frames, unless it was stopped.
+fn whole(mut ran: Ran, frames: usize, kept: &str) -> Result<Ran> {
+    match ran.stopped.take() {
+        Some(error) => bail!("{error:#}; {} of {frames} frames {kept}", ran.done),
+        None => Ok(ran),
     }
 }
 

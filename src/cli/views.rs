@@ -3,7 +3,8 @@
 mod bits;
 
 use crate::args::{Bits, InputArgs};
-use crate::input::{decode, decoder, kind, orientation, read_file};
+use crate::facts::Facts;
+use crate::input::{decode, decoder, kind, orientation, read_file_with_facts};
 use crate::pipeline::Pair;
 use anyhow::{Result, ensure};
 use gpu_stereo::{Image, PixelFormat, Pixels};
@@ -23,6 +24,8 @@ pub struct Views {
     pub turned: [Orientation; 2],
     /// Why the images may be wrong.
     pub doubts: Vec<String>,
+    /// What tells whether the files are still the same later, that of the first one given first.
+    pub facts: [Facts; 2],
 }
 
 impl Views {
@@ -54,7 +57,9 @@ impl Views {
 /// Reads a pair.
 pub fn read_pair(left: &Path, right: &Path, options: &InputArgs) -> Result<Views> {
     let (left, right) = if options.swap { (right, left) } else { (left, right) };
-    let (left_file, right_file) = (read_file(left, "an image")?, read_file(right, "an image")?);
+    let (left_file, left_facts) = read_file_with_facts(left, "an image")?;
+    let (right_file, right_facts) = read_file_with_facts(right, "an image")?;
+    let facts = if options.swap { [right_facts, left_facts] } else { [left_facts, right_facts] };
     let mut decoders = (decoder(left, &left_file)?, decoder(right, &right_file)?);
     let turned = [orientation(&mut decoders.0), orientation(&mut decoders.1)];
     let sizes = [(decoders.0.dimensions(), turned[0]), (decoders.1.dimensions(), turned[1])].map(oriented);
@@ -89,7 +94,14 @@ pub fn read_pair(left: &Path, right: &Path, options: &InputArgs) -> Result<Views
         }
     }
     let [left, right] = images;
-    Ok(Views { left: to_image(left, colour, deep)?, right: to_image(right, colour, deep)?, bits, turned, doubts })
+    Ok(Views {
+        left: to_image(left, colour, deep)?,
+        right: to_image(right, colour, deep)?,
+        bits,
+        turned,
+        doubts,
+        facts,
+    })
 }
 
 /// So many pairs of a sequence are tried for the first one.
