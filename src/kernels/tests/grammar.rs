@@ -34,7 +34,7 @@ fn tokens(text: &str) -> Vec<Token<'_>> {
         let length = if is_word(first) {
             // A point between digits belongs to a number.
             let number = first.is_ascii_digit();
-            rest.find(|c: char| !is_word(c) && !(number && c == '.')).unwrap_or(rest.len())
+            rest.find(|c: char| !(is_word(c) || number && c == '.')).unwrap_or(rest.len())
         } else {
             SIGNS.iter().find(|sign| rest.starts_with(**sign)).map_or(first.len_utf8(), |sign| sign.len())
         };
@@ -129,7 +129,7 @@ fn unparenthesised(text: &str) -> Vec<String> {
             // Those in front of an operand.
             Sign("-" | "!" | "~" | "*" | "&" | ".") => (),
             Sign(sign) => {
-                wrong.extend(mixed(&open.last().unwrap()));
+                wrong.extend(mixed(open.last().unwrap()));
                 open.last_mut().unwrap().clear();
                 if matches!(sign, ")" | "]") {
                     open.pop();

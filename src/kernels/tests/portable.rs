@@ -170,10 +170,8 @@ impl Walk<'_> {
                     }
                     self.gone |= some;
                 }
-                Statement::Store { pointer, value } => {
-                    if some || self.varies(*value) || self.index_varies(*pointer) {
-                        self.taint(*pointer);
-                    }
+                Statement::Store { pointer, value } if some || self.varies(*value) || self.index_varies(*pointer) => {
+                    self.taint(*pointer);
                 }
                 Statement::ControlBarrier(_) | Statement::WorkGroupUniformLoad { .. } if some => {
                     self.wrong.push(format!("{}: a barrier", name(self.function)));
@@ -225,11 +223,14 @@ fn lonely_barriers(module: &Module) -> Vec<String> {
 /// Members of the uniform blocks that shift, and the most that src/buffers.rs and src/chain put there.
 const SHIFTING: [(&str, u64); 2] = [("halvings", 15), ("narrowing", 31)];
 
+/// A function, and an expression of it.
+type Given<'a> = (&'a Function, Option<Handle<Function>>, Handle<Expression>);
+
 /// What the integers of a module may be.
 struct Ranges<'a> {
     module: &'a Module,
     /// Of each argument what it is called with, and where.
-    given: BTreeMap<(Handle<Function>, u32), Vec<(&'a Function, Option<Handle<Function>>, Handle<Expression>)>>,
+    given: BTreeMap<(Handle<Function>, u32), Vec<Given<'a>>>,
 }
 
 impl<'a> Ranges<'a> {
