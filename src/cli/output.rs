@@ -347,7 +347,10 @@ fn put<F: Copy>(outputs: &[Output<F>], contents: impl Fn(F) -> Result<Vec<u8>>) 
     }
     let mut files = Vec::new();
     for ((file, bytes), output) in written.into_iter().zip(outputs) {
-        let file = file.persist(&output.place).map_err(|error| cannot_write(&output.path, error.error))?;
+        let file = file.persist(&output.place).map_err(|error| {
+            let error = cannot_write(&output.path, error.error);
+            if files.is_empty() { error } else { error.context(kept(&outputs[..files.len()])) }
+        })?;
         files.push((file, bytes));
     }
     for (i, output) in outputs.iter().enumerate() {
@@ -357,6 +360,15 @@ fn put<F: Copy>(outputs: &[Output<F>], contents: impl Fn(F) -> Result<Vec<u8>>) 
         }
     }
     Ok(files.iter().map(|(file, bytes)| facts(file, bytes)).collect())
+}
+
+/// Which of several outputs have their names when another one cannot get its own.
+fn kept<F>(outputs: &[Output<F>]) -> String {
+    let names: Vec<_> = outputs.iter().map(|output| format!("{:?}", output.path)).collect();
+    format!(
+        "{} written, the rest not",
+        if let [one] = &names[..] { format!("{one} was") } else { names.join(", ") + " were" }
+    )
 }
 
 /// What tells later whether a file is still the same. One that was left to the system may be lost, whatever its times say.
@@ -581,6 +593,25 @@ mod tests {
         let expected = [turbo(0.0), turbo(0.5), turbo(1.0), [0; 3]];
         assert!(colors.pixels().map(|color| color.0).eq(expected));
         picture(&map(&[0]), searched(&Params::sgm(1))); // a range of one disparity has no width
+    }
+
+    #[test]
+    fn an_output_that_fails_last_says_which_are_written() {
+        let folder = tempfile::tempdir().unwrap();
+        let paths = ["a.npy", "b.npy", "c.npy"].map(|name| folder.path().join(name));
+        let outputs = paths.each_ref().map(|path| Output::at(path.clone(), Format::Npy));
+        let calls = std::cell::Cell::new(0);
+        let contents = |_| {
+            calls.set(calls.get() + 1);
+            if calls.get() == 3 {
+                fs::create_dir(&paths[1]).unwrap(); // after it was looked at
+            }
+            Ok(vec![calls.get()])
+        };
+        let error = format!("{:#}", put(&outputs, contents).unwrap_err());
+        assert!(error.contains("a.npy\" was written, the rest not: output ") && error.contains("b.npy"), "{error}");
+        assert_eq!((fs::read(&paths[0]).unwrap(), paths[2].exists()), (vec![1], false));
+        assert_eq!(fs::read_dir(folder.path()).unwrap().count(), 2, "temporary files are gone");
     }
 
     #[test]
