@@ -320,7 +320,7 @@ impl Read {
         let Views { left, right, doubts, .. } = work.read(place, pair, setup.input)?;
         let mut doubts: Vec<_> = doubts.into_iter().map(|text| Doubt { text, kind: None }).collect();
         // What cannot be rectified is refused later.
-        if place % setup.looked_at == 0
+        if place.is_multiple_of(setup.looked_at)
             && let Ok(Some(finding)) = diagnosis::finding(&left, &right, setup.params)
         {
             doubts.push(Doubt { text: finding.to_string(), kind: Some(finding.kind()) });
