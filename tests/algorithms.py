@@ -68,6 +68,45 @@ def smoothed(table):
     return zip(*(smoothed_row(column) for column in zip(*rows)))
 
 
+def arc_tangent(r):
+    for _ in range(4):
+        r = r / (1.0 + math.sqrt(1.0 + r * r))
+    total = 0.0
+    for i in range(7, -1, -1):
+        total = 1.0 / (2 * i + 1) - r * r * total
+    return 16.0 * (r * total)
+
+
+def sine_and_cosine(angle):
+    sine, cosine = 1.0, 1.0
+    for i in range(13, 0, -1):
+        sine = 1.0 - angle * angle / (2 * i * (2 * i + 1)) * sine
+        cosine = 1.0 - angle * angle / (2 * i * (2 * i - 1)) * cosine
+    return angle * sine, cosine
+
+
+def bent(lens, x, y):
+    """Where a ray through (x, y) meets the sensor, both at a distance of 1; None where it does not."""
+    xx, yy, xy = x * x, y * y, x * y
+    q = xx + yy
+    if "fisheye" in lens:
+        k1, k2, k3, k4 = lens["fisheye"]
+        r = math.sqrt(q)
+        angle = arc_tangent(r)
+        t = angle * angle
+        scale = 1.0 if r == 0.0 else angle * (1.0 + (((k4 * t + k3) * t + k2) * t + k1) * t) / r
+        return x * scale, y * scale
+    k1, k2, p1, p2, k3, k4, k5, k6, s1, s2, s3, s4, tau_x, tau_y = lens["pinhole"]
+    radial = (1.0 + ((k3 * q + k2) * q + k1) * q) / (1.0 + ((k6 * q + k5) * q + k4) * q)
+    column = x * radial + 2.0 * p1 * xy + p2 * (q + 2.0 * xx) + s1 * q + s2 * (q * q)
+    row = y * radial + p1 * (q + 2.0 * yy) + 2.0 * p2 * xy + s3 * q + s4 * (q * q)
+    if tau_x == 0.0 and tau_y == 0.0:
+        return column, row
+    (sin_x, cos_x), (sin_y, cos_y) = sine_and_cosine(tau_x), sine_and_cosine(tau_y)
+    w = sin_y * column - cos_y * sin_x * row + cos_y * cos_x
+    return (cos_x * column / w, (cos_y * row - sin_x * sin_y * column) / w) if w > 0.0 else None
+
+
 class Chain:
     """The stages by their names. Images are [y][x], volumes [y][x][d]."""
 
@@ -104,19 +143,13 @@ class Chain:
         cofactors = [a[i] * a[j] - a[k] * a[n] for i, j, k, n in pairs]
         determinant = a[0] * cofactors[0] + a[1] * cofactors[3] + a[2] * cofactors[6]
         b = [cofactor / determinant for cofactor in cofactors]
-        k1, k2, p1, p2, k3, k4, k5, k6 = lens["distortion"]
 
         def of(u, v):
             x, y, w = (b[i] * u + b[i + 1] * v + b[i + 2] for i in (0, 3, 6))
-            if w <= 0.0:
+            ray = bent(lens, x / w, y / w) if w > 0.0 else None
+            if ray is None:
                 return [-512, -512]
-            x, y = x / w, y / w
-            xx, yy, xy = x * x, y * y, x * y
-            q = xx + yy
-            radial = (1.0 + ((k3 * q + k2) * q + k1) * q) / (1.0 + ((k6 * q + k5) * q + k4) * q)
-            column = m[0] * (x * radial + 2.0 * p1 * xy + p2 * (q + 2.0 * xx)) + m[2]
-            row = m[4] * (y * radial + p1 * (q + 2.0 * yy) + 2.0 * p2 * xy) + m[5]
-            places = ((column, self.width), (row, self.height))
+            places = ((m[0] * ray[0] + m[2], self.width), (m[4] * ray[1] + m[5], self.height))
             return [clamp(math.floor(256.0 * place + 0.5), -512, 256 * side) for place, side in places]
 
         return self.over_pixels(lambda x, y: of(float(x), float(y)))

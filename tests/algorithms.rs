@@ -5,7 +5,7 @@
 mod support;
 
 use gpu_stereo::{
-    Cost, DisparityMap, Fill, Image, Masks, Median, Method, Params, Paths, PixelFormat, Pixels, Prefilter,
+    Cost, DisparityMap, Distortion, Fill, Image, Masks, Median, Method, Params, Paths, PixelFormat, Pixels, Prefilter,
     Rectification, RightView, Subpixel, reference,
 };
 use rand::{Rng, SeedableRng};
@@ -101,9 +101,11 @@ fn json(image: &Image, params: &Params) -> String {
     if let Some(rectification) = &params.rectify {
         let lens = |lens: &gpu_stereo::Lens| {
             let gpu_stereo::Lens { matrix, distortion, rotation, projection } = lens;
+            let model = if matches!(distortion, Distortion::Fisheye(_)) { "fisheye" } else { "pinhole" };
             format!(
-                "{{\"matrix\": {matrix:?}, \"distortion\": {distortion:?}, \"rotation\": {rotation:?}, \
-                 \"projection\": {projection:?}}}"
+                "{{\"matrix\": {matrix:?}, \"{model}\": {:?}, \"rotation\": {rotation:?}, \
+                 \"projection\": {projection:?}}}",
+                distortion.numbers()
             )
         };
         let lenses = rectification.lenses().each_ref().map(lens).join(", ");
@@ -446,13 +448,21 @@ fn cases() -> Vec<Case> {
         let (left, right) = support::pair(35, 33, seed);
         cases.push(Case { left, right, params });
     }
-    // Pairs that are rectified first, in every format; lenses that look away.
-    for seed in 0..5 {
+    // Pairs that are rectified first, in every format; lenses that look away; every model of a lens.
+    for seed in 0..7 {
         let mut random = ChaCha8Rng::seed_from_u64(500 + seed);
         let mut params = Params::sgm(6);
         let mut lenses = support::lenses(31, 14);
         if seed == 4 {
             lenses[1].rotation = [-1.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, -1.0];
+        }
+        if seed > 4 {
+            // Half of the rays of the left lens come from behind it.
+            lenses[0].distortion = Distortion::Fisheye([0.0158, -0.0197, 0.0204, -0.0072]);
+            lenses[0].projection[0] /= 9.0;
+            lenses[0].rotation = [0.2, 0.0, 0.98, 0.0, 1.0, 0.0, -0.98, 0.0, 0.2];
+            let prism = [-0.28, 0.09, 0.0011, -0.0004, 0.01, 0.3, 0.1, 0.02, 0.01, -0.02, 0.015, 0.003, 0.12, -0.2];
+            lenses[1].distortion = Distortion::pinhole(&prism[..[12, 14][seed as usize % 2]]).unwrap();
         }
         params.rectify = Some(Rectification::new(31, 14, lenses).unwrap());
         let image = if seed % 2 == 0 { noise } else { few_levels };

@@ -189,14 +189,15 @@ pub fn lenses(width: u32, height: u32) -> [gpu_stereo::Lens; 2] {
         [cos_a, -sin_a, 0.0, cos_b * sin_a, cos_b * cos_a, -sin_b, sin_b * sin_a, sin_b * cos_a, cos_b]
     };
     let matrix = |f: f64, x: f64, y: f64| [f, 0.0, x, 0.0, f, y, 0.0, 0.0, 1.0];
+    let pinhole = |numbers: &[f64]| gpu_stereo::Distortion::pinhole(numbers).unwrap();
     let left = gpu_stereo::Lens {
         matrix: matrix(0.9 * w, 0.48 * w, 0.53 * h),
-        distortion: [-0.28, 0.09, 0.0011, -0.0004, 0.01, 0.0, 0.0, 0.0],
+        distortion: pinhole(&[-0.28, 0.09, 0.0011, -0.0004, 0.01]),
         rotation: turned(0.011, -0.02),
         projection: matrix(0.95 * w, 0.5 * w, 0.5 * h),
     };
     let right = gpu_stereo::Lens {
-        distortion: [0.31, -0.2, -0.0007, 0.0009, 0.003, 0.6, -0.1, 0.02],
+        distortion: pinhole(&[0.31, -0.2, -0.0007, 0.0009, 0.003, 0.6, -0.1, 0.02]),
         rotation: turned(-0.008, 0.017),
         ..left
     };
