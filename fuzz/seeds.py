@@ -128,6 +128,14 @@ put(
     "camera_info",
     two_files="\x0c%YAML:1.0\n---\nimage_size: [ 640, 480 ]\n" + "".join(opencv(*m) for m in LENS_ONLY) + "\0%YAML:1.0\n---\n" + "".join(opencv(*m) for m in BETWEEN),
 )
+put(
+    "calibration",
+    kalibr="\x0ccam0: {camera_model: pinhole, intrinsics: [700, 700, 320, 240], distortion_model: equidistant, distortion_coeffs: [0.1, 0, 0, 0]}\n"
+    "cam1:\n  T_cn_cnm1: [[1, 0, 0, -0.1], [0, 1, 0, 0], [0, 0, 1, 0], [0, 0, 0, 1]]\n  camera_model: pinhole\n"
+    "  intrinsics: [700, 700, 320, 240]\n  distortion_model: equidistant\n  distortion_coeffs: [0.1, 0, 0, 0]\n",
+    zed="\x0c[LEFT_CAM_HD]\nfx=700\nfy=700\ncx=320\ncy=240\nk1=0.1\n[RIGHT_CAM_HD]\nfx=700\nfy=700\ncx=320\ncy=240\n[STEREO]\nBaseline=120\nTY=0\nRX_HD=0.01\n",
+    drivingstereo=f"\0S_rect_101: 640 480\nP_rect_101: {LEFT}\nP_rect_103: {RIGHT}\n",
+)
 put("camera_info", pair="\0" + camera_info(LEFT) + "\0" + camera_info(RIGHT), lenses="\x0c" + camera_info(LEFT) + "\0" + camera_info(RIGHT))
 put(
     "csv",

@@ -95,7 +95,7 @@ fn zoomed_out(width: u32, height: u32, zoom: f64) -> Rectification {
     let matrix = |focal: f64| [focal, 0.0, w / 2.0, 0.0, focal, h / 2.0, 0.0, 0.0, 1.0];
     let lens = Lens {
         matrix: matrix(100.0),
-        distortion: [0.0; 8],
+        distortion: gpu_stereo::Distortion::NONE,
         rotation: [1.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 1.0],
         projection: matrix(100.0 / zoom),
     };

@@ -14,15 +14,18 @@ mod error;
 pub mod evaluation;
 #[path = "../../src/image.rs"]
 mod image_and_map;
+#[path = "../../src/lens.rs"]
+mod lens;
 #[path = "../../src/rectification.rs"]
 mod rectification;
 
 pub use camera::Camera;
 pub use error::Error;
 pub use image_and_map::{DisparityMap, Image, Pixels};
-pub use rectification::{Lens, Rectification};
+pub use lens::{Distortion, Lens};
+pub use rectification::Rectification;
 
-#[path = "../../src/cli/calibration.rs"]
+#[path = "../../src/cli/calibration/mod.rs"]
 pub mod calibration;
 #[path = "../../src/cli/facts.rs"]
 mod facts;
@@ -34,12 +37,10 @@ pub mod list;
 mod lossless;
 #[path = "../../src/cli/maps.rs"]
 pub mod maps;
-#[path = "../../src/cli/stereo_rectify.rs"]
-mod stereo_rectify;
 #[path = "../../src/cli/terminal/text.rs"]
 mod text;
 
-use calibration::{Calibration, Pair, Reading, Source, Unit};
+use calibration::{Calibration, Fitted, LensModel, Pair, Reading, Scale, Source, Unit};
 use evaluation::FloatMap;
 use list::{Kind, Listed};
 use maps::Encoding;
@@ -120,7 +121,10 @@ pub fn calibration(data: &[u8], two_files: bool) {
     let unit = [None, Some(Unit::M), Some(Unit::Cm), Some(Unit::Mm)][usize::from(selector % 4)];
     let pair = [None, Some(Pair::Gray), Some(Pair::Color)][usize::from(selector / 4 % 3)];
     let lenses = selector / 12 % 2 == 1;
-    let reading = Reading { unit, pair, lenses };
+    let lens = [LensModel::Auto, LensModel::Pinhole, LensModel::Fisheye][usize::from(selector / 24 % 3)];
+    let scale = [None, Some(Scale::ONE), "1/2".parse().ok()][usize::from(selector / 72 % 3)];
+    let reading = Reading { unit, pair, lens, scale, lenses };
+    let size = [[640, 480], [320, 240]][usize::from(selector / 144 % 2)];
     let parsed = if two_files {
         let end = rest.iter().position(|byte| *byte == 0).unwrap_or(rest.len());
         let right = rest.get(end + 1..).unwrap_or_default();
@@ -128,13 +132,13 @@ pub fn calibration(data: &[u8], two_files: bool) {
     } else {
         Source::parse(rest).map(|left| (left, None))
     };
-    match parsed.and_then(|(left, right)| Calibration::of(left, right, reading)) {
-        Ok(Calibration { camera, size, lenses: found }) => {
+    let fit = |calibration: Calibration| calibration.fit(size[0], size[1]);
+    match parsed.and_then(|(left, right)| Calibration::of(left, right, reading)).and_then(fit) {
+        Ok(Fitted { camera, lenses: found }) => {
             let Camera { focal, baseline, doffs, cx, cy } = camera;
             assert!([focal, baseline, doffs, cx, cy].iter().all(|value| value.is_finite()), "{camera:?}");
             assert!(focal > 0.0 && baseline > 0.0, "{camera:?}");
             camera.validate().expect("a calibration within the ranges of a camera");
-            assert!(size.is_none_or(|size| size.iter().all(|side| (1..=1_000_000).contains(side))), "{size:?}");
             assert_eq!(found.is_some(), lenses);
             match found.map(|lenses| Rectification::new(5, 3, lenses)).transpose() {
                 Ok(rectification) => {

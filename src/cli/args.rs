@@ -1,6 +1,6 @@
 //! Parse: the command line as it was typed, with no meaning given to it yet.
 
-use crate::calibration::{Pair, Unit};
+use crate::calibration::{LensModel, Pair, Scale, Unit};
 use crate::layout::Layout;
 use crate::output::Format;
 use clap::builder::{PossibleValue, StringValueParser, TypedValueParser};
@@ -161,14 +161,14 @@ pub struct MaskArgs {
 #[derive(Debug, clap::Args)]
 #[command(next_help_heading = "Depth")]
 pub struct Scene {
-    /// The calibration of the pair: Middlebury's calib.txt, KITTI's calib files, OpenCV's YAML or XML with P1 and P2 or Q
-    /// (of stereoRectify), ROS camera_info YAML (with --calib-right); the content tells which
+    /// The calibration of the pair: Middlebury's calib.txt, KITTI's and DrivingStereo's calib files, OpenCV's YAML or XML with
+    /// P1 and P2 or Q (of stereoRectify), ROS camera_info YAML (with --calib-right); the content tells which
     #[arg(long, value_name = "FILE", group = "cameras", conflicts_with_all = ["focal", "baseline", "cx", "cy", "doffs"])]
     pub calib: Option<PathBuf>,
 
     /// Rectify the pair first, with the lenses, rotations and projections of OpenCV's stereoCalibrate and stereoRectify
-    /// (M1, D1, R1, P1, M2, D2, R2, P2, or R and T for the last ones, in YAML or XML), or of ROS camera_info YAML (with --calib-right); this is the
-    /// calibration of the depth, too
+    /// (M1, D1, R1, P1, M2, D2, R2, P2, or R and T in place of R1 .. P2, in YAML or XML), or of ROS camera_info YAML (with
+    /// --calib-right), Kalibr's camchain.yaml or ZED's .conf; this is the calibration of the depth, too
     #[arg(long, value_name = "FILE", group = "cameras", conflicts_with_all = ["focal", "baseline", "cx", "cy", "doffs"])]
     pub rectify: Option<PathBuf>,
 
@@ -177,7 +177,16 @@ pub struct Scene {
     #[arg(long, value_name = "FILE", requires = "cameras")]
     pub calib_right: Option<PathBuf>,
 
-    /// The unit of lengths in the calibration [default: mm in Middlebury's files, else m]
+    /// The model of the lenses, where the file does not say and their numbers do not tell: k1, k2, p1, p2 of calibrateCamera,
+    /// or k1, k2, k3, k4 of cv::fisheye
+    #[arg(long, value_enum, value_name = "MODEL", default_value_t = LensModel::Auto, requires = "rectify")]
+    pub lens: LensModel,
+
+    /// The images' size by that of the calibrated ones, such as 0.5 or 2/3; 1: the calibration is right as it is
+    #[arg(long, value_name = "S", requires = "cameras", allow_negative_numbers = true)]
+    pub calib_scale: Option<Scale>,
+
+    /// The unit of lengths in the calibration [default: mm in Middlebury's and ZED's files, else m]
     #[arg(long, value_enum, value_name = "UNIT", requires = "cameras")]
     pub calib_unit: Option<Unit>,
 

@@ -35,7 +35,6 @@ mod report;
 mod resolve;
 mod run;
 mod sheet;
-mod stereo_rectify;
 mod store;
 mod study;
 mod terminal;

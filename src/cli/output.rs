@@ -461,8 +461,10 @@ fn contents(format: Format, maps: &Maps<'_>) -> Result<Vec<u8>> {
                     let (samples, lost) = depth::millimetres(found);
                     if lost > 0 {
                         crate::warnings::warn(&format!(
-                            "{lost} pixels are 65.5355 m away or farther, which a 16-bit PNG in millimetres cannot hold: \
-                             they are 0 there; take .pfm, .npy or .tif for these"
+                            "{lost} pixels are 65.5355 m away or farther, by a baseline of {} m, which a 16-bit PNG in \
+                             millimetres cannot hold: they are 0 there; where the baseline is right, .pfm, .npy and .tif hold \
+                             them",
+                            camera.baseline
                         ));
                     }
                     png16(width, height, samples)

@@ -6,7 +6,7 @@ use crate::resolve::Job;
 use crate::terminal::{self, name, plain};
 use anyhow::Result;
 use comfy_table::{CellAlignment, Table, presets};
-use gpu_stereo::{StageCheck, StageTime, wgpu};
+use gpu_stereo::{Camera, StageCheck, StageTime, wgpu};
 use serde::{Serialize, Serializer};
 use std::fmt::Write as _;
 use std::path::{Path, PathBuf};
@@ -35,6 +35,9 @@ pub struct Report {
     pub min_disparity: i32,
     /// Disparities searched.
     pub disparities: u32,
+    /// The cameras of the rectified pair, where they are known.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub camera: Option<Cameras>,
     /// Share of pixels that have a disparity, 0 to 1.
     pub valid: f64,
     /// Upload, kernels and readback.
@@ -58,6 +61,23 @@ pub struct Report {
     /// The files that were written.
     #[serde(serialize_with = "paths")]
     pub outputs: Vec<PathBuf>,
+}
+
+/// The cameras of the rectified pair.
+#[derive(Debug, Serialize)]
+pub struct Cameras {
+    focal_px: f64,
+    baseline_m: f64,
+    doffs_px: f64,
+    cx_px: f64,
+    cy_px: f64,
+}
+
+impl From<Camera> for Cameras {
+    fn from(camera: Camera) -> Self {
+        let Camera { focal, baseline, doffs, cx, cy } = camera;
+        Self { focal_px: focal, baseline_m: baseline, doffs_px: doffs, cx_px: cx, cy_px: cy }
+    }
 }
 
 /// Times over the frames.
@@ -115,6 +135,12 @@ fn stages<S: Serializer>(stages: &[StageTime], serializer: S) -> Result<S::Ok, S
     serializer.collect_seq(stages.iter().map(|stage| Stage { name: &stage.name, ms: round(stage.ms) }))
 }
 
+/// Six digits that mean something, as many as a calibration has.
+fn digits(value: f64) -> f64 {
+    let scale = 10f64.powi(5 - value.abs().log10().floor() as i32);
+    if scale.is_finite() && scale > 0.0 { (value * scale).round() / scale } else { value }
+}
+
 /// Paths need not be Unicode, JSON must.
 pub fn path<S: Serializer>(path: &Path, serializer: S) -> Result<S::Ok, S::Error> {
     serializer.serialize_str(&path.to_string_lossy())
@@ -169,6 +195,9 @@ impl Report {
         }
         let last = i64::from(self.min_disparity) + i64::from(self.disparities) - 1;
         writeln!(text, "range    {} disparities, {} to {last} px", self.disparities, self.min_disparity)?;
+        if let Some(Cameras { focal_px, baseline_m, .. }) = &self.camera {
+            writeln!(text, "cameras  focal length {} px, baseline {} m", digits(*focal_px), digits(*baseline_m))?;
+        }
         writeln!(text, "valid    {:.1} %", 100.0 * self.valid)?;
         writeln!(text, "frame    {:.1} ms (first {:.1} ms)", self.frame_ms.median, self.first_frame_ms)?;
         let outputs: Vec<_> = self.outputs.iter().map(|path| name(path).to_string()).collect();

@@ -1,7 +1,7 @@
 //! Resolve: what was typed becomes settings that are known to be good, before an image is decoded or a device opened.
 
 use crate::args::{Args, Backend, DeviceArgs, InputArgs, Scene, Whole};
-use crate::calibration::{Calibration, Reading};
+use crate::calibration::{Calibration, LensModel, Reading};
 use crate::evaluate::TruthFile;
 use crate::mask::MaskFiles;
 use crate::output::{Format, Output};
@@ -25,6 +25,8 @@ pub struct Job {
     pub masks: MaskFiles,
     /// What the calibration says.
     pub calibration: Option<Calibration>,
+    /// Whether the depth is wanted.
+    pub depth: bool,
     /// Whether the principal point is to be in the middle of the image, along each axis.
     pub middle: [bool; 2],
     /// Where to compute.
@@ -69,8 +71,8 @@ pub fn resolve(args: Args) -> Result<Job> {
     let calibration = calibration(&args.scene, optics)?;
     let depths = crate::output::depth_formats(&args.scene.depth, &args.scene.points)?;
     match &calibration {
-        Some(calibration) if !depths.is_empty() => params.depth = Some(calibration.camera),
-        Some(Calibration { lenses: Some(_), .. }) => {}
+        Some(_) if !depths.is_empty() => {}
+        Some(calibration) if calibration.has_lenses() => {}
         Some(_) if args.truth.gt_depth => {}
         Some(_) => crate::tell("note: the cameras change nothing without --depth and --points"),
         None if depths.is_empty() => {}
@@ -103,6 +105,7 @@ pub fn resolve(args: Args) -> Result<Job> {
         params,
         masks,
         calibration,
+        depth: !depths.is_empty(),
         middle: [args.scene.cx, args.scene.cy].map(|given| optics.is_some() && given.is_none()),
         device: args.device,
         truth,
@@ -117,16 +120,27 @@ pub fn resolve(args: Args) -> Result<Job> {
 
 /// The cameras that the options name.
 fn calibration(scene: &Scene, optics: Option<[f64; 2]>) -> Result<Option<Calibration>> {
-    let Scene { calib, rectify, calib_right, calib_unit, calib_pair, .. } = scene;
+    let Scene { calib, rectify, calib_right, .. } = scene;
     if let Some(path) = calib.as_ref().or(rectify.as_ref()) {
-        let reading = Reading { unit: *calib_unit, pair: *calib_pair, lenses: rectify.is_some() };
+        // The parser lets it pass where --calib excludes --rectify.
+        ensure!(
+            scene.lens == LensModel::Auto || rectify.is_some(),
+            "--lens goes with --rectify, since --calib takes a rectified pair; drop it, or give the file with --rectify"
+        );
+        let reading = Reading {
+            unit: scene.calib_unit,
+            pair: scene.calib_pair,
+            lens: scene.lens,
+            scale: scene.calib_scale,
+            lenses: rectify.is_some(),
+        };
         return Calibration::read(path, calib_right.as_deref(), reading).map(Some);
     }
     let Some([focal, baseline]) = optics else { return Ok(None) };
     let [doffs, cx, cy] = [scene.doffs, scene.cx, scene.cy].map(Option::unwrap_or_default);
     let camera = Camera { focal, baseline, doffs, cx, cy };
     camera.validate().map_err(told)?;
-    Ok(Some(Calibration { camera, size: None, lenses: None }))
+    Ok(Some(Calibration::typed(camera)))
 }
 
 /// There is no usual number of disparities.

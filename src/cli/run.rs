@@ -2,6 +2,7 @@
 
 use crate::adapter::{self, Opened};
 use crate::args::{Backend, DeviceArgs};
+use crate::calibration::Fitted;
 use crate::evaluate::Evaluation;
 use crate::output::{Format, Maps};
 use crate::report::{FrameMs, Report};
@@ -11,7 +12,7 @@ use crate::{diagnosis, environment, output, warnings};
 use anyhow::{Result, bail};
 use gpu_stereo::evaluation::FloatMap;
 use gpu_stereo::{
-    Error, Image, Matched, Method, Params, Rectification, StageCheck, StageTime, StereoMatcher, reference,
+    Camera, Error, Image, Matched, Method, Params, Rectification, StageCheck, StageTime, StereoMatcher, reference,
 };
 use std::time::Instant;
 
@@ -35,7 +36,7 @@ pub fn run(job: &Job) -> Result<Report> {
     output::ensure_size(&job.outputs, left.width(), left.height())?;
     let truth = job.truth.as_ref().map(|truth| truth.read((left.width(), left.height()), &job.left)).transpose()?;
 
-    let params = &params_for(job, &left)?;
+    let (params, camera) = &params_for(job, &left)?;
     let start = Instant::now();
     let engine = Engine::open(&job.device, job.check, &left, params)?;
     // Stage times come from the frames that are told, so that stages and transfers add up to the frame.
@@ -88,6 +89,7 @@ pub fn run(job: &Job) -> Result<Report> {
         turned,
         min_disparity: params.min_disparity,
         disparities: params.disparities,
+        camera: camera.map(Into::into),
         valid: matched.map.valid_fraction(),
         frame_ms: times,
         first_frame_ms,
@@ -100,23 +102,26 @@ pub fn run(job: &Job) -> Result<Report> {
     })
 }
 
-/// The settings of the job for images of this size.
-fn params_for(job: &Job, image: &Image) -> Result<Params> {
+/// The settings of the job for images of this size, and the rectified cameras, if they are known.
+fn params_for(job: &Job, image: &Image) -> Result<(Params, Option<Camera>)> {
     let (width, height) = (image.width(), image.height());
     let mut params = job.params.clone();
     params.masks = job.masks.read_for(image)?;
-    let Some(calibration) = &job.calibration else { return Ok(params) };
-    calibration.ensure_size(width, height)?;
-    if let Some(lenses) = calibration.lenses {
+    let Some(calibration) = &job.calibration else { return Ok((params, None)) };
+    let Fitted { mut camera, lenses } = calibration.fit(width, height)?;
+    if let Some(doubt) = calibration.doubt(&camera) {
+        warnings::warn(&doubt);
+    }
+    if let Some(lenses) = lenses {
         params.rectify = Some(Rectification::new(width, height, lenses)?);
     }
-    let Some(camera) = &mut params.depth else { return Ok(params) };
     for (is_middle, place, side) in [(job.middle[0], &mut camera.cx, width), (job.middle[1], &mut camera.cy, height)] {
         if is_middle {
             *place = f64::from(side - 1) / 2.0;
         }
     }
-    Ok(params)
+    params.depth = job.depth.then_some(camera);
+    Ok((params, Some(camera)))
 }
 
 /// What came of frames of one pair.
