@@ -41,7 +41,7 @@ fn main(@builtin(global_invocation_id) id: vec3<u32>, @builtin(local_invocation_
             block_costs(&costs, &sums, &seen, band_row, x);
             leave(&sums, at + reach * QUADS);
         }
-        choose(&costs, &diagonal, &kept, pass_.first_row + band_row, x, writes);
+        choose(&costs, &diagonal, &kept, pass_.map_row + band_row, x, writes);
     }
 }
 

@@ -38,8 +38,9 @@ alias Pairs = array<array<u32, HALF>, STRIP>;
 // Pixels of OWN rows that are not yet written, two a word, the leftmost one in the low half of [0].
 alias Unwritten = array<array<u32, 3>, OWN>;
 
+// Of the planes.
 fn row_at(top: i32, row: u32) -> u32 {
-    return u32(clamp(top + i32(row), 0, i32(frame.height) - 1));
+    return u32(clamp(top + i32(row), 0, i32(frame.height) - 1)) - pass_.planes_row;
 }
 
 // The four bytes from byte `at` of a row on.
@@ -203,7 +204,7 @@ fn main(@builtin(global_invocation_id) id: vec3<u32>, @builtin(subgroup_invocati
             for (var own = 0u; own < OWN; own++) {
                 let at = row + own * PARTS + slice;
                 if at < pass_.rows {
-                    right_map[(pass_.first_row + at) * frame.map_stride + u32(word)] = 0x80008000u;
+                    right_map[(pass_.map_row + at) * frame.map_stride + u32(word)] = 0x80008000u;
                 }
             }
         }
@@ -315,7 +316,7 @@ fn main(@builtin(global_invocation_id) id: vec3<u32>, @builtin(subgroup_invocati
             let right_word = (right4 + 1) >> 1u;
             for (var own = 0u; own < OWN; own++) {
                 let at = row + own * PARTS + slice;
-                let words = (pass_.first_row + at) * frame.map_stride;
+                let words = (pass_.map_row + at) * frame.map_stride;
                 let stride = select(0, i32(frame.map_stride), phase == 1u && at < pass_.rows);
                 for (var word = 0u; word < 2u; word++) {
                     let l = left_word + i32(word);

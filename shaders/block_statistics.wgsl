@@ -16,7 +16,7 @@ struct Sums {
 
 // The sums over the rows of four blocks, whose first bytes are those of word `at`.
 fn row_sums(at: u32, y: i32) -> Sums {
-    let row = u32(clamp(y, 0, i32(frame.height) - 1)) * pass_.stride;
+    let row = (u32(clamp(y, 0, i32(frame.height) - 1)) - pass_.planes_row) * pass_.stride;
     var sums: Sums;
     for (var w = 0u; w < BLOCK_WORDS; w++) {
         let values = unpack(plane[row + min(at + w, pass_.stride - 1u)]);

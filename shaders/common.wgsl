@@ -24,12 +24,13 @@ struct Frame {
     depth_high: u32,      // 4096 focal * baseline, in millionths
     depth_low: u32,
     depth_offset: i32,    // doffs in 1/4096 px
+    source_shift: u32,    // bits of a texel's column in an uploaded image
 }
 
 // What differs between dispatches.
 struct Pass {
-    first_row: u32,       // in the image
-    rows: u32,            // of a path that crosses rows: those that it comes to
+    first_row: u32,       // in the image; where rows of buffers are bound, they begin with it
+    rows: u32,            // that are worked on; of a path that crosses rows: those that it comes to
     volume_row: u32,      // where first_row lies in the volume's buffer
     first_line: u32,      // of the paths of a direction
     lines: u32,
@@ -44,7 +45,7 @@ struct Pass {
     stride: u32,          // words a row of the planes
     first_plane: u32,     // the plane that is written, or the first one
     window: u32,          // side of the window that is summed
-    row_step: u32,        // rows from one border of two bands to the next
+    row_step: u32,        // rows from one border of two bands to the next; from a pixel of a line to the next
     occlusions: u32,      // 1: occlusions are filled in another way than mismatches
     reversed: u32,        // 1: the images are taken mirrored
     entry: i32,           // row of the band at which paths enter
@@ -60,6 +61,9 @@ struct Pass {
     prior: u32,           // what is added to them
     logarithms: u32,      // 1: their logarithms are taken
     side: u32,            // of a map: 0 the left view, 1 the right one
+    map_row: u32,         // of the bound rows of the maps, the one that first_row is
+    planes_row: u32,      // the row of the image with which the planes begin
+    planes_rows: u32,     // rows of a plane
 }
 
 @group(0) @binding(0) var<uniform> frame: Frame;

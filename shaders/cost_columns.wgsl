@@ -11,14 +11,15 @@
 
 alias AllSums = array<Sums, VECTORS>;
 
+// Of the planes.
 fn clamped_row(y: i32) -> u32 {
-    return u32(clamp(y, 0, i32(frame.height) - 1));
+    return u32(clamp(y, 0, i32(frame.height) - 1)) - pass_.planes_row;
 }
 
 fn left_at(column: u32, row: u32) -> Pixel {
     var pixel: Pixel;
     for (var p = 0u; p < PLANES; p++) {
-        let word = left[(p * frame.height + row) * frame.left_stride + (column >> 2u)];
+        let word = left[(p * pass_.planes_rows + row) * frame.left_stride + (column >> 2u)];
         pixel[p] = extractBits(word, (column & 3u) * 8u, 8u) * 0x01010101u;
     }
     return pixel;
@@ -30,7 +31,7 @@ fn windows(column: u32, q: u32, row: u32) -> array<Window, VECTORS> {
     let shift = (j & 3u) * 8u;
     var found: array<Window, VECTORS>;
     for (var p = 0u; p < PLANES; p++) {
-        let start = (p * frame.height + row) * frame.right_stride + (j >> 2u) + 4u * q;
+        let start = (p * pass_.planes_rows + row) * frame.right_stride + (j >> 2u) + 4u * q;
         var last = right[start];
         for (var v = 0u; v < VECTORS; v++) {
             let at = start + 4u * v;

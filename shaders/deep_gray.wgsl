@@ -25,10 +25,10 @@ fn four_from(row: u32, start: u32) -> vec4<u32> {
 
 @compute @workgroup_size(LANES)
 fn main(@builtin(global_invocation_id) id: vec3<u32>) {
-    if id.x >= 2u * frame.gray_stride || id.y >= frame.height {
+    if id.x >= 2u * frame.gray_stride || id.y >= pass_.rows {
         return;
     }
-    let row = id.y * frame.width;
+    let row = (pass_.first_row + id.y) * frame.width;
     let x = 8 * i32(id.x) - 16;
     let a = four_at(row, x);
     let b = four_at(row, x + 4);

@@ -199,13 +199,13 @@ fn features(x: i32, y: i32) -> Words {
 fn main(@builtin(global_invocation_id) id: vec3<u32>) {
     let mirrored = pass_.mirrored == 1u;
     let stride = pass_.stride / 4u;
-    if id.x >= stride || id.y >= frame.height {
+    if id.x >= stride || id.y >= pass_.rows {
         return;
     }
     let x = lowest_column(id.x, mirrored);
-    var words = features(x, i32(id.y));
+    var words = features(x, i32(pass_.first_row + id.y));
     for (var p = 0u; p < IMAGE_PLANES; p++) {
-        let row = (pass_.first_plane + p) * frame.height + id.y;
+        let row = (pass_.first_plane + p) * pass_.rows + id.y;
         planes[row * stride + id.x] = placed(words[p], x, mirrored);
     }
 }

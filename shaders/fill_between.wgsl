@@ -14,13 +14,14 @@ fn farther(a: vec4<i32>, b: vec4<i32>) -> vec4<i32> {
 @compute @workgroup_size(LANES)
 fn main(@builtin(global_invocation_id) id: vec3<u32>) {
     let stride = frame.map_stride / 4u;
-    if id.x >= stride || id.y >= frame.height {
+    if id.x >= stride || id.y >= pass_.rows {
         return;
     }
-    let p = eight(id.y, id.x);
+    let row = pass_.first_row + id.y;
+    let p = eight(row, id.x);
     var wanted = mask(p.even == vec4(INVALID), p.odd == vec4(INVALID));
     if pass_.occlusions == 1u {
-        wanted &= ~(seen[id.y * stride + (id.x >> 2u)] >> (8u * (id.x & 3u)));
+        wanted &= ~(seen[row * stride + (id.x >> 2u)] >> (8u * (id.x & 3u)));
     }
     var even = p.even;
     var odd = p.odd;

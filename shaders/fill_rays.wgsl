@@ -14,7 +14,7 @@
 // The word of a pixel on a line that goes dx columns to the right from row to row, on its way down; on its way up, 4 on.
 fn place(x: i32, y: i32, dx: i32) -> u32 {
     let line = x - dx * y;
-    let slot = y * i32(frame.map_stride / 4u + 1u) + (line >> 3u) - ((-dx * y) >> 3u);
+    let slot = (y - i32(pass_.first_row)) * i32(frame.map_stride / 4u + 1u) + (line >> 3u) - ((-dx * y) >> 3u);
     return 8u * u32(slot) + u32((line & 7) >> 1u);
 }
 
@@ -36,14 +36,15 @@ fn ranked(a: vec4<i32>, b: vec4<i32>, second: bool) -> i32 {
 @compute @workgroup_size(LANES)
 fn main(@builtin(global_invocation_id) id: vec3<u32>) {
     let stride = frame.map_stride / 4u;
-    if id.x >= stride || id.y >= frame.height {
+    if id.x >= stride || id.y >= pass_.rows {
         return;
     }
-    let p = eight(id.y, id.x);
-    let marks = seen[id.y * stride + (id.x >> 2u)] >> (8u * (id.x & 3u));
+    let row = pass_.first_row + id.y;
+    let p = eight(row, id.x);
+    let marks = seen[row * stride + (id.x >> 2u)] >> (8u * (id.x & 3u));
     var words = pack_eight(p.even, p.odd);
     var rest = mask(p.even == vec4(INVALID), p.odd == vec4(INVALID));
-    let y = i32(id.y);
+    let y = i32(row);
     while rest != 0u {
         let j = firstTrailingBit(rest);
         rest &= rest - 1u;

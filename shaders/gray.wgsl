@@ -40,10 +40,10 @@ fn turned(word: u32) -> u32 {
 
 @compute @workgroup_size(LANES)
 fn main(@builtin(global_invocation_id) id: vec3<u32>) {
-    if id.x >= frame.gray_stride || id.y >= frame.height {
+    if id.x >= frame.gray_stride || id.y >= pass_.rows {
         return;
     }
-    let row = id.y * frame.width;
+    let row = (pass_.first_row + id.y) * frame.width;
     let x = 16 * i32(id.x) - 16;
     // Where no column or not all of them lie in the image, others are read in their place and not used.
     let start = clamp(x, 0, i32(frame.width) - 1);

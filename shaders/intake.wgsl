@@ -1,5 +1,5 @@
 // intake: the caller's pixels become those of an uploaded image: rows of samples without padding, 16 bytes a texel.
-// a texture or a buffer (`unit_at` of `intake_texture` or `intake_buffer`) -> source (rgba32uint, TEXELS a row)
+// a texture or a buffer (`unit_at` of `intake_texture` or `intake_buffer`) -> source (rgba32uint)
 //   A unit is a pixel, or half of one of 8 bytes: BITS.
 // One invocation: one texel. Behind the last pixel: zeros.
 // Reference: src/image.rs
@@ -12,7 +12,7 @@ const IN_WORD: u32 = 32u / BITS;
 @compute @workgroup_size(LANES)
 fn main(@builtin(global_invocation_id) id: vec3<u32>) {
     let row = frame.width * UNITS_A_PIXEL;
-    let first = (id.y * TEXELS + id.x) * UNITS;
+    let first = ((id.y << (frame.source_shift & 31u)) + id.x) * UNITS;
     var y = first / row;
     if y >= frame.height {
         return;

@@ -39,7 +39,7 @@ fn row_sums(column: u32, q: u32, row: u32) -> Sums {
     var window: Window;
     var beyond: Window;
     for (var p = 0u; p < PLANES; p++) {
-        let y = p * frame.height + row;
+        let y = p * pass_.planes_rows + row;
         values[p] = aligned(vec4(left_word(y, l), left_word(y, l + 1u), left_word(y, l + 2u), left_word(y, l + 3u)),
             left_word(y, l + 4u), (column & 3u) * 8u);
         let middle = vec4(right_word(y, r + 4u), right_word(y, r + 5u), right_word(y, r + 6u), right_word(y, r + 7u));
@@ -82,7 +82,7 @@ fn main(@builtin(global_invocation_id) id: vec3<u32>) {
     var kept: array<Sums, BLOCK>; // the row sums of the block, the uppermost first
     var sums: Sums;
     for (var n = 0u; n < rows; n++) {
-        let row = row_sums(x, q, u32(clamp(first + i32(n), 0, i32(frame.height) - 1)));
+        let row = row_sums(x, q, u32(clamp(first + i32(n), 0, i32(frame.height) - 1)) - pass_.planes_row);
         for (var part = 0u; part < 2u; part++) {
             sums[part] += row[part] - kept[0][part];
             for (var age = 0u; age < BLOCK; age++) {

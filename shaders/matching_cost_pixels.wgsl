@@ -32,18 +32,18 @@ fn main(@builtin(global_invocation_id) id: vec3<u32>) {
     if row >= pass_.rows {
         return;
     }
-    let y = pass_.first_row + row;
+    let y = pass_.first_row - pass_.planes_row + row; // of the planes
     let start = frame.width - 1u + 16u * q;
     var seen: Window;
     for (var p = 0u; p < PLANES; p++) {
-        seen[p] = window(start + 1u, p * frame.height + y);
+        seen[p] = window(start + 1u, p * pass_.planes_rows + y);
     }
     for (var x = 0u; x < frame.width; x += 4u) {
         var values = Pixel();
         var entering = Pixel();
         for (var p = 0u; p < PLANES; p++) {
-            values[p] = textureLoad(left, vec2(x >> 2u, p * frame.height + y)).x;
-            entering[p] = entering_bytes(start - x, p * frame.height + y);
+            values[p] = textureLoad(left, vec2(x >> 2u, p * pass_.planes_rows + y)).x;
+            entering[p] = entering_bytes(start - x, p * pass_.planes_rows + y);
         }
         let at = ((pass_.volume_row + row) * frame.volume_stride + x) * QUADS + q;
         let inside = frame.width - x;

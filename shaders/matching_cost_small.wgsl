@@ -16,8 +16,9 @@ const ROWS: u32 = BLOCK + 1u;
 // Sums in 16-bit halves of words, as `columns` has them: of the upper block the first two vectors, then of the lower.
 alias Sums = array<vec4<u32>, 4>;
 
+// Of the planes.
 fn row_at(first: i32, row: u32) -> u32 {
-    return u32(clamp(first + i32(row), 0, i32(frame.height) - 1));
+    return u32(clamp(first + i32(row), 0, i32(frame.height) - 1)) - pass_.planes_row;
 }
 
 @compute @workgroup_size(LANES)
@@ -34,7 +35,7 @@ fn main(@builtin(global_invocation_id) id: vec3<u32>) {
     var windows: array<Window, ROWS>;
     for (var j = 0u; j < ROWS; j++) {
         for (var p = 0u; p < PLANES; p++) {
-            windows[j][p] = window(start + 1u, p * frame.height + row_at(first, j));
+            windows[j][p] = window(start + 1u, p * pass_.planes_rows + row_at(first, j));
         }
     }
     var kept: array<Sums, BLOCK>; // the column sums of the block, the oldest first
@@ -45,7 +46,7 @@ fn main(@builtin(global_invocation_id) id: vec3<u32>) {
         var entering = array<Pixel, ROWS>();
         for (var j = 0u; j < ROWS; j++) {
             for (var p = 0u; p < PLANES; p++) {
-                let plane_row = p * frame.height + row_at(first, j);
+                let plane_row = p * pass_.planes_rows + row_at(first, j);
                 values[j][p] = textureLoad(left, vec2(four >> 2u, plane_row)).x;
                 entering[j][p] = entering_bytes(start - four, plane_row);
             }

@@ -54,12 +54,13 @@ fn median(a: Column, b: Column, c: Column) -> vec4<i32> {
 @compute @workgroup_size(LANES)
 fn main(@builtin(global_invocation_id) id: vec3<u32>) {
     let stride = frame.map_stride / 4u;
-    if id.x >= stride || id.y >= frame.height {
+    if id.x >= stride || id.y >= pass_.rows {
         return;
     }
-    let a = values(max(id.y, 1u) - 1u, id.x);
-    let b = values(id.y, id.x);
-    let c = values(min(id.y + 1u, frame.height - 1u), id.x);
+    let y = pass_.first_row + id.y;
+    let a = values(max(y, 1u) - 1u, id.x);
+    let b = values(y, id.x);
+    let c = values(min(y + 1u, frame.height - 1u), id.x);
     let even = column(a.even, b.even, c.even);
     let odd = column(a.odd, b.odd, c.odd);
     // The neighbours of the even columns on the left, of the odd ones on the right.

@@ -93,10 +93,10 @@ fn median(a: Five, b: Five, c: Five, d: Five, e: Five) -> vec4<i32> {
 @compute @workgroup_size(LANES)
 fn main(@builtin(global_invocation_id) id: vec3<u32>) {
     let stride = frame.map_stride / 4u;
-    if id.x >= stride || id.y >= frame.height {
+    if id.x >= stride || id.y >= pass_.rows {
         return;
     }
-    let y = i32(id.y);
+    let y = i32(pass_.first_row + id.y);
     let a = values(y - 2, id.x);
     let b = values(y - 1, id.x);
     let c = values(y, id.x);

@@ -19,7 +19,8 @@ fn sample(x: i32, y: i32, channel: u32) -> u32 {
     let i = pixel * COUNT + channel;
     let word = i / IN_WORD;
     let texel = word / 4u;
-    let words = textureLoad(source, vec2(texel % TEXELS, texel / TEXELS));
+    let shift = frame.source_shift & 31u;
+    let words = textureLoad(source, vec2(texel & ((1u << shift) - 1u), texel >> shift));
     let two = select(words.xy, words.zw, (word & 2u) != 0u);
     let found = extractBits(select(two.x, two.y, (word & 1u) != 0u), i % IN_WORD * BITS, BITS);
     return select(0u, found, inside);
@@ -46,8 +47,8 @@ fn word_of(first: u32) -> u32 {
 
 @compute @workgroup_size(LANES)
 fn main(@builtin(global_invocation_id) id: vec3<u32>) {
-    let index = id.y * TEXELS + id.x;
-    if id.x >= TEXELS {
+    let index = (id.y << (frame.source_shift & 31u)) + id.x;
+    if id.x >= 1u << (frame.source_shift & 31u) {
         return;
     }
     let first = index * 4u * IN_WORD;

@@ -24,7 +24,8 @@ fn channel(r: vec4<u32>, g: vec4<u32>, b: vec4<u32>) -> vec4<u32> {
 }
 
 fn source_at(index: u32) -> vec4<u32> {
-    return textureLoad(source, vec2(index % TEXELS, index / TEXELS));
+    let shift = frame.source_shift & 31u;
+    return textureLoad(source, vec2(index & ((1u << shift) - 1u), index >> shift));
 }
 
 fn sixteen_bytes(byte: u32) -> vec4<u32> {

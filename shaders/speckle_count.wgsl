@@ -1,10 +1,7 @@
 // speckle_count: the pixels of each region, counted at its root until they are more than the window.
-// map (i16, in a texture), parents (u32) -> counts (u32), parents (of the first pixel of a run of eight: the root)
+// map (i16, in a texture), trees (u32) -> trees (at a root the count; of the first pixel of a run of eight: the root)
 // One invocation: eight pixels of a row.
 // Reference: src/reference/speckle.rs
-
-@group(0) @binding(3) var<storage, read_write> counts: array<atomic<u32>>;
-@group(0) @binding(4) var<storage, read_write> parents: array<atomic<u32>>;
 
 @compute @workgroup_size(LANES)
 fn main(@builtin(global_invocation_id) id: vec3<u32>) {
@@ -20,10 +17,12 @@ fn main(@builtin(global_invocation_id) id: vec3<u32>) {
         let start = min(firstTrailingBit(starts), 7u);
         starts &= starts - 1u;
         let root = root_of(first + start);
-        atomicStore(&parents[first + start], root);
+        if root != first + start {
+            set_tree(first + start, root);
+        }
         // A count only grows: beyond the window no more need be known.
-        if atomicLoad(&counts[root]) <= frame.speckle_window {
-            atomicAdd(&counts[root], 1u + firstTrailingBit(~(along >> (start + 1u))));
+        if tree_at(root) - ROOT <= frame.speckle_window {
+            add_to_tree(root, 1u + firstTrailingBit(~(along >> (start + 1u))));
         }
     }
 }

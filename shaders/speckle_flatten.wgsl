@@ -1,17 +1,15 @@
 // speckle_flatten: after speckle_link, all pixels on the ways from the border's pixels to a root get it as their parent.
 //   So a tree is one deeper after each border at most.
-// map (i16, in a texture), parents (u32) -> parents
+// map (i16, in a texture), trees (u32) -> trees
 // One invocation: as speckle_link.
 // Reference: src/reference/speckle.rs
-
-@group(0) @binding(3) var<storage, read_write> parents: array<atomic<u32>>;
 
 fn flatten(pixel: u32, root: u32) {
     var at = pixel;
     while at != root {
-        let parent = atomicLoad(&parents[at]);
+        let parent = tree_at(at);
         if parent != root {
-            atomicStore(&parents[at], root);
+            set_tree(at, root);
         }
         at = parent;
     }

@@ -1,10 +1,8 @@
 // speckle_link: joins the trees of pixels that lie above each other at the border of two bands of rows: the root with the
 //   larger number gets a parent with a smaller one. So a region's root is its first pixel, whatever the order.
-// map (i16, in a texture), parents (u32) -> parents
+// map (i16, in a texture), trees (u32) -> trees
 // One invocation: eight pixels of the last row of a band, and those below them.
 // Reference: src/reference/speckle.rs
-
-@group(0) @binding(3) var<storage, read_write> parents: array<atomic<u32>>;
 
 @compute @workgroup_size(LANES)
 fn main(@builtin(global_invocation_id) id: vec3<u32>) {
@@ -24,11 +22,11 @@ fn main(@builtin(global_invocation_id) id: vec3<u32>) {
             high = low + 2u * frame.map_stride;
             rest &= rest - 1u;
         }
-        var parent = atomicLoad(&parents[high]);
-        if parent == high {
-            parent = atomicMin(&parents[high], low);
+        var parent = tree_at(high);
+        if parent >= ROOT {
+            parent = lower_tree(high, low);
             // It was a root until now, or another invocation was faster.
-            parent = select(parent, low, parent == high);
+            parent = select(parent, low, parent >= ROOT);
         }
         high = max(low, parent);
         low = min(low, parent);

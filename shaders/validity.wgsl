@@ -30,12 +30,13 @@ fn check_word(word: u32, x: i32, row: u32) -> u32 {
 @compute @workgroup_size(LANES)
 fn main(@builtin(global_invocation_id) id: vec3<u32>) {
     let stride = frame.map_stride / 4u;
-    if id.x >= stride || id.y >= frame.height {
+    if id.x >= stride || id.y >= pass_.rows {
         return;
     }
     let at = id.y * stride + id.x;
     let words = map[at];
     let x = i32(8u * id.x);
-    valid[at] = vec4(check_word(words.x, x, id.y), check_word(words.y, x + 2, id.y),
-        check_word(words.z, x + 4, id.y), check_word(words.w, x + 6, id.y));
+    let row = pass_.first_row + id.y;
+    valid[at] = vec4(check_word(words.x, x, row), check_word(words.y, x + 2, row),
+        check_word(words.z, x + 4, row), check_word(words.w, x + 6, row));
 }

@@ -40,7 +40,7 @@ fn main(@builtin(global_invocation_id) id: vec3<u32>, @builtin(local_invocation_
         if inside_row(x) {
             walk(&state, &costs, strip_row * frame.volume_stride + u32(x), penalty(known, x + 1));
         }
-        choose(&costs, &diagonal, &kept, pass_.first_row + strip_row, x, writes);
+        choose(&costs, &diagonal, &kept, pass_.map_row + strip_row, x, writes);
     }
 }
 

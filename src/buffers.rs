@@ -29,6 +29,7 @@ pub(crate) struct Frame {
     pub(crate) depth_high: u32,
     pub(crate) depth_low: u32,
     pub(crate) depth_offset: i32,
+    pub(crate) source_shift: u32,
 }
 
 /// The WGSL block `Pass`: what differs between dispatches.
@@ -67,6 +68,9 @@ pub(crate) struct Pass {
     pub(crate) prior: u32,
     pub(crate) logarithms: u32,
     pub(crate) side: u32,
+    pub(crate) map_row: u32,
+    pub(crate) planes_row: u32,
+    pub(crate) planes_rows: u32,
 }
 
 /// Neighbouring rows that are worked on together.
@@ -74,6 +78,24 @@ pub(crate) struct Pass {
 pub(crate) struct Rows {
     pub(crate) first: u32,
     pub(crate) count: u32,
+}
+
+impl Rows {
+    /// The row behind the last one.
+    pub(crate) fn end(self) -> u32 {
+        self.first + self.count
+    }
+}
+
+/// Rows of a band whose cost is made from planes that are there at one time.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub(crate) struct Piece {
+    /// The rows whose cost is made.
+    pub(crate) rows: Rows,
+    /// The rows that the planes hold: those, and what their blocks reach.
+    pub(crate) planes: Rows,
+    /// The rows whose column sums are there at one time; none if `small_block`.
+    pub(crate) chunks: Vec<Rows>,
 }
 
 /// The longest side that is taken: a row and the smallest disparity take a round a pixel ([`rounds`]).
@@ -98,12 +120,23 @@ pub(crate) const TEXTURE_ROW: u64 = 16 * TEXELS as u64;
 /// The most disparities that `block_match_small` takes: 32 for each of 8 slices.
 const MOST_SLICED: u32 = 256;
 
+/// Parts of one binding each that the trees of the speckle filter may be cut into.
+pub(crate) const MOST_PARTS: u32 = 4;
+
+/// Rows of a map or an image, a multiple of which begin where a binding may: at a multiple of 256 bytes, of rows that are
+/// a multiple of 4.
+pub(crate) const ROW_UNIT: u64 = 64;
+
 /// The sizes of everything. A volume is cut into bands of rows, each in a buffer of its own, none larger than one
-/// storage binding may be; column sums are computed for one chunk of a band at a time.
+/// storage binding may be; planes are made for a piece of a band at a time, and column sums for a chunk of that. A map
+/// or an image is one buffer, of which kernels are bound to as many rows as a binding may hold.
 #[derive(Clone, Debug)]
 pub(crate) struct Sizes {
     pub(crate) frame: Frame,
-    /// As [`source_bytes`].
+    /// The most bytes of a buffer that one binding may hold.
+    pub(crate) binding: u64,
+    /// As [`source_layout`]: texels a row, and bytes.
+    pub(crate) source_texels: u32,
     pub(crate) source: u64,
     pub(crate) gray: u64,
     /// Bytes of a 32-bit number for each pixel.
@@ -133,14 +166,28 @@ pub(crate) struct Sizes {
     pub(crate) columns_room: u64,
     /// Whether `matching_cost_small` or `block_match_small` is used, from planes in textures and without column sums.
     pub(crate) small_block: bool,
-    /// The chunks of each band; none if `small_block`.
-    pub(crate) chunks: Vec<Vec<Rows>>,
+    /// Rows that the planes hold at a time.
+    pub(crate) planes_rows: u32,
+    /// The pieces of each band.
+    pub(crate) pieces: Vec<Vec<Piece>>,
+    /// Bits of the number of a pixel in its part, if the trees of the speckle filter need more than one binding.
+    pub(crate) part_bits: Option<u32>,
 }
 
-/// Bytes of the texture of one uploaded image: 256 more than it has may be read.
-pub(crate) fn source_bytes(width: u32, height: u32, format: PixelFormat) -> u64 {
-    let pixels = u64::from(width) * u64::from(height);
-    (pixels * u64::from(format.bytes_per_pixel()) + 256).next_multiple_of(TEXTURE_ROW)
+/// Bytes of one uploaded image, and 256 more, which may be read.
+fn source_bytes(width: u32, height: u32, format: PixelFormat) -> u64 {
+    u64::from(width) * u64::from(height) * u64::from(format.bytes_per_pixel()) + 256
+}
+
+/// Texels a row of the texture of one uploaded image, [`TEXELS`] if so many rows do as a texture may have, and its bytes.
+pub(crate) fn source_layout([width, height]: [u32; 2], format: PixelFormat, limits: &wgpu::Limits) -> (u32, u64) {
+    let bytes = source_bytes(width, height, format);
+    let most = limits.max_texture_dimension_2d;
+    let mut texels = TEXELS;
+    while bytes > 16 * u64::from(texels) * u64::from(most) && 2 * texels <= most {
+        texels *= 2;
+    }
+    (texels, bytes.next_multiple_of(16 * u64::from(texels)))
 }
 
 /// Cuts `rows` into the fewest pieces of at most `most` rows, as even as can be.
@@ -192,6 +239,15 @@ impl Sizes {
                  settings; switch the checks off or make the images smaller"
             )));
         }
+        // Kernels are bound to some rows of it, or to all.
+        let rows_fit = |what: &str, row: u64, remedy| {
+            let all = row * u64::from(height);
+            let (needed, allowed) = match all <= limits.max_buffer_size {
+                true => (all.min(ROW_UNIT * row), allowed),
+                false => (all, limits.max_buffer_size),
+            };
+            if needed <= allowed { Ok(()) } else { Err(Error::TooLarge { what: what.into(), needed, allowed, remedy }) }
+        };
         let pixels = u64::from(width) * u64::from(height);
         let smaller = "make the images smaller";
 
@@ -205,8 +261,6 @@ impl Sizes {
         let map_stride = 4 * width.div_ceil(8);
         let rows = |stride: u32| 4 * u64::from(stride) * u64::from(height);
         let texels = |stride: u32| rows(stride).next_multiple_of(TEXTURE_ROW);
-        let planes = u64::from(params.planes());
-        fits("what costs compare of an image", planes * rows(left_stride.max(right_stride)), smaller)?;
 
         if params.cost == Cost::MutualInformation {
             fits("the histogram of all pairs of values", 4 * 256 * 256, "take another cost")?;
@@ -223,19 +277,31 @@ impl Sizes {
         let statistics_row = 8 * u64::from(2 * width + params.disparities - 1);
         let chunk_row = columns_row.max(if params.cost == Cost::Ncc { statistics_row } else { 0 });
         // What is copied into a texture is made of whole rows of it.
-        let texture_rows = (allowed / TEXTURE_ROW).min(limits.max_texture_dimension_2d.into());
-        let volume_allowed = texture_rows * TEXTURE_ROW;
-        let source = source_bytes(width, height, format);
-        let source_allowed = TEXTURE_ROW * u64::from(limits.max_texture_dimension_2d); // a texture alone
+        let texture_rows = u64::from(limits.max_texture_dimension_2d);
+        let [volume_allowed, image_allowed] =
+            [allowed, limits.max_buffer_size].map(|most| (most / TEXTURE_ROW).min(texture_rows) * TEXTURE_ROW);
+        let (source_texels, source) = match largest {
+            Some(largest) => {
+                let texels = largest.source_texels;
+                (texels, source_bytes(width, height, format).next_multiple_of(16 * u64::from(texels)))
+            }
+            None => source_layout([width, height], format, limits),
+        };
+        let source_allowed = 16 * u64::from(source_texels) * texture_rows; // a texture alone
+        let gray_row = 16 * u64::from(gray_stride) * if format.is_deep() { 2 } else { 1 };
+        let map_row = 4 * u64::from(map_stride);
+        let whole_rows = |row: u64| (row * u64::from(height)).next_multiple_of(TEXTURE_ROW);
         for (what, needed, allowed) in [
             ("an image", source, source_allowed),
-            ("a gray image", texels(if format.is_deep() { 8 } else { 4 } * gray_stride), volume_allowed),
-            ("a disparity map", texels(map_stride), volume_allowed),
+            ("a gray image", whole_rows(gray_row), image_allowed),
+            ("a disparity map", whole_rows(map_row), image_allowed),
         ] {
             if needed > allowed {
                 return Err(Error::TooLarge { what: what.into(), needed, allowed, remedy: smaller });
             }
         }
+        rows_fit("rows of a gray image", gray_row, smaller)?;
+        rows_fit("rows of a disparity map", map_row, smaller)?;
         // The place behind the last one is read, too.
         let (across, along) = (width * 2 * (height.div_ceil(2) / 16 + 1), (width / 16 + 1) * height);
         let penalties = 16 * u64::from(across.max(along));
@@ -243,10 +309,19 @@ impl Sizes {
             fits("the penalties of the pixels", penalties, "make the images smaller or switch adaptive_p2 off")?;
         }
         let map = texels(map_stride);
+        if params.cost == Cost::MutualInformation {
+            fits(
+                "a disparity map for the histogram of mutual information",
+                map,
+                "make the images smaller or take another cost",
+            )?;
+        }
         let right_map = if params.confidence { 2 * map } else { map };
-        fits("a disparity map with its confidence", right_map, smaller)?;
+        if params.confidence {
+            fits("a disparity map with its confidence", right_map, "make the images smaller or leave the confidence")?;
+        }
         if params.wls.is_some() {
-            fits("a map of two numbers a pixel", 8 * u64::from(volume_stride) * u64::from(height), smaller)?;
+            rows_fit("rows of two numbers a pixel", 8 * u64::from(volume_stride), smaller)?;
         }
         let regions = 2 * texels(map_stride);
         if params.rectify.is_some() {
@@ -254,14 +329,30 @@ impl Sizes {
             fits("where rectified pixels come from", 8 * pixels, smaller)?;
         }
         if params.depth.is_some() {
-            fits("a depth map", regions, smaller)?;
+            rows_fit("rows of a depth map", 2 * map_row, smaller)?;
         }
+        let part_bits = (regions > allowed).then(|| (allowed / 4).ilog2());
+        let parts = part_bits.map_or(1, |bits| regions.div_ceil(4 << bits));
         if params.speckle_window > 0 {
-            fits("the regions of the speckle filter", regions, "make the images smaller or switch the filter off")?;
+            rows_fit("rows of the regions of the speckle filter", 2 * map_row, smaller)?;
         }
-        let nearest = 32 * u64::from(map_stride / 4 + 1) * u64::from(height);
+        if params.speckle_window > 0 && (parts > MOST_PARTS.into() || regions > limits.max_buffer_size) {
+            return Err(Error::TooLarge {
+                what: "the regions of the speckle filter".into(),
+                needed: regions,
+                allowed: limits.max_buffer_size.min(u64::from(MOST_PARTS) * (4 << part_bits.unwrap_or(0))),
+                remedy: "make the images smaller or switch the filter off",
+            });
+        }
+        let nearest_row = 32 * u64::from(map_stride / 4 + 1);
+        let nearest = nearest_row * u64::from(height);
         if params.fill != Fill::None {
-            fits("what the holes are filled with", nearest, "make the images smaller or leave the holes")?;
+            rows_fit(
+                "rows of what the holes are filled with",
+                nearest_row,
+                "make the images smaller or leave the holes",
+            )?;
+            fits("the occlusions", map_row / 4 * u64::from(height), "make the images smaller or leave the holes")?;
         }
         let fewer = "use fewer disparities or narrower images";
         // A buffer holds as many volumes, one after the other.
@@ -319,13 +410,37 @@ impl Sizes {
             && largest.is_none_or(|largest| largest.small_block)
             && params.sums_small_blocks()
             && taken(small_kernel, MOST_SIDE)
-            && left_stride.max(right_stride).max(height * params.planes()) <= limits.max_texture_dimension_2d;
+            && left_stride.max(right_stride) <= limits.max_texture_dimension_2d;
         if !small_block {
             fits("a row of column sums", chunk_row, fewer)?;
         }
-        let chunks_of = |&band: &Rows| if small_block { vec![] } else { cut(band, most(chunk_bytes, chunk_row)) };
+        // A block reaches `margin` rows beyond its own; the row before leaves its sum.
+        let (planes, margin) = (u64::from(params.planes()), params.radius() + 1);
+        let planes_row = 4 * planes * u64::from(left_stride.max(right_stride));
+        let mut planes_rows = (allowed / planes_row).min(height.into()) as u32;
+        if small_block && !plan.lanes {
+            planes_rows = planes_rows.min(limits.max_texture_dimension_2d / params.planes());
+        }
+        planes_rows = largest.map_or(planes_rows, |largest| planes_rows.min(largest.planes_rows));
+        // Block matching may leave a piece's rows of the maps at once.
+        let map_rows = if right_map <= allowed { height } else { (allowed / map_row - ROW_UNIT + 1) as u32 };
+        let most_rows =
+            if planes_rows == height { height } else { planes_rows.saturating_sub(2 * margin) }.min(map_rows);
+        if most_rows == 0 {
+            let needed = planes_row * u64::from(2 * margin + 1);
+            return Err(Error::TooLarge { what: "what costs compare of a row".into(), needed, allowed, remedy: fewer });
+        }
+        let piece = |rows: Rows| {
+            let first = rows.first.saturating_sub(margin);
+            let planes = match planes_rows == height {
+                true => whole,
+                false => Rows { first, count: (rows.end() + margin).min(height) - first },
+            };
+            let chunks = if small_block { vec![] } else { cut(rows, most(chunk_bytes, chunk_row)) };
+            Piece { rows, planes, chunks }
+        };
+        let pieces = bands.iter().map(|&band| cut(band, most_rows).into_iter().map(piece).collect()).collect();
         let (product, depth_offset) = params.depth.map_or((0, 0), |camera| camera.fixed());
-        let chunks = bands.iter().map(chunks_of).collect();
         Ok(Self {
             frame: Frame {
                 width,
@@ -350,12 +465,15 @@ impl Sizes {
                 depth_high: (product >> 32) as u32,
                 depth_low: product as u32,
                 depth_offset,
+                source_shift: source_texels.ilog2(),
             },
+            binding: allowed,
+            source_texels,
             source,
             gray: texels(4 * gray_stride),
             sums: 4 * pixels,
-            left: planes * rows(left_stride),
-            right: planes * rows(right_stride),
+            left: 4 * planes * u64::from(left_stride) * u64::from(planes_rows),
+            right: 4 * planes * u64::from(right_stride) * u64::from(planes_rows),
             map,
             right_map,
             confidence: map / 2,
@@ -368,7 +486,9 @@ impl Sizes {
             bands,
             columns_room: chunk_bytes.min(u64::from(height) * chunk_row),
             small_block,
-            chunks,
+            planes_rows,
+            pieces,
+            part_bits,
         })
     }
 }

@@ -301,7 +301,7 @@ impl StereoMatcher {
                 _ => true,
             };
             let ((), verdict) = scopes::watched(&self.device, || {
-                if fresh {
+                if fresh && step.part.first {
                     self.fill(&step.buffer, step.bytes);
                     if let Output::Views { right, .. } = &step.output {
                         self.fill(right, self.levels[step.level].sizes.right_map);
@@ -355,7 +355,12 @@ impl StereoMatcher {
         let (width, disparities) = (width as usize, params.disparities as usize);
         let padded = 16 * params.quads() as usize;
         // Maps and paths are compared when all their parts are there.
-        if matches!(step.output, Output::Part | Output::Views { last: false, .. } | Output::Paths { last: false, .. }) {
+        if !step.part.last
+            || matches!(
+                step.output,
+                Output::Part | Output::Views { last: false, .. } | Output::Paths { last: false, .. }
+            )
+        {
             return Ok(());
         }
         if !matches!(
@@ -406,13 +411,14 @@ impl StereoMatcher {
                 let plane = &expected.prefiltered[*side].channels[*channel];
                 compare_picture(stage, whole, &bytes, 16 * gray_stride, |x, y| plane.clamped(x, y));
             }
-            Output::Features { side, first, count } => {
+            Output::Features { side, first, count, rows: held } => {
                 let (features, stride) =
                     (&expected.pyramid[*halvings as usize][*side], 4 * [left_stride, right_stride][*side] as usize);
                 let reach = i64::from(block_radius);
-                let rows = bytes.chunks_exact(stride).enumerate().skip(first * height as usize);
-                for (row, bytes) in rows.take(count * height as usize) {
-                    let (p, y) = (row / height as usize, row % height as usize);
+                let plane = held.count as usize;
+                let rows = bytes.chunks_exact(stride).enumerate().skip(first * plane);
+                for (row, bytes) in rows.take(count * plane) {
+                    let (p, y) = (row / plane, held.first as usize + row % plane);
                     for (j, &got) in bytes.iter().enumerate() {
                         let x = match side {
                             0 => j as i64 - reach,

@@ -1,5 +1,7 @@
 //! Everything that can go wrong, each said once: the value given, the values allowed, the remedy.
 
+use crate::memory::{Left, Mebibytes};
+
 /// Why a pair could not be matched.
 #[derive(Debug, thiserror::Error)]
 #[non_exhaustive]
@@ -32,6 +34,21 @@ pub enum Error {
         allowed: u64,
         /// What to change.
         remedy: &'static str,
+    },
+    /// The memory that a CPU adapter or the CPU reference works in is not there: found before anything is made.
+    #[error(
+        "{what} needs {} of memory, but {left}; take fewer disparities (--disp), crop or scale the images, or allow more memory \
+         (with memory-check off it is tried)",
+        Mebibytes(*needed)
+    )]
+    #[non_exhaustive]
+    Memory {
+        /// The thing that does not fit.
+        what: String,
+        /// Bytes needed, beyond those in use.
+        needed: u64,
+        /// What is left, and by which limit.
+        left: Left,
     },
     /// The device has no room left for the buffers of a pair.
     #[error("the device ran out of memory; use fewer disparities or smaller images")]

@@ -21,8 +21,10 @@ pub(crate) enum Access {
     Table,
     /// The penalties of the pixels, where the plan has them.
     Penalties,
+    /// The trees of the speckle filter, written: one binding, or its parts.
+    Trees,
 }
-use Access::{Costs, Penalties, Read, Table, Texels, Write};
+use Access::{Costs, Penalties, Read, Table, Texels, Trees, Write};
 
 /// Fragments of which the plan or the settings choose some.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -41,6 +43,8 @@ pub(crate) enum Choice {
     Sums,
     /// What block matching makes of a block's sum.
     BlockCosts,
+    /// Whether the trees of the speckle filter are in one binding.
+    Trees,
 }
 
 /// Texels of 4 bytes.
@@ -102,13 +106,13 @@ pub(crate) const KERNELS: &[Kernel] = &[
     Kernel { name: "mirror", stage: "mirror", lanes: 32, sources: wgsl!("mirror", "common"), choices: &[], storage: &[Read, Write] },
     Kernel { name: "validity", stage: "validity", lanes: 32, sources: wgsl!("validity", "common"), choices: &[], storage: &[Read, Read, Write] },
     Kernel { name: "lr_check", stage: "lr_check", lanes: 32, sources: wgsl!("lr_check", "common"), choices: &[], storage: &[Read, Read, Write] },
-    Kernel { name: "speckle_rows", stage: "speckle", lanes: 8, sources: wgsl!("speckle_rows", "speckle_joins", "eight", "common"), choices: &[], storage: &[QUAD, Write, Write] },
-    Kernel { name: "speckle_link", stage: "speckle", lanes: 32, sources: wgsl!("speckle_link", "speckle_joins", "eight", "common"), choices: &[], storage: &[QUAD, Write] },
-    Kernel { name: "speckle_flatten", stage: "speckle", lanes: 32, sources: wgsl!("speckle_flatten", "speckle_root", "speckle_joins", "eight", "common"), choices: &[], storage: &[QUAD, Write] },
-    Kernel { name: "speckle_count", stage: "speckle", lanes: 32, sources: wgsl!("speckle_count", "speckle_root", "speckle_joins", "eight", "common"), choices: &[], storage: &[QUAD, Write, Write] },
-    Kernel { name: "speckle", stage: "speckle", lanes: 32, sources: wgsl!("speckle", "speckle_joins", "eight", "common"), choices: &[], storage: &[QUAD, Read, Read, Write] },
+    Kernel { name: "speckle_rows", stage: "speckle", lanes: 8, sources: wgsl!("speckle_rows", "speckle_joins", "eight", "common"), choices: &[], storage: &[QUAD, Write] },
+    Kernel { name: "speckle_link", stage: "speckle", lanes: 32, sources: wgsl!("speckle_link", "speckle_root", "speckle_joins", "eight", "common"), choices: &[Choice::Trees], storage: &[QUAD, Trees] },
+    Kernel { name: "speckle_flatten", stage: "speckle", lanes: 32, sources: wgsl!("speckle_flatten", "speckle_root", "speckle_joins", "eight", "common"), choices: &[Choice::Trees], storage: &[QUAD, Trees] },
+    Kernel { name: "speckle_count", stage: "speckle", lanes: 32, sources: wgsl!("speckle_count", "speckle_root", "speckle_joins", "eight", "common"), choices: &[Choice::Trees], storage: &[QUAD, Trees] },
+    Kernel { name: "speckle", stage: "speckle", lanes: 32, sources: wgsl!("speckle", "speckle_root", "speckle_joins", "eight", "common"), choices: &[Choice::Trees], storage: &[QUAD, Trees, Write] },
     Kernel { name: "fill_rows", stage: "fill", lanes: 8, sources: wgsl!("fill_rows", "eight", "common"), choices: &[], storage: &[QUAD, Write, Write] },
-    Kernel { name: "fill_lines", stage: "fill", lanes: 8, sources: wgsl!("fill_lines", "bytes", "eight", "common"), choices: &[], storage: &[QUAD, Write] },
+    Kernel { name: "fill_lines", stage: "fill", lanes: 8, sources: wgsl!("fill_lines", "bytes", "eight", "common"), choices: &[], storage: &[QUAD, Write, Write] },
     Kernel { name: "fill_seen", stage: "fill", lanes: 32, sources: wgsl!("fill_seen", "common"), choices: &[], storage: &[Read, Write] },
     Kernel { name: "fill_between", stage: "fill", lanes: 32, sources: wgsl!("fill_between", "eight", "common"), choices: &[], storage: &[QUAD, Read, Read, Write] },
     Kernel { name: "fill_rays", stage: "fill", lanes: 32, sources: wgsl!("fill_rays", "eight", "common"), choices: &[], storage: &[QUAD, Read, Read, Read, Read, Read, Write] },
@@ -118,8 +122,8 @@ pub(crate) const KERNELS: &[Kernel] = &[
     Kernel { name: "median_five", stage: "median", lanes: 64, sources: wgsl!("median_five", "map_texels", "pointing", "common"), choices: &[], storage: &[QUAD, Write] },
     Kernel { name: "weighted_median", stage: "weighted_median", lanes: 64, sources: wgsl!("weighted_median", "map_texels", "common"), choices: &[], storage: &[QUAD, Write, QUAD] },
     Kernel { name: "wls_start", stage: "wls", lanes: 64, sources: wgsl!("wls_start", "common"), choices: &[], storage: &[QUAD, Write] },
-    Kernel { name: "wls_forward", stage: "wls", lanes: 8, sources: wgsl!("wls_forward", "wls_line", "common"), choices: &[], storage: &[Write, Write, QUAD, Read] },
-    Kernel { name: "wls_backward", stage: "wls", lanes: 8, sources: wgsl!("wls_backward", "wls_line", "common"), choices: &[], storage: &[Write, Write] },
+    Kernel { name: "wls_forward", stage: "wls", lanes: 8, sources: wgsl!("wls_forward", "wls_line", "common"), choices: &[], storage: &[Write, Write, Write, QUAD, Read] },
+    Kernel { name: "wls_backward", stage: "wls", lanes: 8, sources: wgsl!("wls_backward", "wls_line", "common"), choices: &[], storage: &[Write, Write, Write] },
     Kernel { name: "wls", stage: "wls", lanes: 64, sources: wgsl!("wls", "common"), choices: &[], storage: &[Read, Write] },
 ];
 
@@ -136,12 +140,14 @@ impl Kernel {
 
     pub(crate) fn storage(&self, params: &Params, plan: &Plan) -> Vec<Access> {
         let bound = |&access: &Access| match access {
-            Costs => Some(if plan.lanes { Read } else { QUAD }),
-            Table => (params.cost == Cost::MutualInformation).then_some(WORD),
-            Penalties => plan.adaptive.then_some(Read),
-            access => Some(access),
+            Costs => vec![if plan.lanes { Read } else { QUAD }],
+            Table if params.cost == Cost::MutualInformation => vec![WORD],
+            Penalties if plan.adaptive => vec![Read],
+            Table | Penalties => vec![],
+            Trees => vec![Trees; plan.parts() as usize],
+            access => vec![access],
         };
-        self.storage.iter().filter_map(bound).collect()
+        self.storage.iter().flat_map(bound).collect()
     }
 
     /// All its WGSL but the constants.
@@ -178,6 +184,8 @@ impl Kernel {
                 Choice::Sums => wgsl!("sums16"),
                 Choice::BlockCosts if params.cost == Cost::Ncc => wgsl!("block_costs_ncc"),
                 Choice::BlockCosts => wgsl!("block_costs_sum"),
+                Choice::Trees if plan.part_bits.is_some() => wgsl!("speckle_parts"),
+                Choice::Trees => wgsl!("speckle_trees"),
             };
             fragments.extend(chosen);
         }
@@ -254,6 +262,8 @@ pub(crate) fn constants(kernel: &Kernel, params: &Params, format: PixelFormat, p
         ("QUADS", number(quads)),
         ("TEXELS", number(TEXELS)),
         ("PENALTIES", number(penalties)),
+        ("PART_BITS", number(plan.part_bits.unwrap_or(0))),
+        ("FILTERED", number(3 + plan.parts())),
         ("BEYOND", ("vec4<u32>", format!("vec4({})", beyond.join(", ")))),
         ("BLOCK", number(params.block)),
         ("BLOCK_WORDS", number((params.block + 6) / 4)),
@@ -337,7 +347,7 @@ pub(crate) fn compile(device: &wgpu::Device, kernel: &Kernel, text: &str, params
     let storage = kernel.storage(params, plan);
     let storage = storage.iter().map(|access| match access {
         Read | Costs => buffer(wgpu::BufferBindingType::Storage { read_only: true }, false),
-        Write => buffer(wgpu::BufferBindingType::Storage { read_only: false }, false),
+        Write | Trees => buffer(wgpu::BufferBindingType::Storage { read_only: false }, false),
         Table | Penalties => unreachable!("there is none, or it is bound as what holds it"),
         Texels(format) => wgpu::BindingType::StorageTexture {
             access: wgpu::StorageTextureAccess::ReadOnly,
@@ -412,7 +422,7 @@ pub(crate) fn check_limits(limits: &wgpu::Limits) -> Result<(), Error> {
     let most = |bound: fn(&Access) -> bool| {
         KERNELS.iter().map(|kernel| kernel.storage.iter().filter(|access| bound(access)).count()).max().unwrap_or(0)
     };
-    let buffers = most(|access| matches!(access, Read | Write | Costs | Penalties));
+    let buffers = most(|access| matches!(access, Read | Write | Costs | Penalties | Trees));
     let textures = most(|access| matches!(access, Texels(_) | Costs | Table));
     let lanes = KERNELS.iter().map(|kernel| kernel.lanes).max().unwrap_or(0).max(GROUP_LANES);
     let uniform = size_of::<Frame>().max(size_of::<Pass>());

@@ -94,6 +94,7 @@ mod kernels;
 mod lens;
 mod masks;
 mod matcher;
+pub mod memory;
 mod options;
 mod params;
 mod readback;

@@ -5,7 +5,7 @@ use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::{Arc, Mutex, OnceLock, PoisonError};
 use std::task::{Context, Poll, Waker};
 
-use crate::buffers::{Frame, Sizes, TEXELS, TEXTURE_ROW, source_bytes};
+use crate::buffers::{Frame, Sizes, source_layout};
 use crate::chain::{Made, chain};
 use crate::device::Pulse;
 use crate::readback::{Mapping, Waiter};
@@ -17,7 +17,7 @@ use crate::surfaces::{Middle, Spots, Surfaces};
 use crate::uploads::Uploads;
 use crate::{
     ConfidenceMap, DepthMap, DisparityMap, Error, Image, Inputs, Matched, Outputs, Params, PixelFormat, kernels,
-    readback,
+    memory, readback,
 };
 
 /// The time of one stage in one frame.
@@ -283,6 +283,9 @@ impl Future for Reading {
     }
 }
 
+/// Bytes that a driver on the CPU takes to compile and to run the kernels, measured with lavapipe.
+const COMPILING: u64 = 64 << 20;
+
 /// The passes through the chain for pairs of `width` x `height` pixels, in which what was made for `largest` does.
 fn levels(
     device: &wgpu::Device,
@@ -303,6 +306,7 @@ fn levels(
         let same = |level: &&Level| level.halvings == halvings && level.params == params;
         let largest = largest.iter().find(same).map(|level| &level.sizes);
         let sizes = Sizes::new(width, height, format, &params, &limits, &plan, largest)?;
+        let plan = Plan { part_bits: sizes.part_bits, ..plan };
         Ok(Level { halvings, params, plan, sizes })
     };
     reference::rounds(width, height, params).into_iter().map(level).collect()
@@ -346,7 +350,8 @@ impl StereoMatcher {
     /// # Errors
     /// [`Error::Parameter`] as [`Params::validate`]; [`Error::Device`] if the device lacks a limit that the kernels
     /// need; [`Error::TooLarge`] and [`Error::OutOfMemory`] if the pair does not fit it; [`Error::Misuse`] if the queue is
-    /// another device's; [`Error::Lost`] if the device is lost.
+    /// another device's; [`Error::Lost`] if the device is lost; on a CPU
+    /// adapter [`Error::Memory`] if the memory that is left does not hold the pair ([`Params::memory_check`]).
     #[cfg(not(target_arch = "wasm32"))]
     pub fn new(
         device: &wgpu::Device,
@@ -390,6 +395,8 @@ impl StereoMatcher {
         params.accepts(width, height)?;
         let levels = levels(device, [width, height], format, params, &[])?;
         let before = rooms(device, [width, height], format, params, &levels)?;
+        let lists: Vec<&[Level]> = before.iter().chain([&levels]).map(|levels| &levels[..]).collect();
+        Self::ensure_memory(device, format, &lists, &Pool::default())?;
         Ok(scopes::watched(device, || {
             let pool =
                 before.iter().fold(Pool::default(), |pool, levels| Self::build(device, queue, format, levels, pool).2);
@@ -442,6 +449,35 @@ impl StereoMatcher {
         (made, steps, pool)
     }
 
+    /// Compares what lists of steps need beyond `pool`, and their frames, with the memory that is left, where the device
+    /// works in the host's.
+    fn ensure_memory(device: &wgpu::Device, format: PixelFormat, lists: &[&[Level]], pool: &Pool) -> Result<(), Error> {
+        let Some(Level { params, sizes, .. }) = lists.last().and_then(|levels| levels.last()) else { return Ok(()) };
+        if !params.memory_check || device.adapter_info().device_type != wgpu::DeviceType::Cpu {
+            return Ok(());
+        }
+        let plan = |pool, levels: &&[Level]| {
+            let mut builder = Builder::new(device, levels, format, pool).only_planned();
+            chain(&mut builder);
+            builder.plan()
+        };
+        let planned = scopes::guarded_or_left(device, || lists.iter().fold(pool.clone(), plan).bytes())?;
+        let more = planned - pool.bytes();
+        if more == 0 {
+            return Ok(());
+        }
+        // Of a frame: what is uploaded on its way, and the maps in the buffer that is read back and as they are given.
+        let frame = 2 * sizes.source + 2 * Layout::new(params, sizes).bytes();
+        let Frame { width, height, .. } = sizes.frame;
+        let what = format!("a pair of {width}x{height} pixels at {} disparities", params.disparities);
+        let needed = more + frame + COMPILING;
+        memory::ensure(&what, needed).or_else(|_| {
+            // What was dropped goes when the device is asked.
+            let _ = device.poll(wgpu::PollType::wait_indefinitely());
+            memory::ensure(&what, needed)
+        })
+    }
+
     /// All anew for another size or other settings, from what there is: what the matcher goes on with if the device does not
     /// object.
     fn rebuilt(&self, size: [u32; 2], params: &Params) -> Result<(Rebuilt, Verdict), Error> {
@@ -460,6 +496,9 @@ impl StereoMatcher {
             before = rooms(device, largest, format, params, &largest_levels)?;
             before.extend((size != largest).then(|| largest_levels.clone()));
         }
+        let lists: Vec<&[Level]> = before.iter().chain([&levels]).map(|levels| &levels[..]).collect();
+        let taken = if fresh { &Pool::default() } else { &self.pool };
+        Self::ensure_memory(device, format, &lists, taken)?;
         let Level { params, sizes, .. } = &levels[levels.len() - 1];
         let bytes = Layout::new(params, sizes).bytes();
         let room = Layout::new(params, &largest_levels[largest_levels.len() - 1].sizes).bytes();
@@ -619,7 +658,19 @@ impl StereoMatcher {
 
     /// Bytes of an image of the largest pair, in whole rows of its texture.
     pub(crate) fn largest_source(&self) -> u64 {
-        source_bytes(self.largest[0], self.largest[1], self.format)
+        source_layout(self.largest, self.format, &self.device.limits()).1
+    }
+
+    /// Compares what so many frames in flight need, besides what there is, with the memory that is left.
+    pub(crate) fn ensure_frames(&self, frames: u64) -> Result<(), Error> {
+        if !self.params.memory_check || self.device.adapter_info().device_type != wgpu::DeviceType::Cpu {
+            return Ok(());
+        }
+        // The pair and where it is uploaded from, the buffer that is read back and the maps. What the matcher made is not
+        // filled yet.
+        let frame = 4 * self.largest_source() + 2 * self.room;
+        let what = format!("{frames} frames in flight with what computes them");
+        memory::ensure(&what, self.pool.bytes() + frames * frame + COMPILING)
     }
 
     /// Makes readback buffers for so many frames at a time.
@@ -670,17 +721,19 @@ impl StereoMatcher {
         for (image, source) in [(left, &self.made.sources[0]), (right, &self.made.sources[1])] {
             let bytes = image.bytes();
             // Whole rows of the texture, then the rest of them.
-            let (whole, rest) = bytes.split_at(bytes.len() / TEXTURE_ROW as usize * TEXTURE_ROW as usize);
-            let rows = (whole.len() / TEXTURE_ROW as usize) as u32;
+            let texels = self.sizes.source_texels;
+            let row = 16 * texels as usize;
+            let (whole, rest) = bytes.split_at(bytes.len() / row * row);
+            let rows = (whole.len() / row) as u32;
             let mut rest = rest.to_vec();
             rest.resize(rest.len().next_multiple_of(16), 0);
-            for (data, y, width, height) in [(whole, 0, TEXELS, rows), (&rest, rows, rest.len() as u32 / 16, 1)] {
+            for (data, y, width, height) in [(whole, 0, texels, rows), (&rest, rows, rest.len() as u32 / 16, 1)] {
                 if data.is_empty() {
                     continue;
                 }
                 let destination =
                     wgpu::TexelCopyTextureInfo { origin: wgpu::Origin3d { x: 0, y, z: 0 }, ..source.as_image_copy() };
-                let bytes_per_row = Some(TEXTURE_ROW as u32);
+                let bytes_per_row = Some(16 * texels);
                 let layout = wgpu::TexelCopyBufferLayout { offset: 0, bytes_per_row, rows_per_image: None };
                 let size = wgpu::Extent3d { width, height, depth_or_array_layers: 1 };
                 self.queue.write_texture(destination, data, layout, size);
@@ -692,10 +745,10 @@ impl StereoMatcher {
     pub(crate) fn record_sources(&self, encoder: &mut wgpu::CommandEncoder, buffer: &wgpu::Buffer) {
         let side = self.sizes.source;
         for (source, offset) in self.made.sources.iter().zip([0, side]) {
-            let bytes_per_row = Some(TEXTURE_ROW as u32);
-            let layout = wgpu::TexelCopyBufferLayout { offset, bytes_per_row, rows_per_image: None };
-            let height = (side / TEXTURE_ROW) as u32;
-            let size = wgpu::Extent3d { width: TEXELS, height, depth_or_array_layers: 1 };
+            let width = self.sizes.source_texels;
+            let layout = wgpu::TexelCopyBufferLayout { offset, bytes_per_row: Some(16 * width), rows_per_image: None };
+            let height = (side / (16 * u64::from(width))) as u32;
+            let size = wgpu::Extent3d { width, height, depth_or_array_layers: 1 };
             encoder.copy_buffer_to_texture(wgpu::TexelCopyBufferInfo { buffer, layout }, source.as_image_copy(), size);
         }
     }

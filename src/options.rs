@@ -417,6 +417,8 @@ impl Params {
                 "Compile the kernels with checks of every index and loop: slower, the same result";
             "schedule" "SCHEDULE" Schedule schedule
                 "How the kernels are laid out; the same result";
+            "memory-check" "on|off" switch memory_check
+                "On CPUs, refuse what the memory that is left does not hold, before any work";
         }
     };
 

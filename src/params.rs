@@ -287,6 +287,8 @@ pub struct Params {
     pub shader_checks: bool,
     /// How the kernels are laid out on the device; the same result.
     pub schedule: Schedule,
+    /// On a CPU adapter, compare what is needed with the memory that is left ([`crate::memory`]) before anything is made.
+    pub memory_check: bool,
 }
 
 impl Params {
@@ -345,6 +347,7 @@ impl Params {
             masks: None,
             shader_checks: false,
             schedule: Schedule::Auto,
+            memory_check: true,
         }
     }
 

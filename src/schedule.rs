@@ -1,5 +1,6 @@
 //! How the work of a path or a row is spread over invocations.
 
+use crate::buffers::MOST_PARTS;
 use crate::{Method, Params};
 
 /// How the kernels are laid out on a device. The result is the same.
@@ -43,6 +44,8 @@ pub(crate) struct Plan {
     pub(crate) width: u32,
     /// Whether P2 is loaded for each step of a path.
     pub(crate) adaptive: bool,
+    /// As in `Sizes`.
+    pub(crate) part_bits: Option<u32>,
 }
 
 /// Vectors of 16 disparities that an invocation of [`Schedule::Lines`] owns, if others may take the rest. More of them
@@ -75,6 +78,11 @@ const MOST_MEMBERS: u32 = 32;
 pub(crate) const GROUP_LANES: u32 = 64;
 
 impl Plan {
+    /// Bindings that hold the trees of the speckle filter.
+    pub(crate) fn parts(&self) -> u32 {
+        if self.part_bits.is_some() { MOST_PARTS } else { 1 }
+    }
+
     pub(crate) fn new(device: &wgpu::Device, params: &Params) -> Self {
         let info = device.adapter_info();
         let lanes = match params.schedule {
@@ -144,6 +152,7 @@ impl Plan {
             subgroup,
             threads: None,
             adaptive: false,
+            part_bits: None,
         }
     }
 }

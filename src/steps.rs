@@ -2,7 +2,7 @@
 
 use std::collections::HashMap;
 
-use crate::buffers::{Pass, Rows, Sizes, TEXELS, TEXTURE_ROW};
+use crate::buffers::{Pass, ROW_UNIT, Rows, Sizes, TEXELS, TEXTURE_ROW};
 use crate::kernels::{self, Compiled, KERNELS};
 use crate::reference::Direction;
 use crate::schedule::Plan;
@@ -35,11 +35,12 @@ pub(crate) enum Output {
         side: usize,
         channel: usize,
     },
-    /// `count` planes of features, from `first` on.
+    /// `count` planes of features, from `first` on, of some rows of the image.
     Features {
         side: usize,
         first: usize,
         count: usize,
+        rows: Rows,
     },
     /// The values that are halved, or what came of it, laid out like a gray image.
     Values {
@@ -103,6 +104,13 @@ pub(crate) struct Level {
     pub(crate) sizes: Sizes,
 }
 
+/// A step's place among those that leave an output together.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Part {
+    pub(crate) first: bool,
+    pub(crate) last: bool,
+}
+
 /// One dispatch, and what is copied after it.
 #[derive(Debug)]
 pub(crate) struct Step {
@@ -122,6 +130,8 @@ pub(crate) struct Step {
     pub(crate) clears: bool,
     /// Whether this is of the mirrored pair.
     pub(crate) mirrored: bool,
+    /// Whether it is the first, and the last, of the steps that leave the output together, some rows each.
+    pub(crate) part: Part,
     /// The texture that `buffer` is copied into when it is complete, and how many texels and rows of them.
     pub(crate) copy_to: Option<(wgpu::Texture, [u32; 2])>,
 }
@@ -143,6 +153,10 @@ const MOST_SPARE_KERNELS: usize = 256;
 pub(crate) enum Bound<'a> {
     Buffer(&'a wgpu::Buffer),
     Texture(&'a wgpu::TextureView),
+    /// A buffer with so many bytes a row of the image. [`Builder::step_rows`] binds the rows that it works on.
+    Rows(&'a wgpu::Buffer, u64),
+    /// Bytes of a buffer: where they begin, and how many.
+    Part(&'a wgpu::Buffer, u64, u64),
 }
 
 /// Bytes of a row of `width` texels.
@@ -154,7 +168,8 @@ pub(crate) fn row_bytes(format: wgpu::TextureFormat, width: u32) -> u32 {
 struct Planned {
     kernel: usize,
     level: usize,
-    compiled: Compiled,
+    /// None if it is only planned.
+    compiled: Option<Compiled>,
     storage: Vec<Resource>,
     pass: Pass,
     workgroups: [u32; 2],
@@ -163,31 +178,42 @@ struct Planned {
     bytes: u64,
     clears: bool,
     mirrored: bool,
+    part: Part,
     copy_to: Option<(wgpu::Texture, [u32; 2])>,
 }
 
 enum Resource {
-    Buffer(wgpu::Buffer, u64),
+    /// Where it begins, and how many bytes.
+    Buffer(wgpu::Buffer, u64, u64),
     Texture(wgpu::TextureView),
 }
+
+/// A buffer or a texture, and the size that was asked for: what is only planned is smaller.
+#[derive(Clone, Debug)]
+struct Sized<T, S> {
+    item: T,
+    size: S,
+}
+
+type SizedTexture = Sized<wgpu::Texture, [u32; 2]>;
 
 /// What was made for one list of steps and does for the next, and the kernels compiled so far.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct Pool {
-    buffers: HashMap<(String, wgpu::BufferUsages), Vec<wgpu::Buffer>>,
-    textures: HashMap<(String, wgpu::TextureFormat), Vec<wgpu::Texture>>,
+    buffers: HashMap<(String, wgpu::BufferUsages), Vec<Sized<wgpu::Buffer, u64>>>,
+    textures: HashMap<(String, wgpu::TextureFormat), Vec<SizedTexture>>,
     compiled: HashMap<(usize, String), Compiled>,
 }
 
 impl Pool {
     /// Bytes of all buffers and textures.
     pub(crate) fn bytes(&self) -> u64 {
-        let buffers = self.buffers.values().flatten().map(wgpu::Buffer::size);
-        let textures = self
-            .textures
-            .values()
-            .flatten()
-            .map(|texture| u64::from(row_bytes(texture.format(), texture.width())) * u64::from(texture.height()));
+        let buffers = self.buffers.values().flatten().map(|buffer| buffer.size);
+        let textures = self.textures.iter().flat_map(|((_, format), textures)| {
+            textures
+                .iter()
+                .map(|Sized { size: [width, height], .. }| u64::from(row_bytes(*format, *width)) * u64::from(*height))
+        });
         buffers.chain(textures).sum()
     }
 
@@ -259,6 +285,8 @@ pub(crate) struct Builder<'a> {
     /// Bytes that were asked for of each buffer in use.
     bytes: HashMap<wgpu::Buffer, u64>,
     planned: Vec<Planned>,
+    /// Nothing is made or compiled but as small as can be: what it would take is wanted.
+    only_planned: bool,
     tables: Vec<(wgpu::Buffer, Vec<u32>)>,
     /// The kernels so far, and what they were compiled for.
     kernels: Vec<(usize, PixelFormat, Plan, Params, Compiled)>,
@@ -283,9 +311,21 @@ impl<'a> Builder<'a> {
             used: Pool::default(),
             bytes: HashMap::new(),
             planned: Vec::new(),
+            only_planned: false,
             tables: Vec::new(),
             kernels: Vec::new(),
         }
+    }
+
+    /// The same, but only to know what the list of steps takes.
+    pub(crate) fn only_planned(self) -> Self {
+        Self { only_planned: true, ..self }
+    }
+
+    /// All that was planned, and what was free and does not do.
+    pub(crate) fn plan(mut self) -> Pool {
+        self.used.join(self.free);
+        self.used
     }
 
     /// Goes on with another level.
@@ -337,23 +377,27 @@ impl<'a> Builder<'a> {
     fn made(&mut self, name: &str, size: u64, room: u64, usage: wgpu::BufferUsages) -> wgpu::Buffer {
         let key = (name.to_string(), usage);
         let free = self.free.buffers.entry(key.clone()).or_default();
-        let buffer = take(free, |buffer| buffer.size() >= size, wgpu::Buffer::size).unwrap_or_else(|| {
-            self.device.create_buffer(&wgpu::BufferDescriptor {
+        let made = take(free, |buffer| buffer.size >= size, |buffer| buffer.size).unwrap_or_else(|| {
+            let item = self.device.create_buffer(&wgpu::BufferDescriptor {
                 label: Some(&format!("gpu-stereo.{name}")),
-                size: size.max(room),
+                size: if self.only_planned { 16 } else { size.max(room) },
                 usage,
                 mapped_at_creation: false,
-            })
+            });
+            Sized { item, size: size.max(room) }
         });
+        let buffer = made.item.clone();
         self.bytes.insert(buffer.clone(), size);
-        self.used.buffers.entry(key).or_default().push(buffer.clone());
+        self.used.buffers.entry(key).or_default().push(made);
         buffer
     }
 
     /// A buffer of numbers that the kernels only read.
     pub(crate) fn table(&mut self, name: &str, contents: Vec<u32>) -> wgpu::Buffer {
         let buffer = self.buffer(name, 4 * contents.len() as u64);
-        self.tables.push((buffer.clone(), contents));
+        if !self.only_planned {
+            self.tables.push((buffer.clone(), contents));
+        }
         buffer
     }
 
@@ -379,21 +423,25 @@ impl<'a> Builder<'a> {
         }
         let key = (name.to_string(), format);
         let free = self.free.textures.entry(key.clone()).or_default();
-        let enough = |texture: &wgpu::Texture| texture.width() >= width && texture.height() >= height;
-        let area = |texture: &wgpu::Texture| u64::from(texture.width()) * u64::from(texture.height());
-        let texture = take(free, enough, area).unwrap_or_else(|| {
-            self.device.create_texture(&wgpu::TextureDescriptor {
+        let enough = |texture: &SizedTexture| texture.size[0] >= width && texture.size[1] >= height;
+        let area = |texture: &SizedTexture| u64::from(texture.size[0]) * u64::from(texture.size[1]);
+        let made = take(free, enough, area).unwrap_or_else(|| {
+            let size = [width, height.max(room)];
+            let [width, height] = if self.only_planned { [1, 1] } else { size };
+            let item = self.device.create_texture(&wgpu::TextureDescriptor {
                 label: Some(&format!("gpu-stereo.{name}")),
-                size: wgpu::Extent3d { width, height: height.max(room), depth_or_array_layers: 1 },
+                size: wgpu::Extent3d { width, height, depth_or_array_layers: 1 },
                 mip_level_count: 1,
                 sample_count: 1,
                 dimension: wgpu::TextureDimension::D2,
                 format,
                 usage: wgpu::TextureUsages::STORAGE_BINDING | wgpu::TextureUsages::COPY_DST,
                 view_formats: &[],
-            })
+            });
+            Sized { item, size }
         });
-        self.used.textures.entry(key).or_default().push(texture.clone());
+        let texture = made.item.clone();
+        self.used.textures.entry(key).or_default().push(made);
         if let Some((_, textures)) = &mut self.shared {
             textures.keep(shared, &texture);
         }
@@ -408,11 +456,15 @@ impl<'a> Builder<'a> {
         format: wgpu::TextureFormat,
     ) -> wgpu::TextureView {
         let texture = self.texture("copy", size, room, format);
-        let view = texture.create_view(&wgpu::TextureViewDescriptor::default());
+        self.copy_into(&texture, size)
+    }
+
+    /// Copies what the last step left into `size` texels and rows of a texture.
+    pub(crate) fn copy_into(&mut self, texture: &wgpu::Texture, size: [u32; 2]) -> wgpu::TextureView {
         if let Some(step) = self.planned.last_mut() {
-            step.copy_to = Some((texture, size));
+            step.copy_to = Some((texture.clone(), size));
         }
-        view
+        texture.create_view(&wgpu::TextureViewDescriptor::default())
     }
 
     /// Copies what the last step left into a texture of 16 bytes a texel, [`TEXELS`] a row: lavapipe reads 16 bytes of an
@@ -442,13 +494,23 @@ impl<'a> Builder<'a> {
             unreachable!("{name} is not in the table of kernels");
         };
         let row = &KERNELS[kernel];
-        let compiled = self.compiled(kernel);
-        let written = row.storage.iter().position(|access| *access == kernels::Access::Write);
-        let Some(Bound::Buffer(buffer)) = written.map(|i| storage[i]) else {
+        let compiled = if self.only_planned { None } else { Some(self.compiled(kernel)) };
+        let accesses = row.storage(&self.params, &self.plan);
+        let first = |wanted| accesses.iter().position(|access| *access == wanted);
+        let written = first(kernels::Access::Write).or_else(|| first(kernels::Access::Trees));
+        let Some(Bound::Buffer(buffer) | Bound::Rows(buffer, _) | Bound::Part(buffer, ..)) =
+            written.map(|i| storage[i])
+        else {
             unreachable!("{name} writes no buffer");
         };
         let resource = |bound: &Bound<'_>| match *bound {
-            Bound::Buffer(buffer) => Resource::Buffer(buffer.clone(), self.bytes_of(buffer)),
+            Bound::Buffer(buffer) => Resource::Buffer(buffer.clone(), 0, self.bytes_of(buffer)),
+            Bound::Rows(buffer, row) => {
+                // All rows may fit a binding, where with what pads them they do not.
+                let (all, rows) = (self.bytes_of(buffer), row * u64::from(self.sizes.frame.height));
+                Resource::Buffer(buffer.clone(), 0, if all <= self.sizes.binding { all } else { rows })
+            }
+            Bound::Part(buffer, from, bytes) => Resource::Buffer(buffer.clone(), from, bytes),
             Bound::Texture(view) => Resource::Texture(view.clone()),
         };
         let invocations = lines * row.members(&self.plan);
@@ -464,8 +526,58 @@ impl<'a> Builder<'a> {
             bytes: self.bytes_of(buffer),
             clears: false,
             mirrored: self.mirrored,
+            part: Part { first: true, last: true },
             copy_to: None,
         });
+    }
+
+    /// The rows of the image, of which each lot fits a binding of every [`Bound::Rows`].
+    pub(crate) fn lots(&self, storage: &[Bound<'_>]) -> Vec<Rows> {
+        let rows = |bound: &Bound<'_>| if let Bound::Rows(_, row) = bound { Some(*row) } else { None };
+        let (height, widest) = (self.sizes.frame.height, storage.iter().filter_map(rows).max().unwrap_or(1));
+        if widest * u64::from(height) <= self.sizes.binding {
+            return vec![Rows { first: 0, count: height }];
+        }
+        let count = (self.sizes.binding / widest / ROW_UNIT * ROW_UNIT) as u32;
+        let lot = |first| Rows { first, count: count.min(height - first) };
+        (0..height).step_by(count as usize).map(lot).collect()
+    }
+
+    /// What is bound of a resource for some rows of the image.
+    pub(crate) fn lot<'b>(&self, bound: Bound<'b>, rows: Rows) -> Bound<'b> {
+        match bound {
+            Bound::Rows(buffer, row) if rows.count < self.sizes.frame.height => {
+                Bound::Part(buffer, u64::from(rows.first) * row, u64::from(rows.count) * row)
+            }
+            bound => bound,
+        }
+    }
+
+    /// [`Builder::step`] for `lines` lines of each row of the image, or as many of `rows_each` rows together, in as many steps
+    /// as bindings ask for.
+    pub(crate) fn step_rows(
+        &mut self,
+        name: &str,
+        storage: &[Bound<'_>],
+        pass: Pass,
+        lines: u32,
+        rows_each: u32,
+        output: Output,
+    ) {
+        let lots = self.lots(storage);
+        for (i, &rows) in lots.iter().enumerate() {
+            let bound: Vec<_> = storage.iter().map(|&bound| self.lot(bound, rows)).collect();
+            let pass = Pass { first_row: rows.first, rows: rows.count, ..pass };
+            self.step(name, &bound, pass, lines, rows.count.div_ceil(rows_each), output.clone());
+            self.part_of(i, lots.len());
+        }
+    }
+
+    /// The last step is one of several that leave an output together.
+    pub(crate) fn part_of(&mut self, i: usize, count: usize) {
+        if let Some(step) = self.planned.last_mut() {
+            step.part = Part { first: i == 0, last: i + 1 == count };
+        }
     }
 
     /// A kernel for the present settings: one of this list of steps, one of before, or a new one.
@@ -512,12 +624,13 @@ impl<'a> Builder<'a> {
         let passes = self.uniform(queue, "passes", &blocks, room);
         let block = (size_of::<Pass>() as u64).try_into().ok();
         let finished = |(pass, step): (u32, Planned)| {
+            let Compiled { layout, pipeline } = step.compiled?;
             let passes = wgpu::BufferBinding { buffer: &passes, offset: 0, size: block };
             let uniforms = [frames[step.level].as_entire_binding(), wgpu::BindingResource::Buffer(passes)];
             let storage = step.storage.iter().map(|resource| match resource {
-                Resource::Buffer(buffer, bytes) => {
-                    let size = std::num::NonZeroU64::new(*bytes);
-                    wgpu::BindingResource::Buffer(wgpu::BufferBinding { buffer, offset: 0, size })
+                Resource::Buffer(buffer, offset, bytes) => {
+                    let (offset, size) = (*offset, std::num::NonZeroU64::new(*bytes));
+                    wgpu::BindingResource::Buffer(wgpu::BufferBinding { buffer, offset, size })
                 }
                 Resource::Texture(view) => wgpu::BindingResource::TextureView(view),
             });
@@ -527,13 +640,13 @@ impl<'a> Builder<'a> {
                 .collect();
             let bind_group = self.device.create_bind_group(&wgpu::BindGroupDescriptor {
                 label: Some(&format!("gpu-stereo.{}", KERNELS[step.kernel].name)),
-                layout: &step.compiled.layout,
+                layout: &layout,
                 entries: &entries,
             });
-            Step {
+            Some(Step {
                 kernel: step.kernel,
                 level: step.level,
-                pipeline: step.compiled.pipeline,
+                pipeline,
                 bind_group,
                 pass: pass * PASS_STRIDE,
                 workgroups: step.workgroups,
@@ -542,10 +655,11 @@ impl<'a> Builder<'a> {
                 bytes: step.bytes,
                 clears: step.clears,
                 mirrored: step.mirrored,
+                part: step.part,
                 copy_to: step.copy_to,
-            }
+            })
         };
-        let steps = (0..).zip(self.planned).map(finished).collect();
+        let steps = (0..).zip(self.planned).filter_map(finished).collect();
         if self.free.compiled.len() < MOST_SPARE_KERNELS {
             self.used.compiled.extend(std::mem::take(&mut self.free.compiled));
         }

@@ -47,7 +47,8 @@ impl StereoStream {
     /// browser only [`StereoStream::new_async`] can say what the device objects to.
     ///
     /// # Errors
-    /// [`Error::OutOfMemory`] if there is no room for the buffers of so many pairs; [`Error::Lost`] if the device is lost.
+    /// [`Error::OutOfMemory`] if there is no room for the buffers of so many pairs; [`Error::Lost`] if the device is lost;
+    /// [`Error::Memory`] as [`StereoMatcher::new`].
     #[cfg(not(target_arch = "wasm32"))]
     pub fn new(matcher: StereoMatcher, in_flight: usize) -> Result<Self, Error> {
         let (stream, verdict) = Self::begin(matcher, in_flight)?;
@@ -68,6 +69,7 @@ impl StereoStream {
     fn begin(matcher: StereoMatcher, in_flight: usize) -> Result<(Self, scopes::Verdict), Error> {
         matcher.pulse.check()?;
         let capacity = in_flight.max(1);
+        matcher.ensure_frames(capacity as u64)?;
         let (uploads, verdict) = scopes::watched(&matcher.device, || {
             matcher.reserve_readbacks(capacity);
             (0..capacity).map(|_| upload_buffer(&matcher)).collect()

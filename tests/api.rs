@@ -174,10 +174,12 @@ fn images_of_the_wrong_size_or_format_are_refused() {
 fn what_does_not_fit_the_device_is_told_in_bytes() {
     let setup = support::device_with(|_, limits| limits.max_storage_buffer_binding_size = 24 << 10);
     let Some((_, device, queue)) = setup else { return };
+    let mut confident = Params::bm(1);
+    confident.confidence = true;
     let cases = [
-        (200, 200, PixelFormat::Gray8, Params::sgm(1), 200 * 256, 24 << 10), // a plane, rows in units of 256 bytes
-        (190, 90, PixelFormat::Rgba8, Params::bm(1), 32 << 10, 16 << 10),    // 240 * 90, both in units of 16 KiB
-        (100, 2, PixelFormat::Gray8, Params::sgm(500), 64 << 10, 16 << 10),  // 100 * 512, both in units of 16 KiB
+        (200, 200, PixelFormat::Gray8, Params::sgm(1), 64 * 400, 24 << 10), // 64 rows of a map
+        (100, 100, PixelFormat::Rgba8, confident, 64 << 10, 24 << 10), // two maps of 208 * 100, both in units of 16 KiB
+        (100, 2, PixelFormat::Gray8, Params::sgm(500), 64 << 10, 16 << 10), // 100 * 512, both in units of 16 KiB
     ];
     for (width, height, format, params, bytes, most) in cases {
         let error = StereoMatcher::new(&device, &queue, width, height, format, &params).unwrap_err();

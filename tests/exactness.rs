@@ -4,8 +4,8 @@
 mod support;
 
 use gpu_stereo::{
-    Cost, Image, Params, Paths, Prefilter, Preset, Rectification, RightView, Schedule, StereoMatcher, Wls, reference,
-    wgpu,
+    Camera, Cost, Error, Fill, Image, Median, Params, Paths, Prefilter, Preset, Rectification, RightView, Schedule,
+    StereoMatcher, Wls, reference, wgpu,
 };
 use rand::{Rng, SeedableRng};
 use rand_chacha::ChaCha8Rng;
@@ -273,6 +273,61 @@ fn bands() {
             check(&setup, &left, &right, &params, seed);
         }
     }
+}
+
+/// Images of which a binding holds a part of the rows: planes in pieces, maps by lots, trees in parts, whatever follows.
+#[test]
+fn images_beyond_a_binding() {
+    let setup = support::device_with(|_, limits| limits.max_storage_buffer_binding_size = 24 << 10);
+    let Some(setup) = setup else { return };
+    let camera = Camera::new(700.0, 0.2);
+    for (seed, (width, height)) in (0..).zip([(45, 320), (31, 500), (13, 1000)]) {
+        let (left, right) = support::pair(width, height, seed);
+        for (i, preset) in [Preset::Balanced, Preset::Dense, Preset::Strict, Preset::Classic].into_iter().enumerate() {
+            let format = (seed as u32 + i as u32) % 4;
+            let [left, right] = [&left, &right].map(|image| support::as_format(image, format));
+            let mut params = Params::preset(preset, 20);
+            params.schedule = [Schedule::Lines, Schedule::Lanes][(seed as usize + i) % 2];
+            params.wls = (i % 2 == 0).then(Wls::default);
+            params.depth = (i % 2 == 1).then_some(camera);
+            params.texture = if i == 3 { 40 } else { 0 };
+            params.median = if i == 1 { Median::Five } else { Median::Three };
+            params.fill = if i == 3 { Fill::Hirschmuller } else { params.fill };
+            (params.right_map, params.min_disparity) = (i == 0, [0, -3, 2, 0][i]);
+            check(&setup, &left, &right, &params, seed);
+        }
+        for (block, schedule) in [(9, Schedule::Lines), (9, Schedule::Lanes), (17, Schedule::Lines)] {
+            let mut params = Params::bm(20);
+            (params.block, params.schedule, params.fill) = (block, schedule, Fill::Rays);
+            check(&setup, &left, &right, &params, seed);
+        }
+        check(&setup, &left, &right, &ncc(20), seed);
+        let mut wide = Params::sgm(20);
+        (wide.block, wide.color_cost) = (19, true);
+        check(&setup, &support::as_format(&left, 2), &support::as_format(&right, 2), &wide, seed);
+    }
+}
+
+/// Random settings on images beyond a binding: right, or refused in bytes.
+#[test]
+fn random_parameters_beyond_a_binding() {
+    let setup = support::device_with(|_, limits| limits.max_storage_buffer_binding_size = 24 << 10);
+    let Some(setup) = setup else { return };
+    let mut taken = 0;
+    for seed in 100..130 {
+        let mut random = ChaCha8Rng::seed_from_u64(seed);
+        let params = support::random_params(&mut random);
+        let (width, height) = (random.random_range(1..47), random.random_range(200..420));
+        let (left, right) = support::pair(width, height, seed);
+        let format = random.random_range(0..4);
+        let [left, right] = [&left, &right].map(|image| support::as_format(image, format));
+        match StereoMatcher::new(&setup.1, &setup.2, width, height, left.format(), &params) {
+            Err(Error::TooLarge { .. }) => continue,
+            _ => check(&setup, &left, &right, &params, seed),
+        }
+        taken += 1;
+    }
+    assert!(taken >= 8, "{taken} of 30 settings were taken");
 }
 
 /// Pairs that are rectified first: every format, with a second match and without; the picture is not the given one.

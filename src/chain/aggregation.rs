@@ -10,7 +10,7 @@ use crate::steps::Bound::{self, Buffer, Texture};
 use crate::steps::{Builder, Output};
 
 /// Stages `penalties`, `matching_cost`, `sgm_aggregate` and `winner`.
-pub(super) fn winner(b: &mut Builder<'_>, planes: &Planes, views: &Views) {
+pub(super) fn winner(b: &mut Builder<'_>, planes: &mut Planes, views: &Views) {
     let directions = Direction::all(b.params.paths);
     let penalties = Penalties::new(b, &directions, &planes.grays[0]);
     let (across, along) = directions.split_at(directions.len() - 2);
@@ -187,17 +187,10 @@ fn rows(
             let (storage, along_row) = penalties.bound(frame, along[0], &storage, along_row);
             b.step("sgm_aggregate", &storage, along_row, strip.count, 1, output);
             let pair = |i: usize| Buffer(&paired[i.min(paired.len() - 1)][band]);
-            let storage = [
-                costs[band].bound(),
-                Buffer(&forward),
-                pair(0),
-                pair(1),
-                pair(2),
-                Buffer(&views.left),
-                Buffer(&views.right),
-            ];
+            let ([left_map, right_map], map_row) = views.bound(b, strip);
+            let storage = [costs[band].bound(), Buffer(&forward), pair(0), pair(1), pair(2), left_map, right_map];
             let output = Output::Views { right: views.right.clone(), last: strip.first + strip.count == frame.height };
-            let pass = Pass { slot: rows.count * frame.volume_stride, ..pass };
+            let pass = Pass { slot: rows.count * frame.volume_stride, map_row, ..pass };
             let (storage, pass) = penalties.bound(frame, along[1], &storage, pass);
             b.step("winner", &storage, pass, strip.count, 1, output);
         }

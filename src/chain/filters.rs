@@ -2,24 +2,28 @@
 
 use super::Views;
 use super::validity::Content;
-use crate::buffers::{Frame, Pass, Rows, SEGMENT_GROUPS, cut};
+use crate::buffers::{Frame, MOST_PARTS, Pass, Rows, SEGMENT_GROUPS, cut};
 use crate::kernels;
 use crate::steps::Bound::{self, Buffer, Texture};
 use crate::steps::{Builder, Output};
 use crate::{Fill, Median, reference};
 
+/// A map of disparities by the rows of the image.
+fn by_rows<'a>(b: &Builder<'_>, map: &'a wgpu::Buffer) -> Bound<'a> {
+    Bound::Rows(map, 4 * u64::from(b.sizes.frame.map_stride))
+}
+
 /// A step of a kernel that makes a map, eight pixels an invocation. `reads`: what it is bound to before and after the map.
 fn map_step(b: &mut Builder<'_>, kernel: &str, reads: [&[Bound<'_>]; 2], output: Output) -> wgpu::Buffer {
-    let Frame { height, map_stride, .. } = b.sizes.frame;
     let map = b.buffer(kernel, b.sizes.map);
-    let storage = [reads[0], &[Buffer(&map)], reads[1]].concat();
-    b.step(kernel, &storage, Pass::default(), map_stride / 4, height, output);
+    let storage = [reads[0], &[by_rows(b, &map)], reads[1]].concat();
+    b.step_rows(kernel, &storage, Pass::default(), b.sizes.frame.map_stride / 4, 1, output);
     map
 }
 
 /// Stage `mirror`: the right view, from the left one of the mirrored pair.
 pub(super) fn mirror(b: &mut Builder<'_>, left: &wgpu::Buffer) -> wgpu::Buffer {
-    map_step(b, "mirror", [&[Buffer(left)], &[]], Output::Mirrored)
+    map_step(b, "mirror", [&[by_rows(b, left)], &[]], Output::Mirrored)
 }
 
 /// Stages `texture`, `lr_check` and the filters, those of them that are wanted, and `validity` after each that may give a
@@ -34,17 +38,17 @@ pub(super) fn filtered(
         Some(content) => content.valid(b, &map, 0),
         None => map,
     };
-    let Frame { height, map_stride, .. } = b.sizes.frame;
     let mut map = views.left.clone();
     if b.params.texture > 0 {
         let columns = b.buffer("texture_columns", b.sizes.map);
-        let segments = height.div_ceil(kernels::segment(&b.plan));
-        let storage = [Texture(gray), Buffer(&columns)];
-        b.step("texture_columns", &storage, Pass::default(), map_stride.div_ceil(8), segments, Output::Part);
-        map = map_step(b, "texture", [&[Buffer(&columns), Buffer(&map)], &[]], Output::Textured);
+        let (storage, lines) = ([Texture(gray), by_rows(b, &columns)], b.sizes.frame.map_stride.div_ceil(8));
+        b.step_rows("texture_columns", &storage, Pass::default(), lines, kernels::segment(&b.plan), Output::Part);
+        let reads = [by_rows(b, &columns), by_rows(b, &map)];
+        map = map_step(b, "texture", [&reads, &[]], Output::Textured);
     }
     if b.params.lr_check.is_some() {
-        map = map_step(b, "lr_check", [&[Buffer(&map), Buffer(&views.right)], &[]], Output::Checked);
+        let reads = [by_rows(b, &map), by_rows(b, &views.right)];
+        map = map_step(b, "lr_check", [&reads, &[]], Output::Checked);
     }
     if b.params.speckle_window > 0 {
         map = speckle(b);
@@ -88,9 +92,10 @@ pub(super) fn confidence(b: &mut Builder<'_>, views: &Views, map: &wgpu::Buffer)
 
 /// Stage `depth` of the final `map`.
 pub(super) fn depth(b: &mut Builder<'_>, map: &wgpu::Buffer) -> wgpu::Buffer {
-    let Frame { height, map_stride, .. } = b.sizes.frame;
+    let Frame { map_stride, .. } = b.sizes.frame;
     let depth = b.buffer("depth", b.sizes.regions);
-    b.step("depth", &[Buffer(map), Buffer(&depth)], Pass::default(), map_stride / 2, height, Output::Depth);
+    let storage = [by_rows(b, map), Bound::Rows(&depth, 8 * u64::from(map_stride))];
+    b.step_rows("depth", &storage, Pass::default(), map_stride / 2, 1, Output::Depth);
     depth
 }
 
@@ -101,31 +106,64 @@ fn wls(b: &mut Builder<'_>, gray: &wgpu::TextureView, couplings: Vec<u32>) -> wg
     let couplings = b.table("wls.couplings", couplings);
     let pixels = u64::from(volume_stride) * u64::from(height);
     let (values, shares) = (b.buffer("wls.values", 8 * pixels), b.buffer("wls.shares", 4 * pixels));
-    let storage = [Texture(&texels), Buffer(&values)];
-    b.step("wls_start", &storage, Pass::default(), map_stride / 4, height, Output::Part);
+    let carry = b.buffer("wls.carry", 16 * u64::from(width.max(height)));
+    let row = u64::from(volume_stride);
+    let (values_rows, shares_rows) = (Bound::Rows(&values, 8 * row), Bound::Rows(&shares, 4 * row));
+    let storage = [Texture(&texels), values_rows];
+    b.step_rows("wls_start", &storage, Pass::default(), map_stride / 4, 1, Output::Part);
+    let lots = b.lots(&[values_rows, shares_rows]);
     for iteration in 0..3 {
-        let stride = volume_stride as i32;
-        for (lines, rows, dx, dy) in [(height, width, 1, stride), (width, height, stride, 1)] {
-            let pass = Pass { lines, rows, dx, dy, shift: 256 * iteration, ..Pass::default() };
-            let storage = [Buffer(&values), Buffer(&shares), Texture(gray), Buffer(&couplings)];
+        let shift = 256 * iteration;
+        for &rows in &lots {
+            let (lines, stride) = (rows.count, volume_stride as i32);
+            let pass = Pass { first_row: rows.first, rows: width, lines, dx: 1, dy: stride, shift, ..Pass::default() };
+            let own = [b.lot(values_rows, rows), b.lot(shares_rows, rows), Buffer(&carry)];
+            let storage = [&own[..], &[Texture(gray), Buffer(&couplings)]].concat();
             b.step("wls_forward", &storage, pass, lines, 1, Output::Part);
-            b.step("wls_backward", &[Buffer(&values), Buffer(&shares)], pass, lines, 1, Output::Part);
+            b.step("wls_backward", &own, pass, lines, 1, Output::Part);
+        }
+        let down = |rows: Rows| Pass {
+            first_row: rows.first,
+            rows: rows.count,
+            lines: width,
+            dx: volume_stride as i32,
+            dy: 1,
+            row_step: 1,
+            shift,
+            ..Pass::default()
+        };
+        for &rows in &lots {
+            let pass = Pass { carried: (rows.first > 0).into(), ..down(rows) };
+            let own = [b.lot(values_rows, rows), b.lot(shares_rows, rows), Buffer(&carry)];
+            let storage = [&own[..], &[Texture(gray), Buffer(&couplings)]].concat();
+            b.step("wls_forward", &storage, pass, width, 1, Output::Part);
+        }
+        for &rows in lots.iter().rev() {
+            let pass = Pass { carried: (rows.end() < height).into(), ..down(rows) };
+            let own = [b.lot(values_rows, rows), b.lot(shares_rows, rows), Buffer(&carry)];
+            b.step("wls_backward", &own, pass, width, 1, Output::Part);
         }
     }
     let smooth = b.buffer("wls", b.sizes.map);
-    b.step("wls", &[Buffer(&values), Buffer(&smooth)], Pass::default(), map_stride, height, Output::Wls);
+    let storage = [values_rows, by_rows(b, &smooth)];
+    b.step_rows("wls", &storage, Pass::default(), map_stride, 1, Output::Wls);
     smooth
 }
 
 /// Stage `speckle` on the map of the last step: the runs of each row, joined across borders of bands of 1, 2, 4 .. rows to
-/// trees, a tree a region, which are counted.
+/// trees, a tree a region, which are counted at their roots.
 fn speckle(b: &mut Builder<'_>) -> wgpu::Buffer {
     let Frame { height, map_stride, .. } = b.sizes.frame;
     let texels = b.copy_to_texels();
-    let [parents, counts] = ["speckle.parents", "speckle.counts"].map(|name| b.buffer(name, b.sizes.regions));
+    let trees = b.buffer("speckle.trees", b.sizes.regions);
     let filtered = b.buffer("speckle", b.sizes.map);
-    let storage = [Texture(&texels), Buffer(&parents), Buffer(&counts)];
-    b.step("speckle_rows", &storage, Pass::default(), height, 1, Output::Part);
+    let by_pixel = Bound::Rows(&trees, 8 * u64::from(map_stride));
+    for rows in b.lots(&[by_pixel]) {
+        let storage = [Texture(&texels), b.lot(by_pixel, rows)];
+        let pass = Pass { first_row: rows.first, rows: rows.count, ..Pass::default() };
+        b.step("speckle_rows", &storage, pass, rows.count, 1, Output::Part);
+    }
+    let storage: Vec<_> = [Texture(&texels)].into_iter().chain(parts(b, &trees)).collect();
     let mut band = 1;
     while band < height {
         let borders = (height - band).div_ceil(2 * band);
@@ -133,16 +171,32 @@ fn speckle(b: &mut Builder<'_>) -> wgpu::Buffer {
             let (first_line, lines) = (groups.first, groups.count);
             let pass = Pass { first_row: band - 1, row_step: 2 * band, first_line, lines, ..Pass::default() };
             for kernel in ["speckle_link", "speckle_flatten"] {
-                b.step(kernel, &[Texture(&texels), Buffer(&parents)], pass, lines, borders, Output::Part);
+                b.step(kernel, &storage, pass, lines, borders, Output::Part);
             }
         }
         band *= 2;
     }
-    let storage = [Texture(&texels), Buffer(&counts), Buffer(&parents)];
-    b.step("speckle_count", &storage, Pass::default(), map_stride / 4, height, Output::Part);
-    let storage = [Texture(&texels), Buffer(&parents), Buffer(&counts), Buffer(&filtered)];
-    b.step("speckle", &storage, Pass::default(), map_stride / 4, height, Output::Speckle);
+    let pass = Pass { rows: height, ..Pass::default() };
+    b.step("speckle_count", &storage, pass, map_stride / 4, height, Output::Part);
+    let (map, lots) = (by_rows(b, &filtered), b.lots(&[by_rows(b, &filtered)]));
+    for (i, &rows) in lots.iter().enumerate() {
+        let storage: Vec<_> = storage.iter().copied().chain([b.lot(map, rows)]).collect();
+        let pass = Pass { first_row: rows.first, rows: rows.count, ..pass };
+        b.step("speckle", &storage, pass, map_stride / 4, rows.count, Output::Speckle);
+        b.part_of(i, lots.len());
+    }
     filtered
+}
+
+/// The trees, whole or in as many parts as the kernels take; those that there are not are the last one again.
+fn parts<'a>(b: &Builder<'_>, trees: &'a wgpu::Buffer) -> Vec<Bound<'a>> {
+    let Some(bits) = b.sizes.part_bits else { return vec![Buffer(trees)] };
+    let (part, all) = (4 << bits, b.sizes.regions);
+    let part_at = |i: u64| {
+        let from = part * i.min((all - 1) / part);
+        Bound::Part(trees, from, part.min(all - from))
+    };
+    (0..MOST_PARTS.into()).map(part_at).collect()
 }
 
 /// What the kernels of the stage `fill` leave each other.
@@ -152,30 +206,28 @@ struct Filling {
     /// The nearest values along rows, and on lines that go 0, 1 and -1 columns to the right from row to row.
     along: wgpu::Buffer,
     lines: [wgpu::Buffer; 3],
+    /// What the lines found in the rows before a lot of them.
+    carry: wgpu::Buffer,
 }
 
 const SLOPES: [i32; 3] = [0, 1, -1];
 
 /// Stage `fill` on the map of the last step.
 fn fill(b: &mut Builder<'_>, right: &wgpu::Buffer) -> wgpu::Buffer {
-    let Frame { height, map_stride, .. } = b.sizes.frame;
+    let Frame { width, height, map_stride, .. } = b.sizes.frame;
+    let lines = u64::from(width.div_ceil(8)) + u64::from(height.div_ceil(8)) + 2;
     let filling = Filling {
         seen: b.buffer("fill.seen", u64::from(map_stride) * u64::from(height)),
         along: b.buffer("fill.along", b.sizes.nearest),
         lines: SLOPES.map(|_| b.buffer("fill.lines", b.sizes.nearest)),
+        carry: b.buffer("fill.carry", 2 * 16 * lines),
     };
     let occlusions = Pass { occlusions: 1, ..Pass::default() };
     let mut texels = b.copy_to_texels();
     if b.params.fill != Fill::Background {
         filling.rows(b, &texels);
-        b.step(
-            "fill_seen",
-            &[Buffer(right), Buffer(&filling.seen)],
-            Pass::default(),
-            map_stride / 4,
-            height,
-            Output::Part,
-        );
+        let storage = [by_rows(b, right), Buffer(&filling.seen)];
+        b.step_rows("fill_seen", &storage, Pass::default(), map_stride / 4, 1, Output::Part);
         let mut pass = occlusions;
         if b.params.fill == Fill::Rays {
             filling.between(b, &texels, &filling.along, occlusions, Output::Part);
@@ -188,10 +240,10 @@ fn fill(b: &mut Builder<'_>, right: &wgpu::Buffer) -> wgpu::Buffer {
         }
         let filled = b.buffer("fill", b.sizes.map);
         let [upright, falling, rising] = &filling.lines;
-        let nearest = [&filling.along, falling, upright, rising].map(Buffer);
+        let nearest = [&filling.along, falling, upright, rising].map(|nearest| nearest_rows(b, nearest));
         let storage: Vec<_> =
-            [&[Texture(&texels)][..], &nearest[..], &[Buffer(&filling.seen), Buffer(&filled)][..]].concat();
-        b.step("fill_rays", &storage, pass, map_stride / 4, height, Output::Part);
+            [&[Texture(&texels)][..], &nearest[..], &[Buffer(&filling.seen), by_rows(b, &filled)][..]].concat();
+        b.step_rows("fill_rays", &storage, pass, map_stride / 4, 1, Output::Part);
         texels = b.copy_to_texels();
     }
     filling.rows(b, &texels);
@@ -201,10 +253,20 @@ fn fill(b: &mut Builder<'_>, right: &wgpu::Buffer) -> wgpu::Buffer {
     filling.between(b, &texels, &filling.lines[0], Pass::default(), Output::Fill)
 }
 
+/// Nearest values by the rows of the image.
+fn nearest_rows<'a>(b: &Builder<'_>, nearest: &'a wgpu::Buffer) -> Bound<'a> {
+    Bound::Rows(nearest, 32 * u64::from(b.sizes.frame.map_stride / 4 + 1))
+}
+
 impl Filling {
     fn rows(&self, b: &mut Builder<'_>, map: &wgpu::TextureView) {
-        let storage = [Texture(map), Buffer(&self.along), Buffer(&self.seen)];
-        b.step("fill_rows", &storage, Pass::default(), b.sizes.frame.height, 2, Output::Part);
+        let storage = [Texture(map), nearest_rows(b, &self.along), Buffer(&self.seen)];
+        let lots = b.lots(&storage);
+        for &rows in &lots {
+            let storage = storage.map(|bound| b.lot(bound, rows));
+            let pass = Pass { first_row: rows.first, rows: rows.count, ..Pass::default() };
+            b.step("fill_rows", &storage, pass, rows.count, 2, Output::Part);
+        }
     }
 
     /// The lines of a slope, eight together: those that enter at the left come first, those at the right last.
@@ -213,8 +275,20 @@ impl Filling {
         let (dx, sideways) = (SLOPES[slope], SLOPES[slope].unsigned_abs() * (height - 1));
         let shift = if dx > 0 { sideways.div_ceil(8) } else { 0 };
         let lines = if dx > 0 { shift + width.div_ceil(8) } else { (width + sideways).div_ceil(8) };
-        let pass = Pass { dx, shift, lines, ..Pass::default() };
-        b.step("fill_lines", &[Texture(map), Buffer(&self.lines[slope])], pass, lines, 2, Output::Part);
+        let nearest = nearest_rows(b, &self.lines[slope]);
+        let lots = b.lots(&[nearest]);
+        // Both ways at once, or down and then up.
+        let ways = if lots.len() == 1 { 0..1 } else { 0..2 };
+        let at_once = 2 / ways.len() as u32;
+        for way in ways {
+            for nth in 0..lots.len() {
+                let rows = if way == 0 { lots[nth] } else { lots[lots.len() - 1 - nth] };
+                let pass = Pass { dx, shift, lines, first_row: rows.first, rows: rows.count, ..Pass::default() };
+                let pass = Pass { entry: way, carried: (nth > 0).into(), ..pass };
+                let storage = [Texture(map), b.lot(nearest, rows), Buffer(&self.carry)];
+                b.step("fill_lines", &storage, pass, lines, at_once, Output::Part);
+            }
+        }
     }
 
     fn between(
@@ -225,10 +299,9 @@ impl Filling {
         pass: Pass,
         output: Output,
     ) -> wgpu::Buffer {
-        let Frame { height, map_stride, .. } = b.sizes.frame;
         let filled = b.buffer("fill", b.sizes.map);
-        let storage = [Texture(map), Buffer(nearest), Buffer(&self.seen), Buffer(&filled)];
-        b.step("fill_between", &storage, pass, map_stride / 4, height, output);
+        let storage = [Texture(map), nearest_rows(b, nearest), Buffer(&self.seen), by_rows(b, &filled)];
+        b.step_rows("fill_between", &storage, pass, b.sizes.frame.map_stride / 4, 1, output);
         filled
     }
 }

@@ -22,7 +22,7 @@ pub(super) fn planes(b: &mut Builder<'_>, sources: &[wgpu::TextureView; 2], cont
     planes.table = Some(scratch.table(b, &pyramid, None));
     for level in 1..b.levels.len() {
         let mut views = Views::new(b);
-        super::winner(b, &planes, &views);
+        super::winner(b, &mut planes, &views);
         if let Some(content) = content {
             views = content.views(b, views);
         }

@@ -9,8 +9,8 @@ mod planes;
 mod tests;
 mod validity;
 
-use crate::buffers::Sizes;
-use crate::steps::Builder;
+use crate::buffers::{ROW_UNIT, Rows, Sizes};
+use crate::steps::{Bound, Builder};
 use crate::{Cost, DisparityMap, Method};
 use planes::Planes;
 use validity::Content;
@@ -53,6 +53,19 @@ pub(crate) struct Views {
 }
 
 impl Views {
+    /// What is bound of both for some rows, and where the first of them lies in it.
+    fn bound(&self, b: &Builder<'_>, rows: Rows) -> ([Bound<'_>; 2], u32) {
+        let row = 4 * u64::from(b.sizes.frame.map_stride);
+        if b.sizes.right_map <= b.sizes.binding {
+            return ([&self.left, &self.right].map(Bound::Buffer), rows.first);
+        }
+        // A binding begins at few rows.
+        let skipped = rows.first % ROW_UNIT as u32;
+        let from = u64::from(rows.first - skipped) * row;
+        let bytes = u64::from(skipped + rows.count) * row;
+        ([&self.left, &self.right].map(|map| Bound::Part(map, from, bytes)), skipped)
+    }
+
     fn new(b: &mut Builder<'_>) -> Self {
         Self { left: b.buffer("winner.left", b.sizes.map), right: b.buffer("winner.right", b.sizes.right_map) }
     }
@@ -91,16 +104,16 @@ pub(crate) fn chain(b: &mut Builder<'_>) -> Made {
 
 /// From the images to the winner of both views. Returns the planes.
 fn winners(b: &mut Builder<'_>, sources: &[wgpu::TextureView; 2], views: &Views, content: Option<&Content>) -> Planes {
-    let planes = match b.params.cost {
+    let mut planes = match b.params.cost {
         Cost::MutualInformation => mi::planes(b, sources, content),
         _ => planes::planes(b, sources),
     };
-    winner(b, &planes, views);
+    winner(b, &mut planes, views);
     planes
 }
 
 /// From what the cost compares to the winner of both views.
-fn winner(b: &mut Builder<'_>, planes: &Planes, views: &Views) {
+fn winner(b: &mut Builder<'_>, planes: &mut Planes, views: &Views) {
     match b.params.method {
         Method::Bm => cost::block_match(b, planes, views),
         Method::Sgm => aggregation::winner(b, planes, views),

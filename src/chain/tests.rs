@@ -42,6 +42,12 @@ fn run(setup: &Setup, params: &Params, stage: &str, left: &DisparityMap, right: 
     map_of(&matcher.sizes.frame, &bytes)
 }
 
+/// A device of which a binding holds so little that maps are worked on by lots of 64 rows or a few of them, and trees lie in
+/// up to four parts.
+fn small_device() -> Option<Setup> {
+    support::device_with(|_, limits| limits.max_storage_buffer_binding_size = 28 << 10)
+}
+
 fn noise() -> impl FnMut() -> u32 {
     let mut state = 1u32;
     move || {
@@ -104,7 +110,22 @@ fn speckle_of_winding_regions() {
     for size in [2, 33, 64, 131] {
         speckle_around(&setup, &spiral(size), 1);
     }
-    let (width, height) = (203, 77);
+    winding_regions(&setup, 203, 77);
+}
+
+/// The same through several parts and lots.
+#[test]
+fn speckle_of_regions_in_parts() {
+    let Some(setup) = small_device() else { return };
+    for size in [91, 107] {
+        speckle_around(&setup, &spiral(size), 1);
+    }
+    for (width, height) in [(93, 170), (40, 401)] {
+        winding_regions(&setup, width, height);
+    }
+}
+
+fn winding_regions(setup: &Setup, width: u32, height: u32) {
     let (right, bottom) = (width - 1, height - 1);
     let shapes: [&dyn Fn(u32, u32) -> bool; 10] = [
         &|x, y| x % 2 == 0 || y == 0,
@@ -120,10 +141,10 @@ fn speckle_of_winding_regions() {
         &|x, y| x % 2 == 0 || (y % 4 == 3 && x % 4 == if y % 8 == 3 { 1 } else { 3 }),
     ];
     for shape in shapes {
-        speckle_around(&setup, &map(width, height, |x, y| if shape(x, y) { 40 } else { INVALID }), 0);
+        speckle_around(setup, &map(width, height, |x, y| if shape(x, y) { 40 } else { INVALID }), 0);
     }
-    speckle(&setup, &map(width, height, |x, y| if (x + y) % 2 == 0 { 40 } else { INVALID }), 1, 0);
-    speckle(&setup, &map(width, height, |_, _| INVALID), 9, 1);
+    speckle(setup, &map(width, height, |x, y| if (x + y) % 2 == 0 { 40 } else { INVALID }), 1, 0);
+    speckle(setup, &map(width, height, |_, _| INVALID), 9, 1);
 }
 
 /// Steps of 16 and 17 between neighbours, up to the largest there is; and noise, whose regions have every size.
@@ -148,6 +169,22 @@ fn speckle_of_steps_and_noise() {
     let extremes = map(21, 9, |x, y| if (x / 3 + y / 2) % 2 == 0 { -32752 } else { 32752 });
     for range in [4093, 4094, 4095] {
         speckle(&setup, &extremes, 100, range);
+    }
+}
+
+/// Noise whose regions of every size lie in several parts.
+#[test]
+fn speckle_of_noise_in_parts() {
+    let Some(setup) = small_device() else { return };
+    let mut noise = noise();
+    for levels in [1, 2, 4] {
+        let mut noisy = map(61, 233, |_, _| 0);
+        noisy.data.iter_mut().for_each(|value| {
+            *value = if noise().is_multiple_of(5) { INVALID } else { 17 * (noise() % levels) as i16 };
+        });
+        for (window, range) in [(2, 1), (40, 1), (5000, 0)] {
+            speckle(&setup, &noisy, window, range);
+        }
     }
 }
 
@@ -183,12 +220,23 @@ fn fill(setup: &Setup, left: &DisparityMap, right: &DisparityMap, lr_check: Opti
     }
 }
 
-/// Holes of every size: noise that is almost full or almost empty, a valid pixel alone, rows without any, none at all.
 #[test]
 fn fill_of_holes() {
     let Some(setup) = support::device() else { return };
+    holes(&setup, &[(1, 1), (1, 70), (70, 1), (8, 8), (9, 5), (129, 63), (61, 203)]);
+}
+
+/// The same of maps that are worked on by lots of rows.
+#[test]
+fn fill_of_holes_by_lots() {
+    let Some(setup) = small_device() else { return };
+    holes(&setup, &[(61, 203), (1, 900), (97, 131)]);
+}
+
+/// Holes of every size: noise that is almost full or almost empty, a valid pixel alone, rows without any, none at all.
+fn holes(setup: &Setup, sizes: &[(u32, u32)]) {
     let mut noise = noise();
-    for (width, height) in [(1, 1), (1, 70), (70, 1), (8, 8), (9, 5), (129, 63), (61, 203)] {
+    for &(width, height) in sizes {
         let mut right = map(width, height, |_, _| INVALID);
         right.data.iter_mut().for_each(|value| {
             *value = if noise().is_multiple_of(3) { INVALID } else { 16 * ((noise() % 50) as i16 - 5) }
@@ -198,7 +246,7 @@ fn fill_of_holes() {
             left.data.iter_mut().for_each(|value| {
                 *value = if noise().is_multiple_of(holes + 1) { (noise() % 640) as i16 - 50 } else { INVALID }
             });
-            fill(&setup, &left, &right, None);
+            fill(setup, &left, &right, None);
             let rows =
                 map(
                     width,
@@ -207,12 +255,12 @@ fn fill_of_holes() {
                         if y % 5 < 2 || y > 50 { INVALID } else { left.data[(y * width + x) as usize] }
                     },
                 );
-            fill(&setup, &rows, &right, None);
+            fill(setup, &rows, &right, None);
         }
         for (alone, x, y) in [(0, 0, 0), (5, width - 1, height - 1), (-9, width / 2, height / 3)] {
-            fill(&setup, &map(width, height, |i, j| if (i, j) == (x, y) { alone } else { INVALID }), &right, None);
+            fill(setup, &map(width, height, |i, j| if (i, j) == (x, y) { alone } else { INVALID }), &right, None);
         }
-        fill(&setup, &map(width, height, |_, _| INVALID), &right, None);
+        fill(setup, &map(width, height, |_, _| INVALID), &right, None);
     }
 }
 

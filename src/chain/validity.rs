@@ -3,7 +3,7 @@
 use super::Views;
 use crate::buffers::{Frame, Pass};
 use crate::reference;
-use crate::steps::Bound::Buffer;
+use crate::steps::Bound::{Buffer, Rows};
 use crate::steps::{Builder, Output};
 
 /// Which pixels have content, a bit a pixel: of the pair and of the mirrored one, each halved ever more often.
@@ -31,12 +31,12 @@ impl Content {
 
     /// Of a map of the left view (0) or of the right one (1).
     pub(super) fn valid(&self, b: &mut Builder<'_>, map: &wgpu::Buffer, side: usize) -> wgpu::Buffer {
-        let Frame { height, map_stride, .. } = b.sizes.frame;
+        let Frame { map_stride, .. } = b.sizes.frame;
         let content = &self.0[usize::from(b.mirrored)][b.levels[b.level].halvings as usize];
         let valid = b.buffer("validity", b.sizes.map);
-        let (storage, pass) =
-            ([Buffer(map), Buffer(content), Buffer(&valid)], Pass { side: side as u32, ..Pass::default() });
-        b.step("validity", &storage, pass, map_stride / 4, height, Output::Validity { side });
+        let (row, pass) = (4 * u64::from(map_stride), Pass { side: side as u32, ..Pass::default() });
+        let storage = [Rows(map, row), Buffer(content), Rows(&valid, row)];
+        b.step_rows("validity", &storage, pass, map_stride / 4, 1, Output::Validity { side });
         valid
     }
 }

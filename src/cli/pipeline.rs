@@ -339,7 +339,10 @@ fn spawn<'scope>(scope: &'scope Scope<'scope, '_>, work: impl FnOnce() + Send + 
 
 /// Whether others can be matched where this happened.
 fn is_of_the_pair(error: &anyhow::Error) -> bool {
-    matches!(error.downcast_ref(), Some(Error::Image(_) | Error::TooLarge { .. } | Error::OutOfMemory))
+    matches!(
+        error.downcast_ref(),
+        Some(Error::Image(_) | Error::TooLarge { .. } | Error::Memory { .. } | Error::OutOfMemory)
+    )
 }
 
 /// What matches, and the pairs in it.
@@ -380,7 +383,7 @@ impl Streams {
         if idle && matches!(turned, Err(Error::TooLarge { .. } | Error::Image(_))) {
             turned = self.renew(left); // a wide pair and a high one need less room one after the other
         }
-        if idle && matches!(turned, Err(Error::OutOfMemory)) {
+        if idle && matches!(turned, Err(Error::OutOfMemory | Error::Memory { .. })) {
             self.all.clear();
             turned = self.renew(left);
         }

@@ -12,7 +12,8 @@ use crate::{diagnosis, environment, output, warnings};
 use anyhow::{Result, bail};
 use gpu_stereo::evaluation::FloatMap;
 use gpu_stereo::{
-    Camera, Error, Image, Matched, Method, Params, Rectification, StageCheck, StageTime, StereoMatcher, reference,
+    Camera, Error, Image, Matched, Method, Params, Rectification, StageCheck, StageTime, StereoMatcher, memory,
+    reference,
 };
 use std::time::Instant;
 
@@ -48,12 +49,12 @@ pub fn run(job: &Job) -> Result<Report> {
     }
 
     let check = if job.check {
-        // Column sums of two bytes, the cost, every direction, and an aggregate of two bytes.
+        // Column sums of four bytes, the cost, every direction, and an aggregate of two bytes.
         let directions = match params.method {
             Method::Sgm => params.paths.count().into(),
             _ => 0,
         };
-        ensure_memory(params, &left, 5 + directions)?;
+        ensure_memory("the reference that --check compares with", params, &left, 7 + directions)?;
         Some(engine.check(&left, &right)?)
     } else {
         None
@@ -288,29 +289,28 @@ impl Engine {
 /// Refuses what the reference has no memory for, and a pair of another size than its masks.
 pub fn ensure_reference(params: &Params, image: &Image) -> Result<()> {
     params.accepts(image.width(), image.height())?;
-    // At the peak, in the aggregation: 8-bit costs, an 8-bit path and a 16-bit sum.
-    ensure_memory(params, image, 4)
+    // At the peak: column sums of four bytes, and with sgm the costs of one that are made of them.
+    let bytes = if params.method == Method::Sgm { 5 } else { 4 };
+    ensure_memory("the CPU reference", params, image, bytes)
 }
 
-/// Refuses what the host's memory cannot hold, volumes of `bytes` a pixel and disparity: a failed allocation inside the
-/// reference would abort the process without a word.
-fn ensure_memory(params: &Params, image: &Image, bytes: u64) -> Result<()> {
-    let columns = u64::from(image.width()) + u64::from(params.block) - 1;
-    let needed = bytes * columns * u64::from(image.height()) * u64::from(params.disparities);
-    let mut trial = Vec::<u8>::new();
-    let given = usize::try_from(needed).is_ok_and(|needed| trial.try_reserve_exact(needed).is_ok());
-    std::hint::black_box(&trial); // or the compiler drops the trial and takes it for granted
-    if given {
+/// Refuses what the host's memory cannot hold, volumes of `bytes` a pixel and disparity and what the reference keeps for each
+/// pixel: the system would kill the process without a word, or a failed allocation abort it.
+fn ensure_memory(what: &str, params: &Params, image: &Image, bytes: u64) -> Result<()> {
+    if !params.memory_check {
         return Ok(());
     }
-    Err(Error::Image(format!(
-        "{}x{} pixels at {} disparities need {needed} bytes, but the memory allows less; lower --disp, crop or scale",
-        image.width(),
-        image.height(),
-        params.disparities
-    ))
-    .into())
+    let (width, height) = (u64::from(image.width()), u64::from(image.height()));
+    let columns = width + u64::from(params.block) - 1;
+    let volumes = bytes * columns * height * u64::from(params.disparities);
+    let needed = volumes + PIXEL_BYTES * width * height;
+    let what = format!("{what} of {width}x{height} pixels at {} disparities", params.disparities);
+    memory::ensure(&what, needed)?;
+    Ok(())
 }
+
+/// Bytes a pixel of the images, the planes and the maps of the reference, about.
+const PIXEL_BYTES: u64 = 36;
 
 fn milliseconds(since: Instant) -> f64 {
     since.elapsed().as_secs_f64() * 1e3

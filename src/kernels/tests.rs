@@ -39,7 +39,10 @@ fn plans(params: &Params) -> BTreeSet<Plan> {
     let devices =
         [(false, 1, false), (false, 1, true), (false, 8, true), (true, 1, false), (true, 4, true), (true, 32, true)];
     let adaptive = params.adaptive_p2;
-    let of = |&(lanes, subgroup, int64)| Plan { adaptive, ..Plan::of(params.quads(), lanes, subgroup, int64) };
+    let of = |&(lanes, subgroup, int64)| {
+        let part_bits = (subgroup == 8).then_some(20);
+        Plan { adaptive, part_bits, ..Plan::of(params.quads(), lanes, subgroup, int64) }
+    };
     devices.iter().map(of).collect()
 }
 
@@ -255,6 +258,7 @@ const PLAN: Plan = Plan {
     threads: None,
     width: 1,
     adaptive: false,
+    part_bits: None,
 };
 
 fn frame_layout() -> (Vec<(String, u32, String)>, u32) {
@@ -281,6 +285,7 @@ fn frame_layout() -> (Vec<(String, u32, String)>, u32) {
         depth_high,
         depth_low,
         depth_offset,
+        source_shift,
     })
 }
 
@@ -318,6 +323,9 @@ fn pass_layout() -> (Vec<(String, u32, String)>, u32) {
         prior,
         logarithms,
         side,
+        map_row,
+        planes_row,
+        planes_rows,
     })
 }
 
@@ -375,7 +383,8 @@ fn bindings_agree_with_the_table() {
                 bindings.push((at.binding, kind));
             }
             bindings.sort();
-            let storage = kernel.storage(&params, &plan).into_iter().map(|access| format!("{access:?}"));
+            let written = |access| if access == Access::Trees { Access::Write } else { access };
+            let storage = kernel.storage(&params, &plan).into_iter().map(|access| format!("{:?}", written(access)));
             let expected = ["Frame".to_string(), "Pass".to_string()].into_iter().chain(storage);
             let expected: Vec<(u32, String)> = (0..).zip(expected).collect();
             assert_eq!(bindings, expected, "{}: bindings in WGSL (left) and in the table (right)", kernel.name);
@@ -898,11 +907,11 @@ const MUTANTS: &[Mutant] = &[
         depth(params);
         (params.depth.as_mut().unwrap().focal, params.depth.as_mut().unwrap().baseline) = (1e6, 1000.0);
     }),
-    mutant("speckle_rows", "(bits & 4u)", "(bits & 2u)", speckle),
+    mutant("speckle_rows", "b, joined.z)", "b, joined.y)", speckle),
     mutant("speckle_rows", "vec4(p.before, p.odd.xyz)", "vec4(INVALID, p.odd.xyz)", speckle),
     mutant("speckle_link", "low = first + firstTrailingBit(rest)", "low = first", speckle),
     mutant("speckle_link", "vec4(frame.speckle_range)", "vec4(frame.speckle_range + 40)", speckle),
-    mutant("speckle_flatten", "atomicStore(&parents[at], root)", "atomicStore(&parents[at], at)", speckle),
+    mutant("speckle_flatten", "set_tree(at, root)", "set_tree(at, ROOT)", speckle),
     mutant("speckle_count", "1u + firstTrailingBit(~(along >> (start + 1u)))", "1u", speckle),
     mutant("speckle", "<= frame.speckle_window", "< frame.speckle_window", speckle),
     mutant(
@@ -932,7 +941,7 @@ const MUTANTS: &[Mutant] = &[
     mutant("fill_rays", "place(x, y, -1)", "place(x, y, 0)", rays),
     mutant("median", "7) == beyond", "7) == beyond + 9", |_| ()),
     mutant("median", "select(before, even.x, i == 0u)", "before", |params| params.min_disparity = -20),
-    mutant("median", "min(id.y + 1u, frame.height - 1u)", "id.y", |_| ()),
+    mutant("median", "min(y + 1u, frame.height - 1u)", "id.y", |_| ()),
     mutant("median", "(seen >= vec4(0)) & (seen < vec4(i32(frame.width)))", "seen == seen", any),
     mutant("median_five", "beyond + 1", "beyond", five),
     mutant("median_five", "y + 2", "y + 1", five),
@@ -955,7 +964,7 @@ const MUTANTS: &[Mutant] = &[
     mutant("weighted_median", "middle(&keys), valid", "middle(&keys), true", weighted),
     mutant("wls_start", "16 * frame.min_disparity", "16 * frame.min_disparity - 1", wls),
     mutant("wls_start", "disparity == INVALID", "false", wls),
-    mutant("wls_forward", "0u, i + 1u == pass_.rows", "9u, i + 1u == pass_.rows", wls),
+    mutant("wls_forward", "0u, i + 1u == end", "9u, i + 1u == end", wls),
     mutant("wls_forward", "- select(0u, 1u, rest < 0)", "- 1u", wls),
     mutant("wls_forward", "pass_.shift +", "0u +", wls),
     mutant("wls_forward", "65536u - share", "65535u - share", wls),

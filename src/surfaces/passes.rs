@@ -5,7 +5,7 @@ use std::hash::{BuildHasher as _, RandomState};
 use std::sync::{Mutex, MutexGuard, PoisonError};
 
 use super::{Middle, TextureLayer};
-use crate::buffers::{Frame, Pass, TEXELS};
+use crate::buffers::{Frame, Pass};
 use crate::{Error, PixelFormat, color, scopes};
 use wgpu::TextureFormat;
 
@@ -92,7 +92,7 @@ impl Work {
                 ("FORMAT", format),
             ];
             constants.extend(kinds.map(|(name, format)| number(name, format as u32)));
-            let rest = [("TEXELS", TEXELS), ("BITS", bits), ("UNITS_A_PIXEL", units), ("SRGB", srgb.into())];
+            let rest = [("BITS", bits), ("UNITS_A_PIXEL", units), ("SRGB", srgb.into())];
             constants.extend(rest.map(|(name, value)| number(name, value)));
         }
         if let Some(Way::Store(format)) = self.way() {
@@ -341,7 +341,8 @@ impl Surfaces {
                 let workgroups = match work {
                     Work::Intake { format, .. } => {
                         let bytes = u64::from(width) * u64::from(height) * u64::from(format.bytes_per_pixel());
-                        [TEXELS / LANES, bytes.div_ceil(16 * u64::from(TEXELS)) as u32]
+                        let texels = 1 << middle.frame.source_shift;
+                        [texels / LANES, bytes.div_ceil(16 * u64::from(texels)) as u32]
                     }
                     _ => [width.div_ceil(LANES), height],
                 };

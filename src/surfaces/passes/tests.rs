@@ -1,6 +1,7 @@
 //! The bytes that arrive, every value of them; every pipeline without a driver; and that a wrong shader is found.
 
 use super::*;
+use crate::buffers::TEXELS;
 use crate::device::Pulse;
 use crate::kernels::tests::{EDIT, support};
 use crate::surfaces::Spots;
@@ -113,7 +114,7 @@ impl Stand {
             device: device.clone(),
             queue: queue.clone(),
             pulse: Pulse::new(device, queue).unwrap(),
-            frame: Frame { width, height, map_stride, ..Frame::default() },
+            frame: Frame { width, height, map_stride, source_shift: TEXELS.ilog2(), ..Frame::default() },
             format,
             params: Params::sgm(16),
             sources: [source(), source()],

@@ -1,0 +1,31 @@
+//! What the memory that is left does not hold is refused in one line, before any work.
+#![cfg(target_os = "linux")]
+#![allow(clippy::unwrap_used)]
+
+use std::process::{Command, Output};
+
+/// Runs the command where the address space is so many KiB.
+fn limited(kibibytes: u64, arguments: &str) -> Output {
+    let program = env!("CARGO_BIN_EXE_gpu-stereo");
+    let line = format!("ulimit -v {kibibytes}; exec {program} {arguments}");
+    Command::new("sh").args(["-c", &line]).current_dir(env!("CARGO_MANIFEST_DIR")).output().unwrap()
+}
+
+const PAIR: &str = "data/corridor/left.png data/corridor/right.png";
+
+#[test]
+fn the_reference_is_refused_before_it_allocates() {
+    // 400 x 300 pixels at 2000 disparities: five bytes each are 1.2 GB.
+    let arguments = format!("{PAIR} --disp 2000 --backend cpu --preset classic -o never-written.pfm");
+    let out = limited(600_000, &arguments);
+    let told = String::from_utf8_lossy(&out.stderr);
+    assert!(!out.status.success(), "{told}");
+    assert_eq!(told.lines().count(), 1, "{told}");
+    for part in ["the CPU reference of 400x300 pixels at 2000 disparities needs", "ulimit -v) leaves", "--disp", "crop"]
+    {
+        assert!(told.contains(part), "{told:?} does not say {part:?}");
+    }
+    // The same range where there is room for a few disparities.
+    let out = limited(600_000, &format!("{PAIR} --disp 16 --backend cpu --preset classic"));
+    assert!(out.status.success(), "{}", String::from_utf8_lossy(&out.stderr));
+}
