@@ -90,6 +90,10 @@ impl Evidence {
             return Self::only(turned);
         }
         if !is_related(fitting, free.len()) {
+            // In a pattern that repeats, each corner has many partners and none of its own.
+            if 2 * distances.very_alike() >= a.len() {
+                return Self { always: None, disparities: Vec::new() };
+            }
             return Self::only(Finding::Unrelated { found: fitting, of: a.len() });
         }
         // In the known rows a partner has fewer rivals.
@@ -201,6 +205,11 @@ impl Distances {
     fn new(left: &[Corner], right: &[Corner]) -> Self {
         let all = left.iter().flat_map(|a| right.iter().map(|b| a.distance(b) as u16)).collect();
         Self { columns: right.len(), all }
+    }
+
+    /// Left corners that look almost like some right one.
+    fn very_alike(&self) -> usize {
+        self.all.chunks(self.columns.max(1)).filter(|row| row.iter().any(|&distance| 2 * distance <= ALIKE)).count()
     }
 
     /// Corners that are each other's best among those `allowed`, and clearly better than any rival elsewhere.

@@ -185,6 +185,11 @@ fn what_tells_nothing_is_not_accused() {
     let ramp = GrayImage::from_fn(100, 80, |x, _| Luma([2 * x as u8]));
     let shifted = GrayImage::from_fn(100, 80, |x, _| Luma([2 * x as u8 + 6]));
     assert_eq!(finding(&ramp, &shifted, 16), None);
+    // A pattern that repeats has no corner with one partner.
+    let mut random = StdRng::seed_from_u64(5);
+    let tile = GrayImage::from_fn(40, 40, |_, _| Luma([random.random()]));
+    let tiled = |shift: u32| GrayImage::from_fn(320, 240, |x, y| *tile.get_pixel((x + shift) % 40, y % 40));
+    assert_eq!(finding(&tiled(0), &tiled(6), 16), None);
     for (width, height) in [(1, 1), (7, 300), (24, 24), (25, 25)] {
         let of = |seed: u32| GrayImage::from_fn(width, height, |x, y| Luma([(x * 37 + y * 91 + seed * x * y) as u8]));
         Evidence::of(&gray(&of(3)), &gray(&of(5))).finding(&(0..=15));
