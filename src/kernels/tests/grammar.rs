@@ -192,6 +192,12 @@ fn variables_of_loops_have_initial_values() {
 }
 
 /// The test of the first test.
+/// Statements that hold an expression.
+fn statements(expression: &str) -> impl Iterator<Item = String> {
+    let around = ["return {};", "let x = {};", "if {} { }", "x += {};", "x = f(1u, {}, y);", "for (; {}; i++) { }"];
+    around.into_iter().map(move |around| around.replace("{}", expression))
+}
+
 #[test]
 fn missing_parentheses_are_found() {
     for expression in [
@@ -213,9 +219,7 @@ fn missing_parentheses_are_found() {
         "(a & b) | c + d",
         "a - b >> c",
     ] {
-        for around in ["return {};", "let x = {};", "if {} { }", "x += {};", "x = f(1u, {}, y);", "for (; {}; i++) { }"]
-        {
-            let text = around.replace("{}", expression);
+        for text in statements(expression) {
             assert!(!unparenthesised(&text).is_empty(), "{text} passed");
         }
     }
@@ -237,9 +241,7 @@ fn missing_parentheses_are_found() {
         "array<vec4<u32>, 2>(a, b)",
         "a - -b",
     ] {
-        for around in ["return {};", "let x = {};", "if {} { }", "x += {};", "x = f(1u, {}, y);", "for (; {}; i++) { }"]
-        {
-            let text = around.replace("{}", expression);
+        for text in statements(expression) {
             assert_eq!(unparenthesised(&text), Vec::<String>::new(), "{text}");
         }
     }
