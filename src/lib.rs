@@ -81,45 +81,24 @@
 #[cfg(test)]
 extern crate self as gpu_stereo; // for tests/support, which the unit tests share
 
-mod buffers;
-mod camera;
-mod chain;
-mod check;
 mod color;
-mod device;
 mod error;
 pub mod evaluation;
+mod gpu;
 mod image;
-mod kernels;
-mod lens;
-mod masks;
-mod matcher;
 pub mod memory;
-mod options;
 mod params;
-mod readback;
-mod rectification;
 pub mod reference;
-mod rounds;
-mod schedule;
-mod scopes;
-mod steps;
-mod stream;
-mod surfaces;
-mod uploads;
 
-pub use camera::Camera;
-pub use check::{Mismatch, StageCheck};
 pub use color::turbo;
 pub use error::Error;
+pub use gpu::check::{Mismatch, StageCheck};
+pub use gpu::interop::{Inputs, Outputs, PixelBuffer, TextureLayer};
+pub use gpu::matcher::{Reading, StageTime, StereoMatcher};
+pub use gpu::stream::{StereoStream, StreamFrame};
 pub use image::{ConfidenceMap, DepthMap, DisparityMap, Image, Matched, PixelFormat, Pixels};
-pub use lens::{Distortion, Lens};
-pub use masks::Masks;
-pub use matcher::{Reading, StageTime, StereoMatcher};
-pub use options::ParamOption;
-pub use params::{Census, Cost, Fill, Median, Method, Params, Paths, Prefilter, Preset, RightView, Subpixel, Wls};
-pub use rectification::Rectification;
-pub use schedule::Schedule;
-pub use stream::{StereoStream, StreamFrame};
-pub use surfaces::{Inputs, Outputs, PixelBuffer, TextureLayer};
+pub use params::{
+    Camera, Census, Cost, Distortion, Fill, Lens, Masks, Median, Method, ParamOption, Params, Paths, Prefilter, Preset,
+    Rectification, RightView, Schedule, Subpixel, Wls,
+};
 pub use wgpu;

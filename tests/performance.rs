@@ -1,4 +1,4 @@
-//! The guard of speed that runs a clock; src/kernels/tests/unrolling.rs holds the one that needs none. Other work on the
+//! The guard of speed that runs a clock; src/gpu/kernels/tests/unrolling.rs holds the one that needs none. Other work on the
 //! machine changes a time by any factor, so no time is compared with a number of milliseconds: frames of several
 //! settings alternate in one process, and the least times of their stages are compared with each other, until they are
 //! as they should be or a limit of rounds and of processes is reached. Noise only adds to a time, so more rounds bring

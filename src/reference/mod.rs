@@ -20,62 +20,41 @@
 //! # Ok::<(), gpu_stereo::Error>(())
 //! ```
 
-mod block_match;
-mod block_statistics;
-mod confidence;
-mod cost_columns;
-mod depth;
-mod features;
-mod fill;
-mod gray;
-mod halve;
-mod lr_check;
-mod matching_cost;
-mod median;
-mod mi_histogram;
-mod mi_table;
-mod mirror;
-mod penalties;
-mod prefilter;
-mod rectify;
-mod sgm_aggregate;
-mod speckle;
-mod texture;
-mod validity;
-mod weighted_median;
-mod window_sums;
+mod cost;
+mod filters;
+mod images;
+mod paths;
 mod winner;
-mod wls;
 
-pub use block_match::{block_match, block_sums};
-pub use block_statistics::{BlockStatistics, block_statistics};
-pub use confidence::{confidence, margin};
-pub use cost_columns::{cost_columns, pixel_cost};
-pub use depth::depth;
-pub use features::{Features, features};
-pub use fill::fill;
-pub use gray::{Channel, deep_gray, depth_unit, gray};
-pub(crate) use halve::largest_with_fewer_rounds;
-pub use halve::{Round, halve, rounds};
-pub use lr_check::lr_check;
-pub use matching_cost::{matching_cost, matching_cost_scale};
-pub use median::median;
-pub use mi_histogram::mi_histogram;
-pub use mi_table::{logarithm, mi_narrowing, mi_prior, mi_table};
-pub use mirror::{mirror, mirrored};
-pub use penalties::penalties;
-pub use prefilter::prefilter;
-pub use rectify::rectify;
-pub use sgm_aggregate::{Direction, aggregate_direction, sgm_aggregate};
-pub use speckle::speckle;
-pub use texture::texture;
-pub use validity::{Content, validity};
-pub(crate) use weighted_median::{median_decay, median_spacing};
-pub use weighted_median::{median_weight, weighted_median};
-pub use window_sums::window_sum;
-pub use winner::{Views, points_inside, winner};
-pub(crate) use wls::wls_bits;
-pub use wls::{wls, wls_couplings};
+pub use cost::cost_columns::{cost_columns, pixel_cost};
+pub use cost::features::{Features, features};
+pub use cost::matching_cost::{matching_cost, matching_cost_scale};
+pub use cost::mi_histogram::mi_histogram;
+pub use cost::mi_table::{logarithm, mi_narrowing, mi_prior, mi_table};
+pub use filters::confidence::{confidence, margin};
+pub use filters::depth::depth;
+pub use filters::fill::fill;
+pub use filters::lr_check::lr_check;
+pub use filters::median::median;
+pub use filters::speckle::speckle;
+pub use filters::texture::texture;
+pub use filters::validity::{Content, validity};
+pub(crate) use filters::weighted_median::{median_decay, median_spacing};
+pub use filters::weighted_median::{median_weight, weighted_median};
+pub(crate) use filters::wls::wls_bits;
+pub use filters::wls::{wls, wls_couplings};
+pub use images::gray::{Channel, deep_gray, depth_unit, gray};
+pub(crate) use images::halve::largest_with_fewer_rounds;
+pub use images::halve::{Round, halve, rounds};
+pub use images::prefilter::prefilter;
+pub use images::rectify::rectify;
+pub use images::window_sums::window_sum;
+pub use paths::penalties::penalties;
+pub use paths::sgm_aggregate::{Direction, aggregate_direction, sgm_aggregate};
+pub use winner::block_match::{block_match, block_sums};
+pub use winner::block_statistics::{BlockStatistics, block_statistics};
+pub use winner::mirror::{mirror, mirrored};
+pub use winner::winner::{Views, points_inside, winner};
 
 use rayon::prelude::*;
 #[cfg(not(all(target_family = "wasm", target_os = "unknown")))]
@@ -159,7 +138,7 @@ pub fn compute_all(left: &Image, right: &Image, params: &Params) -> Result<Match
 /// As [`compute`].
 pub fn compute_timed(left: &Image, right: &Image, params: &Params) -> Result<(Matched, Vec<StageTime>), Error> {
     params.validate()?;
-    crate::matcher::check_pair(left, right)?;
+    crate::gpu::matcher::check_pair(left, right)?;
     params.accepts(left.width(), left.height())?;
     let content = Content::new(params, left.width(), left.height());
     let content = content.as_ref();

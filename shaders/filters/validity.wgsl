@@ -1,0 +1,42 @@
+// validity: a disparity stays if its pixel has content, and the pixels of the other view have it that it leads to: columns
+//   floor(P / 16) and ceil(P / 16), P = 16 x - disparity in the left view and 16 x + disparity in the right one.
+// map (i16), contents (a bit a pixel, rows of whole words; the left view, then the right one) -> valid (i16)
+// One invocation: four words, eight pixels of a row.
+// Border: the content is continued by it.
+// Reference: src/reference/filters/validity.rs
+
+@group(0) @binding(2) var<storage, read> map: array<vec4<u32>>;
+@group(0) @binding(3) var<storage, read> contents: array<u32>;
+@group(0) @binding(4) var<storage, read_write> valid: array<vec4<u32>>;
+
+fn has_content(side: u32, x: i32, row: u32) -> bool {
+    let column = u32(clamp(x, 0, i32(frame.width) - 1));
+    let word = contents[(side * frame.height + row) * ((frame.width + 31u) / 32u) + column / 32u];
+    return ((word >> (column & 31u)) & 1u) == 1u;
+}
+
+fn check(value: i32, x: i32, row: u32) -> i32 {
+    let place = 16 * x + select(-value, value, pass_.side == 1u);
+    let other = 1u - pass_.side;
+    let stays = has_content(pass_.side, x, row) && has_content(other, place >> 4u, row)
+        && has_content(other, (place + 15) >> 4u, row);
+    return select(INVALID, value, stays);
+}
+
+fn check_word(word: u32, x: i32, row: u32) -> u32 {
+    return map_word(check(map_value(word, 0u), x, row), check(map_value(word, 1u), x + 1, row));
+}
+
+@compute @workgroup_size(LANES)
+fn main(@builtin(global_invocation_id) id: vec3<u32>) {
+    let stride = frame.map_stride / 4u;
+    if id.x >= stride || id.y >= pass_.rows {
+        return;
+    }
+    let at = id.y * stride + id.x;
+    let words = map[at];
+    let x = i32(8u * id.x);
+    let row = pass_.first_row + id.y;
+    valid[at] = vec4(check_word(words.x, x, row), check_word(words.y, x + 2, row),
+        check_word(words.z, x + 4, row), check_word(words.w, x + 6, row));
+}

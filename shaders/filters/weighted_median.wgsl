@@ -1,0 +1,124 @@
+// weighted_median: of 25 values around a pixel the middle one by weight, a pixel's weight falling with its difference in
+//   gray from the middle one; the 25 lie SPACING rows and columns apart.
+// map (i16, in a texture), gray (u8, of the left image, in a texture) -> filtered (i16)
+// One invocation: four words, eight pixels of a row.
+// Border: what lies outside the image has no weight, nor has what is invalid; an invalid pixel stays so.
+// Reference: src/reference/filters/weighted_median.rs
+
+@group(0) @binding(4) var gray: texture_storage_2d<rgba32uint, read>;
+
+// Vectors of eight pixels that are read on either side, and with the one between.
+const AROUND: u32 = (2u * SPACING + 7u) / 8u;
+const EIGHTS: u32 = 2u * AROUND + 1u;
+
+// Values lie above invalid, which is 0.
+const NOTHING: u32 = 0x80008000u;
+
+// Of eight columns from 8 i on, in the gray image's row: its vectors hold sixteen, from column -16 on.
+fn gray_words(row: u32, i: u32) -> vec2<u32> {
+    let index = row * frame.gray_stride + i / 2u;
+    let words = textureLoad(gray, vec2(index % TEXELS, index / TEXELS));
+    return select(words.xy, words.zw, (i & 1u) == 1u);
+}
+
+// Eight pixels of the map, from column x on; of no worth where they lie outside.
+fn inside(words: vec4<u32>, x: i32) -> vec4<u32> {
+    let even = vec4(0, 2, 4, 6) + vec4(x);
+    let width = vec4(i32(frame.width));
+    let low = select(vec4(0u), vec4(0xffffu), (even >= vec4(0)) & (even < width));
+    let high = select(vec4(0u), vec4(0xffff0000u), (even >= vec4(0)) & (even < width - vec4(1)));
+    return (words ^ vec4(NOTHING)) & (low | high);
+}
+
+// Orders the keys i and i + distance, of those i that have `bit` as in `wanted`.
+fn exchange(keys: ptr<function, array<u32, 25>>, bit: u32, wanted: u32, distance: u32) {
+    for (var i = 0u; i < 25u; i++) {
+        if i + distance < 25u && (i & bit) == wanted {
+            let a = (*keys)[i];
+            let b = (*keys)[i + distance];
+            (*keys)[i] = min(a, b);
+            (*keys)[i + distance] = max(a, b);
+        }
+    }
+}
+
+// Merge exchange: Knuth, The Art of Computer Programming 3, algorithm 5.2.2M.
+fn sort(keys: ptr<function, array<u32, 25>>) {
+    exchange(keys, 16u, 0u, 16u);
+    exchange(keys, 8u, 0u, 8u);
+    exchange(keys, 8u, 8u, 8u);
+    exchange(keys, 4u, 0u, 4u);
+    exchange(keys, 4u, 4u, 12u);
+    exchange(keys, 4u, 4u, 4u);
+    exchange(keys, 2u, 0u, 2u);
+    exchange(keys, 2u, 2u, 14u);
+    exchange(keys, 2u, 2u, 6u);
+    exchange(keys, 2u, 2u, 2u);
+    exchange(keys, 1u, 0u, 1u);
+    exchange(keys, 1u, 1u, 15u);
+    exchange(keys, 1u, 1u, 7u);
+    exchange(keys, 1u, 1u, 3u);
+    exchange(keys, 1u, 1u, 1u);
+}
+
+// A weight halves with each SIGMA of the difference, linearly in between.
+fn weight(difference: u32) -> u32 {
+    let halvings = (difference * DECAY) >> 8u;
+    return ((512u - (halvings & 255u)) << 6u) >> min(halvings >> 8u, 31u);
+}
+
+// Of keys in ascending order, a value above its weight: the first value at which half of all weight is reached.
+fn middle(keys: ptr<function, array<u32, 25>>) -> u32 {
+    var total = 0u;
+    for (var i = 0u; i < 25u; i++) {
+        total += (*keys)[i] & 0xffffu;
+    }
+    var reached = total;
+    var value = 0u;
+    for (var i = 0u; i < 25u; i++) {
+        let key = (*keys)[24u - i];
+        value = select(value, key >> 16u, 2u * reached >= total);
+        reached -= key & 0xffffu;
+    }
+    return value;
+}
+
+@compute @workgroup_size(LANES)
+fn main(@builtin(global_invocation_id) id: vec3<u32>) {
+    let stride = frame.map_stride / 4u;
+    if id.x >= stride || id.y >= pass_.rows {
+        return;
+    }
+    var values: array<array<vec4<u32>, EIGHTS>, 5>;
+    var grays: array<array<vec2<u32>, EIGHTS>, 5>;
+    for (var j = 0u; j < 5u; j++) {
+        let y = i32(pass_.first_row + id.y + j * SPACING) - i32(2u * SPACING);
+        let row = u32(clamp(y, 0, i32(frame.height) - 1));
+        // All columns of a row outside lie outside.
+        let off = select(i32(frame.width + 8u * AROUND), 0, y == i32(row));
+        for (var e = 0u; e < EIGHTS; e++) {
+            let i = i32(id.x + e) - i32(AROUND);
+            let words = map_at(row * stride + u32(clamp(i, 0, i32(stride) - 1)));
+            values[j][e] = inside(words, 8 * i + off);
+            grays[j][e] = gray_words(row, u32(i + 2));
+        }
+    }
+    var results: array<u32, 8>;
+    for (var k = 0u; k < 8u; k++) {
+        let here = extractBits(grays[2][AROUND][k / 4u], (k % 4u) * 8u, 8u);
+        let valid = extractBits(values[2][AROUND][k / 2u], (k % 2u) * 16u, 16u) != 0u;
+        var keys = array<u32, 25>();
+        for (var n = 0u; n < 25u; n++) {
+            let at = 8u * AROUND + k + n % 5u * SPACING - 2u * SPACING;
+            let value = extractBits(values[n / 5u][at / 8u][at / 2u % 4u], (at % 2u) * 16u, 16u);
+            let there = extractBits(grays[n / 5u][at / 8u][at / 4u % 2u], (at % 4u) * 8u, 8u);
+            let difference = max(here, there) - min(here, there);
+            keys[n] = (value << 16u) | select(weight(difference), 0u, value == 0u);
+        }
+        sort(&keys);
+        results[k] = select(0u, middle(&keys), valid);
+    }
+    filtered[id.y * stride + id.x] = vec4(NOTHING) ^ vec4(
+        results[0] | (results[1] << 16u), results[2] | (results[3] << 16u),
+        results[4] | (results[5] << 16u), results[6] | (results[7] << 16u));
+}

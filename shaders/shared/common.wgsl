@@ -1,0 +1,105 @@
+// Appended to every kernel: the two uniform blocks (src/gpu/layout/mod.rs holds their Rust twins) and the packed formats.
+
+// What stays the same for all dispatches of a frame.
+struct Frame {
+    width: u32,
+    height: u32,
+    min_disparity: i32,
+    block_radius: u32,
+    prefilter_cap: u32,
+    cost_scale: u32,
+    p1: u32,
+    p2: u32,
+    lr_max_difference: u32,
+    gray_stride: u32,     // vectors of 16 bytes a row of a gray image
+    left_stride: u32,     // words a row of the left planes
+    right_stride: u32,    // words a row of the right planes
+    map_stride: u32,      // words a row of a disparity map, a multiple of 4
+    volume_stride: u32,   // pixels a row of a volume
+    map_words: u32,       // words from the right map to the margins behind it
+    texture: u32,         // that a block needs
+    speckle_window: u32,
+    speckle_range: i32,   // 1/16 px
+    fill_max_difference: i32, // px
+    depth_high: u32,      // 4096 focal * baseline, in millionths
+    depth_low: u32,
+    depth_offset: i32,    // doffs in 1/4096 px
+    source_shift: u32,    // bits of a texel's column in an uploaded image
+}
+
+// What differs between dispatches.
+struct Pass {
+    first_row: u32,       // in the image; where rows of buffers are bound, they begin with it
+    rows: u32,            // that are worked on; of a path that crosses rows: those that it comes to
+    volume_row: u32,      // where first_row lies in the volume's buffer
+    first_line: u32,      // of the paths of a direction
+    lines: u32,
+    shift: u32,           // columns from a line's number to where its path enters
+    dx: i32,              // direction of aggregation
+    dy: i32,
+    carried: u32,         // 1: the band before this one in the direction left its path costs in carry_in
+    accumulate: u32,      // 1: add to what the opposite direction left
+    channel: u32,         // 0: luma, 1 to 3: red, green, blue
+    mirrored: u32,        // 1: columns of a plane run to the left
+    lead: i32,            // the column of a plane's first byte, to the left or from where columns run to the left
+    stride: u32,          // words a row of the planes
+    first_plane: u32,     // the plane that is written, or the first one
+    window: u32,          // side of the window that is summed
+    row_step: u32,        // rows from one border of two bands to the next; from a pixel of a line to the next
+    occlusions: u32,      // 1: occlusions are filled in another way than mismatches
+    reversed: u32,        // 1: the images are taken mirrored
+    entry: i32,           // row of the band at which paths enter
+    carry_from: u32,      // row of carry_in and of carry_out
+    carry_to: u32,
+    slot: u32,            // pixels of a volume: before the one that is written, or from one to the next in a buffer
+    penalties_from: u32,  // vectors of penalties: before the first line
+    penalties_line: u32,  // from line to line
+    penalties_step: u32,  // from one to the next of a line
+    place: i32,           // in its line, of the step into the first pixel of a path
+    halvings: u32,        // of the images of a map, beyond those of the images at hand
+    narrowing: u32,       // bits by which entries of a table are shifted down
+    prior: u32,           // what is added to them
+    logarithms: u32,      // 1: their logarithms are taken
+    side: u32,            // of a map: 0 the left view, 1 the right one
+    map_row: u32,         // of the bound rows of the maps, the one that first_row is
+    planes_row: u32,      // the row of the image with which the planes begin
+    planes_rows: u32,     // rows of a plane
+}
+
+@group(0) @binding(0) var<uniform> frame: Frame;
+@group(0) @binding(1) var<uniform> pass_: Pass;
+
+// Four bytes, the lowest first.
+fn unpack(word: u32) -> vec4<u32> {
+    return (vec4(word) >> vec4(0u, 8u, 16u, 24u)) & vec4(255u);
+}
+
+fn pack(v: vec4<u32>) -> u32 {
+    return v.x | (v.y << 8u) | (v.z << 16u) | (v.w << 24u);
+}
+
+// Four values of 16 bits from two words: one holds the even two, the other the odd two.
+fn unpack_pairs(even: u32, odd: u32) -> vec4<u32> {
+    return vec4(even & 0xffffu, odd & 0xffffu, even >> 16u, odd >> 16u);
+}
+
+fn lowest(v: vec4<u32>) -> u32 {
+    return min(min(v.x, v.y), min(v.z, v.w));
+}
+
+// A disparity map holds two pixels a word, 1/16 px each, the left one in the low half.
+const INVALID: i32 = -32768;
+
+fn map_value(word: u32, x: u32) -> i32 {
+    return extractBits(bitcast<i32>(word), (x & 1u) * 16u, 16u);
+}
+
+fn map_word(low: i32, high: i32) -> u32 {
+    return (bitcast<u32>(low) & 0xffffu) | (bitcast<u32>(high) << 16u);
+}
+
+// Whether a disparity at column x of the left image points into the right image.
+fn points_inside(x: i32, disparity: i32) -> bool {
+    let seen = x - ((disparity + 8) >> 4u);
+    return seen >= 0 && seen < i32(frame.width);
+}

@@ -1,0 +1,37 @@
+// Appended to the kernels that choose a winner: the part of a pixel by which it is refined, its margin over its rival.
+// Reference: src/reference/winner/winner.rs
+
+// a / b, below 2^digits, bit by bit. A CPU has no division of many numbers at once, and a float one would not be exact on
+// every device.
+fn quotient(a: u32, b: u32, digits: u32) -> u32 {
+    var rest = a;
+    var bits = 0u;
+    for (var i = 0u; i < digits; i++) {
+        let part = b << ((digits - 1u - i) & 31u);
+        let fits = rest >= part;
+        rest -= select(0u, part, fits);
+        bits = 2u * bits + select(0u, 1u, fits);
+    }
+    return bits;
+}
+
+// By how much of its cost a rival is dearer than the winner that costs `here`: 0 to 255.
+fn margin_over(here: u32, rival: u32) -> u32 {
+    return select(0u, quotient(255u * (rival - here), rival, 8u), rival > 0u);
+}
+
+// What half the difference of the neighbours' costs is divided by, for the refinement in pixels: the curvature of a
+// parabola, the slope of two lines.
+fn divisor(before: u32, here: u32, after: u32) -> u32 {
+    if SUBPIXEL == SUBPIXEL_EQUIANGULAR {
+        return max(before, after) - here;
+    }
+    return before + after - 2u * here;
+}
+
+// The refinement in 1/16 px of a winner that costs `here`, from the costs of its neighbours; before > here <= after.
+fn refinement(before: u32, here: u32, after: u32) -> i32 {
+    let k = divisor(before, here, after);
+    // 16 (before - after) >= -16 k: shifted by 8 whole steps the quotient is of positive numbers, and at most 16.
+    return i32(quotient(16u * (before + k) - 16u * after + k - 1u, 2u * k, 5u)) - 8;
+}

@@ -1,0 +1,198 @@
+//! Semi-global matching: from the planes through the cost and its aggregation to the winner.
+
+use super::Views;
+use super::cost::{self, Cost};
+use super::planes::Planes;
+use crate::gpu::layout::{Frame, PAIR_BUFFERS, Pass, Rows, TEXTURE_ROW, cut};
+use crate::gpu::plan::{PATHS_BYTES, ROWS_BYTES};
+use crate::gpu::recording::Bound::{self, Buffer, Texture};
+use crate::gpu::recording::{Builder, Output};
+use crate::reference::Direction;
+
+/// Stages `penalties`, `matching_cost`, `sgm_aggregate` and `winner`.
+pub(super) fn winner(b: &mut Builder<'_>, planes: &mut Planes, views: &Views) {
+    let directions = Direction::all(b.params.paths);
+    let penalties = Penalties::new(b, &directions, &planes.grays[0]);
+    let (across, along) = directions.split_at(directions.len() - 2);
+    let pairs: Vec<&[Direction]> = across.chunks(2).collect();
+    // The i-th pair is in buffer i % 3, which is one for each band.
+    let slots = pairs.len().div_ceil(PAIR_BUFFERS);
+    let paired: Vec<Vec<wgpu::Buffer>> =
+        pairs.iter().take(PAIR_BUFFERS).map(|_| b.volumes("sgm_aggregate", slots as u32)).collect();
+    let steepest = across.iter().map(|direction| direction.dy.unsigned_abs()).max().unwrap_or(1);
+    let row = u64::from(steepest) * b.sizes.volume_row;
+    let carries: Vec<[wgpu::Buffer; 2]> =
+        paired.iter().map(|_| [(); 2].map(|()| b.buffer("sgm_aggregate.carry", row))).collect();
+    // On `lines` the cost is computed into what is then the first pair's volume, and copied into a texture.
+    let computed = if b.plan.lanes { b.volumes("matching_cost", 1) } else { paired[0].clone() };
+    let costs = cost::matching_cost(b, planes, &computed);
+    for (i, pair) in pairs.iter().enumerate() {
+        let (at, slot) = (i % PAIR_BUFFERS, (i / PAIR_BUFFERS) as u32);
+        paths_across(b, pair, &costs, &penalties, &paired[at], slot, &carries[at]);
+    }
+    rows(b, along, &costs, &penalties, &paired, &carries[0], views);
+}
+
+/// P2 of the steps of each forward direction that is walked, one way or the other; nothing where it is the same for all.
+struct Penalties(Vec<(Direction, wgpu::Buffer)>);
+
+impl Penalties {
+    /// Stage `penalties`, if P2 is adaptive.
+    fn new(b: &mut Builder<'_>, directions: &[Direction], gray: &wgpu::TextureView) -> Self {
+        let Frame { width, height, .. } = b.sizes.frame;
+        let forward: &[Direction] = if b.plan.adaptive { &Direction::FORWARD } else { &[] };
+        let walked = |forward: &&Direction| directions.iter().any(|d| [*d, d.opposite()].contains(forward));
+        let compute = |&direction: &Direction| {
+            let buffer = b.buffer("penalties", b.sizes.penalties);
+            let (storage, output) = ([Texture(gray), Buffer(&buffer)], Output::Penalties { direction });
+            match direction.dy.unsigned_abs() {
+                0 => b.step("penalties", &storage, Pass::default(), width / 16 + 1, height, output),
+                step => {
+                    let Direction { dx, dy } = direction;
+                    let pass = Pass { dx: step_across(width, dx), dy, ..Pass::default() };
+                    b.step("penalties_lines", &storage, pass, width, step * (height.div_ceil(step) / 16 + 1), output);
+                }
+            }
+            (direction, buffer)
+        };
+        Self(forward.iter().filter(walked).map(compute).collect())
+    }
+
+    /// What the steps of a direction are bound to besides `storage`, and how they find their penalties.
+    fn bound<'a>(
+        &'a self,
+        frame: Frame,
+        direction: Direction,
+        storage: &[Bound<'a>],
+        pass: Pass,
+    ) -> (Vec<Bound<'a>>, Pass) {
+        let of = self.0.iter().find(|(forward, _)| [direction, direction.opposite()].contains(forward));
+        let pass = match direction.dy.unsigned_abs() {
+            0 => {
+                let vectors = frame.width / 16 + 1;
+                Pass { penalties_from: pass.first_row * vectors, penalties_line: vectors, penalties_step: 1, ..pass }
+            }
+            step => {
+                // Of two sets of paths in a band of one row the second one has no pixel.
+                let (entry, rows) = (pass.first_row as i32 + pass.entry, step as i32);
+                Pass {
+                    penalties_from: entry.rem_euclid(rows) as u32 * frame.width,
+                    penalties_line: 1,
+                    penalties_step: step * frame.width,
+                    place: entry.div_euclid(rows) + i32::from(direction.dy < 0),
+                    ..pass
+                }
+            }
+        };
+        (storage.iter().copied().chain(of.map(|(_, buffer)| Buffer(buffer))).collect(), pass)
+    }
+}
+
+/// Columns of a step, but that every step leaves the image where there is one column.
+fn step_across(width: u32, dx: i32) -> i32 {
+    if width == 1 { dx.signum() } else { dx }
+}
+
+/// Paths that cross a band: `set` 0 are those that enter at its first row in their direction, `set` 1 those that
+/// enter at the second, of a direction that takes two rows a step.
+fn paths_through(frame: Frame, band: Rows, direction: Direction, set: u32) -> Pass {
+    let Direction { dx, dy } = direction;
+    let (step, entry) = (dy.unsigned_abs(), if dy > 0 { set as i32 } else { band.count as i32 - 1 - set as i32 });
+    let rows = (band.count + step - 1 - set) / step;
+    // A line is named by the row, 0 or 1, and the column at which it crosses that.
+    let steps = (i64::from(band.first) + i64::from(entry)).div_euclid(step.into());
+    let slope = i64::from(dx * dy.signum());
+    Pass {
+        first_row: band.first,
+        rows,
+        shift: (slope * steps).rem_euclid(frame.width.into()) as u32,
+        dx: step_across(frame.width, dx),
+        dy,
+        entry,
+        carry_from: set,
+        carry_to: set + step * rows - band.count,
+        ..Pass::default()
+    }
+}
+
+/// The paths of a pair that cross rows, a strip of them at a time: if they are opposite ones, there and back.
+fn paths_across(
+    b: &mut Builder<'_>,
+    pair: &[Direction],
+    costs: &[Cost],
+    penalties: &Penalties,
+    paths: &[wgpu::Buffer],
+    slot: u32,
+    carry: &[wgpu::Buffer; 2],
+) {
+    let Frame { width, height, volume_stride, .. } = b.sizes.frame;
+    let path_bytes = u64::from(16 * b.params.quads()) * u64::from(height);
+    let opposite = pair.iter().all(|&direction| direction == pair[0] || direction == pair[0].opposite());
+    let strip_lines = if opposite { b.plan.strip(width, path_bytes, PATHS_BYTES) } else { width };
+    for strip in cut(Rows { first: 0, count: width }, strip_lines) {
+        for (second, &direction) in pair.iter().enumerate() {
+            for nth in 0..b.sizes.bands.len() {
+                let band = if direction.dy > 0 { nth } else { b.sizes.bands.len() - 1 - nth };
+                let rows = b.sizes.bands[band];
+                let sets = direction.dy.unsigned_abs();
+                for set in 0..sets {
+                    let pass = Pass {
+                        first_line: strip.first,
+                        lines: strip.count,
+                        carried: (nth > 0).into(),
+                        accumulate: second as u32,
+                        slot: slot * rows.count * volume_stride,
+                        ..paths_through(b.sizes.frame, rows, direction, set)
+                    };
+                    let (from, to) = (Buffer(&carry[nth % 2]), Buffer(&carry[1 - nth % 2]));
+                    let output = Output::Paths {
+                        directions: pair.to_vec(),
+                        band: rows,
+                        volume_row: slot * rows.count,
+                        first: slot == 0 && second == 0 && strip.first == 0 && set == 0,
+                        last: second + 1 == pair.len() && strip.first + strip.count == width && set + 1 == sets,
+                    };
+                    let storage = [costs[band].bound(), Buffer(&paths[band]), from, to];
+                    let (storage, pass) = penalties.bound(b.sizes.frame, direction, &storage, pass);
+                    b.step("sgm_aggregate", &storage, pass, strip.count, 1, output);
+                }
+            }
+        }
+    }
+}
+
+/// The horizontal pair, which ends in the winner, a strip of rows at a time.
+fn rows(
+    b: &mut Builder<'_>,
+    along: &[Direction],
+    costs: &[Cost],
+    penalties: &Penalties,
+    paired: &[Vec<wgpu::Buffer>],
+    unused: &[wgpu::Buffer; 2],
+    views: &Views,
+) {
+    let frame = b.sizes.frame;
+    let most_band = b.sizes.bands.iter().map(|band| band.count).max().unwrap_or(1);
+    let strip_rows = b.plan.strip(most_band, b.sizes.volume_row, ROWS_BYTES);
+    let room = b.plan.strip_room(most_band, b.sizes.volume_row, ROWS_BYTES);
+    let forward = b.buffer_of("sgm_aggregate.forward", b.sizes.volume(strip_rows), room.next_multiple_of(TEXTURE_ROW));
+    for (band, &rows) in b.sizes.bands.iter().enumerate() {
+        for strip in cut(rows, strip_rows) {
+            let volume_row = strip.first - rows.first;
+            let pass = Pass { first_row: strip.first, rows: strip.count, volume_row, ..Pass::default() };
+            let along_row = Pass { lines: strip.count, dx: along[0].dx, dy: along[0].dy, ..pass };
+            let output =
+                Output::Paths { directions: vec![along[0]], band: strip, volume_row: 0, first: true, last: true };
+            let storage = [costs[band].bound(), Buffer(&forward), Buffer(&unused[0]), Buffer(&unused[1])];
+            let (storage, along_row) = penalties.bound(frame, along[0], &storage, along_row);
+            b.step("sgm_aggregate", &storage, along_row, strip.count, 1, output);
+            let pair = |i: usize| Buffer(&paired[i.min(paired.len() - 1)][band]);
+            let ([left_map, right_map], map_row) = views.bound(b, strip);
+            let storage = [costs[band].bound(), Buffer(&forward), pair(0), pair(1), pair(2), left_map, right_map];
+            let output = Output::Views { right: views.right.clone(), last: strip.first + strip.count == frame.height };
+            let pass = Pass { slot: rows.count * frame.volume_stride, map_row, ..pass };
+            let (storage, pass) = penalties.bound(frame, along[1], &storage, pass);
+            b.step("winner", &storage, pass, strip.count, 1, output);
+        }
+    }
+}

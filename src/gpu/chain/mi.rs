@@ -1,0 +1,127 @@
+//! The rounds of mutual information, from small images to large ones: each is matched by a table of costs that follows from
+//! the map of the round before.
+
+use super::planes::{self, Planes};
+use super::validity::Content;
+use super::{Views, filters};
+use crate::gpu::layout::{Frame, Pass};
+use crate::gpu::recording::Bound::{Buffer, Texture};
+use crate::gpu::recording::{Builder, Level, Output};
+use crate::reference::{mi_narrowing, mi_prior};
+
+/// All rounds but the last one, and what that one compares.
+pub(super) fn planes(b: &mut Builder<'_>, sources: &[wgpu::TextureView; 2], content: Option<&Content>) -> Planes {
+    let (grays, values) = planes::values(b, sources);
+    let mut pyramid = vec![values];
+    while pyramid.len() <= b.levels[0].halvings as usize {
+        pyramid.push(halved(b, &pyramid));
+    }
+    let scratch = Scratch::new(b);
+    b.enter(0);
+    let mut planes = planes::planes_of(b, &pyramid[b.levels[0].halvings as usize], &grays);
+    planes.table = Some(scratch.table(b, &pyramid, None));
+    for level in 1..b.levels.len() {
+        let mut views = Views::new(b);
+        super::winner(b, &mut planes, &views);
+        if let Some(content) = content {
+            views = content.views(b, views);
+        }
+        let map = filters::filtered(b, &views, &planes.grays[0], content);
+        b.enter(level);
+        let [before, here] = [level - 1, level].map(|level| b.levels[level].halvings);
+        if before != here {
+            planes = planes::planes_of(b, &pyramid[here as usize], &grays);
+        }
+        planes.table = Some(scratch.table(b, &pyramid, Some(&map)));
+    }
+    planes
+}
+
+/// Stage `halve` of both images, for the first level that is halved as often as `pyramid` is long.
+fn halved(b: &mut Builder<'_>, pyramid: &[[wgpu::TextureView; 2]]) -> [wgpu::TextureView; 2] {
+    let levels = b.levels;
+    let of = |halvings: usize| levels.iter().position(|level| level.halvings as usize == halvings).unwrap_or(0);
+    let Frame { width, height, gray_stride, .. } = levels[of(pyramid.len() - 1)].sizes.frame;
+    b.enter(of(pyramid.len()));
+    let pass = Pass { lines: width, rows: height, stride: gray_stride, ..Pass::default() };
+    let Frame { height, gray_stride, .. } = b.sizes.frame;
+    [0, 1].map(|side| {
+        let halved = b.buffer("halve", b.sizes.gray);
+        let storage = [Texture(&pyramid[pyramid.len() - 1][side]), Buffer(&halved)];
+        b.step("halve", &storage, pass, 4 * gray_stride, height, Output::Values { side });
+        b.copy_to_texels()
+    })
+}
+
+/// What the kernels of the stages `mi_histogram` and `mi_table` leave each other.
+struct Scratch {
+    counts: wgpu::Buffer,
+    /// The table smoothed along rows, then along both axes.
+    joint: [wgpu::Buffer; 2],
+    /// Sums of the table's rows and columns, then their smoothed logarithms.
+    marginals: [wgpu::Buffer; 2],
+    range: wgpu::Buffer,
+    /// In place of a map where there is none yet.
+    no_map: wgpu::Buffer,
+}
+
+/// Bytes of a number for each pair of values.
+const TABLE_BYTES: u64 = 4 * 256 * 256;
+
+impl Scratch {
+    fn new(b: &mut Builder<'_>) -> Self {
+        Self {
+            counts: b.buffer("mi_histogram", TABLE_BYTES),
+            joint: [(); 2].map(|()| b.buffer("mi_smooth", TABLE_BYTES)),
+            marginals: [(); 2].map(|()| b.buffer("mi_marginals", 4 * 512)),
+            range: b.buffer("mi_range", 8),
+            no_map: b.buffer("mi_histogram.none", 4),
+        }
+    }
+
+    /// Stages `mi_histogram`, by the map of the level before, and `mi_table`.
+    fn table(
+        &self,
+        b: &mut Builder<'_>,
+        pyramid: &[[wgpu::TextureView; 2]],
+        map: Option<&wgpu::Buffer>,
+    ) -> wgpu::TextureView {
+        let Frame { width, height, .. } = b.sizes.frame;
+        let Level { halvings, .. } = b.levels[b.level];
+        let [left, right] = &pyramid[halvings as usize];
+        let (pass, map, rows) = match map {
+            Some(map) => {
+                let before = &b.levels[b.level - 1];
+                let stride = before.sizes.frame.map_stride;
+                (Pass { stride, halvings: before.halvings - halvings, ..Pass::default() }, map, height)
+            }
+            None => (Pass::default(), &self.no_map, 0),
+        };
+        let storage = [Texture(left), Texture(right), Buffer(map), Buffer(&self.counts)];
+        b.step("mi_histogram", &storage, pass, width, rows, Output::Histogram);
+        b.clear();
+
+        let pixels = u64::from(width) * u64::from(height);
+        let along = Pass { rows: 256, ..Pass::default() };
+        let down = Pass { dy: 1, ..along };
+        let [across, joint] = &self.joint;
+        let [sums, marginals] = &self.marginals;
+        smooth(b, &self.counts, across, Pass { narrowing: mi_narrowing(pixels), ..along });
+        smooth(b, across, joint, Pass { prior: mi_prior(pixels), ..down });
+        b.step("mi_marginals", &[Buffer(joint), Buffer(sums)], Pass::default(), 512, 1, Output::Part);
+        smooth(b, sums, marginals, Pass { rows: 2, logarithms: 1, ..Pass::default() });
+        smooth(b, joint, across, Pass { logarithms: 1, ..along });
+        smooth(b, across, joint, down);
+        let storage = [Buffer(joint), Buffer(marginals), Buffer(&self.range)];
+        b.step("mi_range", &storage, Pass::default(), 256, 1, Output::Part);
+        let table = b.buffer("mi_table", TABLE_BYTES / 4);
+        let storage = [Buffer(joint), Buffer(marginals), Buffer(&self.range), Buffer(&table)];
+        b.step("mi_table", &storage, Pass::default(), 256 * 64, 1, Output::Table);
+        b.copy_to_texture([64, 256], 256, wgpu::TextureFormat::R32Uint)
+    }
+}
+
+/// A table smoothed along one axis.
+fn smooth(b: &mut Builder<'_>, from: &wgpu::Buffer, to: &wgpu::Buffer, pass: Pass) {
+    b.step("mi_smooth", &[Buffer(from), Buffer(to)], pass, 64 * pass.rows, 1, Output::Part);
+}

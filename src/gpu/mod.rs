@@ -1,0 +1,16 @@
+//! The chain on a device.
+
+pub(crate) mod chain;
+pub(crate) mod check;
+pub(crate) mod device;
+pub(crate) mod interop;
+pub(crate) mod kernels;
+pub(crate) mod layout;
+pub(crate) mod matcher;
+pub(crate) mod plan;
+pub(crate) mod readback;
+pub(crate) mod recording;
+pub(crate) mod rounds;
+pub(crate) mod scopes;
+pub(crate) mod stream;
+pub(crate) mod uploads;

@@ -1,0 +1,167 @@
+//! How the work of a path or a row is spread over invocations.
+
+use crate::gpu::layout::MOST_PARTS;
+use crate::{Method, Params, Schedule};
+
+/// How invocations that share the disparities of a pixel tell each other what they have.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
+pub(crate) enum Exchange {
+    Alone,
+    Subgroup,
+    Workgroup,
+}
+
+/// The schedule of a matcher: [`Schedule`] applied to a device and a number of disparities.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
+pub(crate) struct Plan {
+    /// Whether this is [`Schedule::Lanes`].
+    pub(crate) lanes: bool,
+    /// Invocations that share the disparities of a pixel: a power of two.
+    pub(crate) members: u32,
+    pub(crate) exchange: Exchange,
+    /// Vectors of 16 disparities that each of them owns.
+    pub(crate) own_quads: u32,
+    /// Neighbours that can talk through a subgroup, whether or not they share a path; 1 if none can.
+    pub(crate) subgroup: u32,
+    /// Threads of a CPU device: few lines at once for each, so that what one step leaves is in a cache for the next.
+    pub(crate) threads: Option<u32>,
+    /// Vectors of 16 disparities that a load or store of a volume moves: 1, or 2 as 64-bit integers.
+    pub(crate) width: u32,
+    /// Whether P2 is loaded for each step of a path.
+    pub(crate) adaptive: bool,
+    /// As in `Sizes`.
+    pub(crate) part_bits: Option<u32>,
+}
+
+/// Vectors of 16 disparities that an invocation of [`Schedule::Lines`] owns, if others may take the rest. More of them
+/// make code that neither the registers nor the instruction cache of a CPU hold (docs/PERFORMANCE.md).
+const MOST_QUADS: u32 = 6;
+
+/// Invocations a workgroup of the kernels that walk paths, with the schedule `lines`.
+pub(crate) const STRIP_LANES: u32 = 8;
+
+/// Bytes of a volume that a strip of rows takes, if that keeps all threads busy: a few volumes of it fit a last-level
+/// cache.
+pub(crate) const ROWS_BYTES: u64 = 5 << 20;
+
+/// The same of a strip of paths that cross rows, which are walked there and back.
+pub(crate) const PATHS_BYTES: u64 = 2 << 20;
+
+/// Strips of an image: each has a price.
+const MOST_STRIPS: u32 = 32;
+
+/// Trips of a loop that Mesa unrolls. A loop over more vectors stays a loop, and lavapipe leaves all loops of an
+/// invocation after 65,535 rounds, without a word: a long row would not be finished. Rather than that, invocations of
+/// [`Schedule::Lines`] share a path through workgroup memory, which is slow there.
+pub(crate) const MOST_TRIPS: u32 = 32;
+
+/// Invocations that may share a path through workgroup memory.
+const MOST_MEMBERS: u32 = 32;
+
+/// Invocations a workgroup of the kernels that share disparities, on a GPU: a multiple of every subgroup's size, so
+/// that neighbours of a power of two lie in one subgroup.
+pub(crate) const GROUP_LANES: u32 = 64;
+
+impl Plan {
+    /// Bindings that hold the trees of the speckle filter.
+    pub(crate) fn parts(&self) -> u32 {
+        if self.part_bits.is_some() { MOST_PARTS } else { 1 }
+    }
+
+    pub(crate) fn new(device: &wgpu::Device, params: &Params) -> Self {
+        let info = device.adapter_info();
+        let lanes = match params.schedule {
+            Schedule::Auto => info.device_type != wgpu::DeviceType::Cpu,
+            Schedule::Lines => false,
+            Schedule::Lanes => true,
+        };
+        let features = device.features();
+        let subgroup = if features.contains(wgpu::Features::SUBGROUP) { info.subgroup_min_size } else { 1 };
+        let threads = std::thread::available_parallelism().map_or(1, |threads| threads.get() as u32);
+        let on_cpu = !lanes && info.device_type == wgpu::DeviceType::Cpu;
+        Self {
+            threads: on_cpu.then_some(threads),
+            adaptive: params.adaptive_p2 && params.method == Method::Sgm,
+            ..Self::of(params.quads(), lanes, subgroup, features.contains(wgpu::Features::SHADER_INT64))
+        }
+    }
+
+    /// Of `lines` rows or paths of `bytes` each, those that are worked on at a time, for about `most` bytes.
+    pub(crate) fn strip(&self, lines: u32, bytes: u64, most: u64) -> u32 {
+        let Some(threads) = self.threads else { return lines };
+        let unit = 2 * STRIP_LANES * threads;
+        let fit = (most / bytes).min(lines.into()) as u32;
+        (fit / unit * unit).max(unit).max(lines.div_ceil(MOST_STRIPS)).min(lines)
+    }
+
+    /// The most bytes that a strip of at most so many lines and bytes takes.
+    pub(crate) fn strip_room(&self, lines: u32, bytes: u64, most: u64) -> u64 {
+        let Some(threads) = self.threads else { return u64::from(lines) * bytes };
+        let least = (2 * STRIP_LANES * threads).max(lines.div_ceil(MOST_STRIPS));
+        most.max(u64::from(least) * bytes).min(u64::from(lines) * bytes)
+    }
+
+    /// The plan for pixels of `quads` vectors, where `subgroup` neighbours can talk (at most 1: none can), with or
+    /// without integers of 64 bits.
+    pub(crate) fn of(quads: u32, lanes: bool, subgroup: u32, int64: bool) -> Self {
+        // Members lie in one workgroup.
+        let group = if lanes { GROUP_LANES } else { STRIP_LANES };
+        let neighbours = subgroup.min(group);
+        let exchange = match neighbours > 1 && quads.div_ceil(neighbours) <= MOST_TRIPS {
+            true => Exchange::Subgroup,
+            false if lanes || quads > MOST_TRIPS => Exchange::Workgroup,
+            false => Exchange::Alone,
+        };
+        let most_members = match exchange {
+            Exchange::Alone => 1,
+            Exchange::Subgroup => neighbours,
+            Exchange::Workgroup => MOST_MEMBERS.min(group),
+        };
+        let most_quads = match exchange {
+            _ if lanes => 1,
+            Exchange::Workgroup => MOST_TRIPS,
+            _ => MOST_QUADS,
+        };
+        let mut members = 1;
+        while quads.div_ceil(members) > most_quads && 2 * members <= most_members {
+            members *= 2;
+        }
+        let wide = int64 && !lanes && quads.is_multiple_of(2);
+        let width = if wide { 2 } else { 1 };
+        Self {
+            lanes,
+            members,
+            exchange: if members == 1 { Exchange::Alone } else { exchange },
+            own_quads: quads.div_ceil(members).next_multiple_of(width),
+            width,
+            subgroup,
+            threads: None,
+            adaptive: false,
+            part_bits: None,
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Members lie in one workgroup and in one subgroup, own all disparities, and no more than loops are unrolled for.
+    #[test]
+    fn plans_fit_their_workgroups() {
+        for quads in 1..=256 {
+            for subgroup in [1, 4, 8, 16, 32, 64, 128] {
+                for (lanes, int64) in [(false, false), (false, true), (true, false), (true, true)] {
+                    let plan = Plan::of(quads, lanes, subgroup, int64);
+                    let group = if lanes { GROUP_LANES } else { STRIP_LANES };
+                    assert!(group.is_multiple_of(plan.members), "{quads} {plan:?}");
+                    assert!(plan.exchange != Exchange::Subgroup || plan.members <= subgroup, "{quads} {plan:?}");
+                    assert!(plan.exchange != Exchange::Alone || plan.members == 1, "{quads} {plan:?}");
+                    assert!(plan.members * plan.own_quads >= quads, "{quads} {plan:?}");
+                    assert!(plan.own_quads <= MOST_TRIPS, "{quads} {plan:?}");
+                    assert!(plan.own_quads.is_multiple_of(plan.width) && quads.is_multiple_of(plan.width), "{plan:?}");
+                }
+            }
+        }
+    }
+}

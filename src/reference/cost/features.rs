@@ -1,0 +1,107 @@
+use crate::reference::images::prefilter::sobel;
+use crate::reference::{Plane, images::gray::narrow, window_sum};
+use crate::{Census, Cost, Params};
+
+/// What the matching cost compares of each pixel: `planes` bytes, `data[(y * width + x) * planes + p]`.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Features {
+    /// Pixels a row.
+    pub width: usize,
+    /// Rows.
+    pub height: usize,
+    /// Bytes a pixel.
+    pub planes: usize,
+    /// The bytes.
+    pub data: Vec<u8>,
+}
+
+impl Features {
+    /// The bytes of the pixel nearest to (x, y) that lies in the image.
+    pub fn clamped(&self, x: i64, y: i64) -> &[u8] {
+        let x = x.clamp(0, self.width as i64 - 1) as usize;
+        let y = y.clamp(0, self.height as i64 - 1) as usize;
+        &self.data[(y * self.width + x) * self.planes..][..self.planes]
+    }
+}
+
+/// Stage `features`: the bytes of each pixel that [`crate::reference::pixel_cost`] compares, from the prefiltered image, or for
+/// [`Params::color_cost`] from those of red, green and blue. `unit` is that of [`crate::reference::deep_gray`] if the prefilter is
+/// `none`, else 1. A value in 8 bits is that image, narrowed as in stage `gray`.
+///
+/// - `sad`, `ssd`, `ncc`, `mi`: the value;
+/// - `zsad`: the value less the mean of the block around it, clamp(round(v - mean), -127, 127) + 127;
+/// - `bt`: the value v, and the smallest and the largest of v, floor((v + left) / 2) and floor((v + right) / 2);
+/// - `sad-xy`: clamp(gx, -cap, cap) + cap and the same of gy;
+/// - `census`: the census string;
+/// - `census-sobel`: the census string, then as `sad-xy`; `ad-census`: the census string, then the value.
+pub fn features(images: &[Plane<u16>], unit: i32, params: &Params) -> Features {
+    let (width, height) = (images[0].width, images[0].height);
+    let mut data = Vec::new();
+    for y in 0..height as i64 {
+        for x in 0..width as i64 {
+            for image in images {
+                let value = |dx: i64| {
+                    let v = image.clamped(x + dx, y) as u16;
+                    if unit == 1 { v as u8 } else { narrow(v) }
+                };
+                let gradients = || {
+                    let cap = params.prefilter_cap as i32;
+                    let (gx, gy) = sobel(image, unit, x, y);
+                    [gx, gy].map(|g| (g.clamp(-cap, cap) + cap) as u8)
+                };
+                match params.cost {
+                    Cost::Sad | Cost::Ssd | Cost::Ncc | Cost::MutualInformation => data.push(value(0)),
+                    Cost::ZeroMeanSad => {
+                        let n = (params.block * params.block) as i32;
+                        let excess = n * image.clamped(x, y) - window_sum(image, params.block, x, y);
+                        let rounded = (2 * excess + n * unit).div_euclid(2 * n * unit);
+                        data.push((rounded.clamp(-127, 127) + 127) as u8);
+                    }
+                    Cost::BirchfieldTomasi => {
+                        let v = value(0);
+                        let sides = [-1, 1].map(|dx| ((u32::from(v) + u32::from(value(dx))) / 2) as u8);
+                        data.extend([v, v.min(sides[0]).min(sides[1]), v.max(sides[0]).max(sides[1])]);
+                    }
+                    Cost::SadXy => data.extend(gradients()),
+                    Cost::Census => data.extend(census(image, x, y, params.census)),
+                    Cost::CensusSobel => {
+                        data.extend(census(image, x, y, params.census));
+                        data.extend(gradients());
+                    }
+                    Cost::AdCensus => {
+                        data.extend(census(image, x, y, params.census));
+                        data.push(value(0));
+                    }
+                }
+            }
+        }
+    }
+    Features { width, height, planes: data.len() / (width * height), data }
+}
+
+/// The census string of a pixel, a byte a row of the window from the top: bit 4 + dx is 1 where the neighbour dx columns
+/// to the right is less than the centre, which is never less than itself. For the fifth column to the right of 9 there
+/// is a last byte: its bit p belongs to row p.
+///
+/// Centre-symmetric: of 9 columns x 7 rows only the three rows above the centre, and a bit is 1 where a neighbour is less
+/// than the one opposite to it. Bits 3 to 6 of the last byte belong to the row of the centre, to dx = -4 to -1.
+fn census(image: &Plane<u16>, x: i64, y: i64, window: Census) -> Vec<u8> {
+    let at = |dx: i64, dy: i64| image.clamped(x + dx, y + dy);
+    let (side, above, below) = match window {
+        Census::Five => (2, 2, 2),
+        Census::Seven => (3, 3, 3),
+        Census::NineBySeven => (4, 3, 3),
+        Census::CentreSymmetric => (4, 3, -1),
+    };
+    let symmetric = window == Census::CentreSymmetric;
+    let less = |dx: i64, dy: i64| u8::from(at(dx, dy) < if symmetric { at(-dx, -dy) } else { at(0, 0) });
+    let rows = -above..=below;
+    let mut bytes: Vec<u8> =
+        rows.clone().map(|dy| (-side..=side.min(3)).map(|dx| less(dx, dy) << (4 + dx)).sum()).collect();
+    if side == 4 {
+        let last: u8 = rows.map(|dy| less(4, dy) << (dy + above)).sum();
+        let beside: u8 = (-4..0).map(|dx| less(dx, 0) << (7 + dx)).sum();
+        bytes.push(if symmetric { last + beside } else { last });
+    }
+    bytes
+}

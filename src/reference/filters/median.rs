@@ -1,0 +1,27 @@
+use crate::DisparityMap;
+use crate::reference::points_inside;
+
+/// Stage `median`: the middle one of the values around a pixel in ascending order, the map continued by its border. `side`
+/// is 3 or 5: the fifth of 3x3 values, or the thirteenth of 5x5.
+///
+/// An invalid value is smaller than every valid one. So a hole among a majority of valid pixels is filled, and a pixel
+/// among a majority of invalid ones is removed. A result that does not point into the right image is invalid.
+pub fn median(map: &DisparityMap, side: usize) -> DisparityMap {
+    let (width, height) = (i64::from(map.width), i64::from(map.height));
+    let reach = side as i64 / 2;
+    let mut data = Vec::with_capacity(map.data.len());
+    let mut window = Vec::with_capacity(side * side);
+    for y in 0..height {
+        for x in 0..width {
+            window.clear();
+            for y in y - reach..=y + reach {
+                let row = y.clamp(0, height - 1) * width;
+                window.extend((x - reach..=x + reach).map(|x| map.data[(row + x.clamp(0, width - 1)) as usize]));
+            }
+            window.sort_unstable();
+            let middle = window[side * side / 2];
+            data.push(if points_inside(x, middle, width as usize) { middle } else { DisparityMap::INVALID });
+        }
+    }
+    DisparityMap { data, ..*map }
+}

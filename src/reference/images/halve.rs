@@ -1,0 +1,51 @@
+use crate::reference::Features;
+use crate::{Cost, Params};
+
+/// A pass through the chain for [`Cost::MutualInformation`], which begins on small images.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Round {
+    /// How often the images are halved.
+    pub halvings: u32,
+    /// The settings, with the range of disparities divided alike; before the last round without the filters of the map.
+    pub params: Params,
+}
+
+/// The most halvings, and the shortest side that they leave.
+const MOST_HALVINGS: u32 = 4;
+const SHORTEST_SIDE: u32 = 16;
+
+/// The rounds of the smallest images.
+const FIRST_ROUNDS: u32 = 3;
+
+/// The rounds of a match: three of the smallest images, then one of each larger size. The images are halved while the
+/// shorter side is at least 32, at most four times. One round for any other cost.
+pub fn rounds(width: u32, height: u32, params: &Params) -> Vec<Round> {
+    let last = Round { halvings: 0, params: params.clone() };
+    if params.cost != Cost::MutualInformation {
+        return vec![last];
+    }
+    let fits = |&halvings: &u32| width.min(height) >> halvings >= SHORTEST_SIDE;
+    let most = (1..=MOST_HALVINGS).take_while(fits).last().unwrap_or(0);
+    let rough = |halvings| Round { halvings, params: params.rough(halvings) };
+    let first = (1..FIRST_ROUNDS).map(|_| rough(most));
+    first.chain((1..=most).rev().map(rough)).chain([last]).collect()
+}
+
+/// Of the pairs that are at most so large, the largest ones with fewer halvings than the largest.
+pub(crate) fn largest_with_fewer_rounds(width: u32, height: u32, params: &Params) -> Vec<[u32; 2]> {
+    let most = rounds(width, height, params)[0].halvings;
+    let side = |halvings| (SHORTEST_SIDE << (halvings + 1)) - 1;
+    (0..most).flat_map(|halvings| [[width, side(halvings)], [side(halvings), height]]).collect()
+}
+
+/// Stage `halve`: an image at half the size, rounded up: of the four pixels (2x, 2y) to (2x + 1, 2y + 1), the image
+/// continued by its border, floor((their sum + 2) / 4).
+pub fn halve(values: &Features) -> Features {
+    let (width, height) = (values.width.div_ceil(2), values.height.div_ceil(2));
+    let mean = |x: i64, y: i64| {
+        let four = [(0, 0), (1, 0), (0, 1), (1, 1)].map(|(i, j)| u32::from(values.clamped(2 * x + i, 2 * y + j)[0]));
+        ((four.iter().sum::<u32>() + 2) >> 2) as u8
+    };
+    let data = (0..width * height).map(|i| mean((i % width) as i64, (i / width) as i64)).collect();
+    Features { width, height, planes: 1, data }
+}

@@ -1,0 +1,4 @@
+//! Semi-global matching.
+
+pub(crate) mod penalties;
+pub(crate) mod sgm_aggregate;
