@@ -4,9 +4,9 @@
 //! Work is spread over rows by rayon, which changes no result. The stages take parameters that [`Params::validate`]
 //! accepts, and each other's results: they check neither again.
 //!
-//! [`compute`], [`compute_all`] and [`compute_timed`] follow semantic versioning as the rest of the crate does. The
-//! functions of single stages and their types follow the definition: they may change in any release, and are here to be
-//! read, and to be compared with.
+//! [`compute`], [`compute_all`], [`compute_timed`] and [`compute_traced`] follow semantic versioning as the rest of the
+//! crate does. The functions of single stages and their types follow the definition: they may change in any release, and
+//! are here to be read, and to be compared with.
 //!
 //! ```
 //! use gpu_stereo::{Image, Params, Pixels, reference};
@@ -24,6 +24,7 @@ mod cost;
 mod filters;
 mod images;
 mod paths;
+mod trace;
 mod winner;
 
 pub use cost::cost_columns::{cost_columns, pixel_cost};
@@ -57,10 +58,7 @@ pub use winner::mirror::{mirror, mirrored};
 pub use winner::winner::{Views, points_inside, winner};
 
 use rayon::prelude::*;
-#[cfg(not(all(target_family = "wasm", target_os = "unknown")))]
-use std::time::Instant;
-#[cfg(all(target_family = "wasm", target_os = "unknown"))]
-use web_time::Instant;
+use trace::{Receiver, Trace};
 
 use crate::{Cost, DisparityMap, Error, Fill, Image, Matched, Method, Params, Prefilter, StageTime};
 
@@ -137,82 +135,135 @@ pub fn compute_all(left: &Image, right: &Image, params: &Params) -> Result<Match
 /// # Errors
 /// As [`compute`].
 pub fn compute_timed(left: &Image, right: &Image, params: &Params) -> Result<(Matched, Vec<StageTime>), Error> {
+    follow(left, right, params, None)
+}
+
+/// As [`compute_all`], and calls `receive` with the name and the bytes of the result of each stage, in the order in which
+/// they are computed: a second match and each round of [`rounds`] repeat the names of their stages. docs/VECTORS.md
+/// describes the bytes of each stage.
+///
+/// ```
+/// use gpu_stereo::{Image, Params, Pixels, reference};
+///
+/// let image = Image::new(32, 8, Pixels::Gray8((0..=255).collect()))?;
+/// let mut stages = Vec::new();
+/// let mut receive = |stage: &str, bytes: &[u8]| stages.push((stage.to_string(), bytes.len()));
+/// reference::compute_traced(&image, &image, &Params::sgm(16), &mut receive)?;
+/// assert!(stages.contains(&("matching_cost".into(), 32 * 8 * 16)));
+/// # Ok::<(), gpu_stereo::Error>(())
+/// ```
+///
+/// # Errors
+/// As [`compute`].
+pub fn compute_traced(
+    left: &Image,
+    right: &Image,
+    params: &Params,
+    receive: &mut dyn FnMut(&str, &[u8]),
+) -> Result<Matched, Error> {
+    Ok(follow(left, right, params, Some(receive))?.0)
+}
+
+/// The whole chain.
+fn follow(
+    left: &Image,
+    right: &Image,
+    params: &Params,
+    receiver: Option<Receiver<'_>>,
+) -> Result<(Matched, Vec<StageTime>), Error> {
     params.validate()?;
     crate::gpu::matcher::check_pair(left, right)?;
     params.accepts(left.width(), left.height())?;
     let content = Content::new(params, left.width(), left.height());
     let content = content.as_ref();
-    let mut clock = Clock::new();
+    let mut trace = Trace::new(receiver);
     let rectified = match &params.rectify {
         Some(rectification) => {
             let pair = [rectify(left, rectification, 0)?, rectify(right, rectification, 1)?];
-            Some(clock.stage("rectify", pair))
+            Some(trace.stage("rectify", pair))
         }
         None => None,
     };
+    if let Some(content) = content {
+        trace.show("content", || content);
+    }
     let [left, right] = rectified.as_ref().map_or([left, right], |[left, right]| [left, right]);
     let matched = match params.second_match() {
         Some(second) => {
             let content = content.map(Content::mirrored);
-            Some(views(&mirrored(right)?, &mirrored(left)?, content.as_ref(), &second, &mut clock).left)
+            let [left, right] = [mirrored(right)?, mirrored(left)?];
+            let luma = gray(&left, Channel::Luma);
+            Some(views(&left, &right, &luma, content.as_ref(), &second, &mut trace).left)
         }
         None => None,
     };
     let luma = gray(left, Channel::Luma);
-    let Views { left, mut right, margins } = views(left, right, content, params, &mut clock);
+    let Views { left, mut right, margins } = views(left, right, &luma, content, params, &mut trace);
     if let Some(matched) = matched {
-        right = clock.stage("mirror", mirror(&matched));
+        right = trace.stage("mirror", mirror(&matched));
     }
     if params.reads_right_view() {
-        right = clock.valid(right, content, 1);
+        right = trace.valid(right, content, 1);
     }
-    let mut map = clock.valid(left, content, 0);
+    let mut map = trace.valid(left, content, 0);
     if params.texture > 0 {
-        map = clock.stage("texture", texture(&map, &luma, params));
+        map = trace.stage("texture", texture(&map, &luma, params));
     }
     if let Some(max_difference) = params.lr_check {
-        map = clock.stage("lr_check", lr_check(&map, &right, max_difference));
+        map = trace.stage("lr_check", lr_check(&map, &right, max_difference));
     }
     if params.speckle_window > 0 {
-        map = clock.stage("speckle", speckle(&map, params.speckle_window, params.speckle_range));
+        map = trace.stage("speckle", speckle(&map, params.speckle_window, params.speckle_range));
     }
     if let Some(side) = params.median.side() {
-        map = clock.stage("median", median(&map, side));
-        map = clock.valid(map, content, 0);
+        map = trace.stage("median", median(&map, side));
+        map = trace.valid(map, content, 0);
     }
     if params.fill != Fill::None {
-        map = clock.stage("fill", fill(&map, &right, params));
-        map = clock.valid(map, content, 0);
+        map = trace.stage("fill", fill(&map, &right, params));
+        map = trace.valid(map, content, 0);
     }
     if let Some(radius) = params.weighted_median {
-        map = clock.stage("weighted_median", weighted_median(&map, &luma, radius, params));
-        map = clock.valid(map, content, 0);
+        map = trace.stage("weighted_median", weighted_median(&map, &luma, radius, params));
+        map = trace.valid(map, content, 0);
     }
     if let Some(settings) = &params.wls {
-        map = clock.stage("wls", wls(&map, &luma, settings, params));
-        map = clock.valid(map, content, 0);
+        map = trace.stage("wls", wls(&map, &luma, settings, params));
+        map = trace.valid(map, content, 0);
     }
-    let confidence = params.confidence.then(|| clock.stage("confidence", confidence(&map, &margins)));
-    let depth = params.depth.as_ref().map(|camera| clock.stage("depth", depth(&map, camera)));
-    Ok((Matched { map, right: params.right_map.then_some(right), confidence, depth }, clock.times))
+    let confidence = params.confidence.then(|| trace.stage("confidence", confidence(&map, &margins)));
+    let depth = params.depth.as_ref().map(|camera| trace.stage("depth", depth(&map, camera)));
+    Ok((Matched { map, right: params.right_map.then_some(right), confidence, depth }, trace.times))
 }
 
-/// From the images to the winner of both views.
-fn views(left: &Image, right: &Image, content: Option<&Content>, params: &Params, clock: &mut Clock) -> Views {
+/// From the images, of which `luma` is that of the left one, to the winner of both views.
+fn views(
+    left: &Image,
+    right: &Image,
+    luma: &Plane<u8>,
+    content: Option<&Content>,
+    params: &Params,
+    trace: &mut Trace<'_>,
+) -> Views {
     let adaptive = params.adaptive_p2 && params.method == Method::Sgm;
-    let luma = adaptive.then(|| gray(left, Channel::Luma));
-    let (left, right) = clock.stage("gray", (images(left, params), images(right, params)));
-    let penalties = luma.map(|luma| clock.stage("penalties", penalties(&luma, params)));
-    let (left, right) = clock.stage("prefilter", (left.prefiltered(params), right.prefiltered(params)));
-    let sides = clock.stage("features", [left.features(params), right.features(params)]);
-    let table = clock.table(&sides, content, params);
-    clock.winner(&sides, &table, penalties.as_ref(), params)
+    let ([left, right], _) = trace.stage("gray", ([left, right].map(|image| images(image, params)), luma));
+    let penalties = adaptive.then(|| trace.stage("penalties", penalties(luma, params)));
+    if params.prefilter == Prefilter::Normalized {
+        trace.show("window_sums", || [&left, &right].map(|images| images.window_sums(params.prefilter_window)));
+    }
+    let [left, right] = trace.stage("prefilter", [left.prefiltered(params), right.prefiltered(params)]);
+    if params.cost == Cost::ZeroMeanSad {
+        trace.show("window_sums", || [&left, &right].map(|images| images.window_sums(params.block)));
+    }
+    let sides = trace.stage("features", [left.features(params), right.features(params)]);
+    let table = trace.table(&sides, content, params);
+    trace.winner(&sides, &table, penalties.as_ref(), params)
 }
 
 /// What matches cost in the last round of [`rounds`], for a cost that has a table; else nothing. `content`: where the pair
 /// has it, `None` for everywhere.
 pub fn cost_table(sides: &[Features; 2], content: Option<&Content>, params: &Params) -> Vec<u8> {
-    Clock::new().table(sides, content, params)
+    Trace::new(None).table(sides, content, params)
 }
 
 /// An image as the chain takes it: luma, or with [`Params::color_cost`] red, green and blue.
@@ -240,23 +291,18 @@ impl Images {
         Self { channels: self.channels.iter().map(|image| prefilter(image, self.unit, params)).collect(), unit }
     }
 
+    /// The sums over windows of `side` x `side` pixels of all of them.
+    pub fn window_sums(&self, side: u32) -> Vec<Plane<u32>> {
+        self.channels.iter().map(|image| image.map(|x, y| window_sum(image, side, x, y) as u32)).collect()
+    }
+
     /// What the cost compares of them.
     pub fn features(&self, params: &Params) -> Features {
         features(&self.channels, self.unit, params)
     }
 }
 
-/// Takes the time from stage to stage.
-struct Clock {
-    last: Instant,
-    times: Vec<StageTime>,
-}
-
-impl Clock {
-    fn new() -> Self {
-        Self { last: Instant::now(), times: Vec::new() }
-    }
-
+impl Trace<'_> {
     /// [`cost_table`].
     fn table(&mut self, sides: &[Features; 2], content: Option<&Content>, params: &Params) -> Vec<u8> {
         if params.cost != Cost::MutualInformation {
@@ -297,6 +343,7 @@ impl Clock {
         params: &Params,
     ) -> Views {
         let columns = self.stage("cost_columns", cost_columns(left, right, table, params));
+        self.show("block_sums", || (0..columns.height).map(|y| block_sums(&columns, y, params)).collect::<Vec<_>>());
         match params.method {
             Method::Bm => {
                 let correlates = params.cost == Cost::Ncc;
@@ -319,17 +366,5 @@ impl Clock {
             Some(content) => self.stage("validity", validity(&map, content, side)),
             None => map,
         }
-    }
-
-    /// Adds the time since the stage before, in which `result` was computed.
-    fn stage<T>(&mut self, name: &str, result: T) -> T {
-        let now = Instant::now();
-        let ms = now.duration_since(self.last).as_secs_f64() * 1e3;
-        match self.times.iter_mut().find(|time| time.name == name) {
-            Some(time) => time.ms += ms,
-            None => self.times.push(StageTime { name: name.into(), ms }),
-        }
-        self.last = now;
-        result
     }
 }
