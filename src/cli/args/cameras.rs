@@ -1,0 +1,93 @@
+//! `--calib`, `--rectify`, `--focal` and so on: the cameras of the pair, and what is made with them.
+
+use crate::calibration::{LensModel, Pair, Scale, Unit};
+use std::path::PathBuf;
+
+/// The cameras of the pair, and what is made with them.
+#[derive(Debug, clap::Args)]
+#[command(next_help_heading = "Depth")]
+pub struct CameraArgs {
+    /// The calibration of the pair: Middlebury's calib.txt, KITTI's and DrivingStereo's calib files, OpenCV's YAML or XML with
+    /// P1 and P2 or Q (of stereoRectify), ROS camera_info YAML (with --calib-right); the content tells which
+    #[arg(long, value_name = "FILE", group = "cameras", conflicts_with_all = ["focal", "baseline", "cx", "cy", "doffs"])]
+    pub calib: Option<PathBuf>,
+
+    /// Rectify the pair first, with the lenses, rotations and projections of OpenCV's stereoCalibrate and stereoRectify
+    /// (M1, D1, R1, P1, M2, D2, R2, P2, or R and T in place of R1 .. P2, in YAML or XML), or of ROS camera_info YAML (with
+    /// --calib-right), Kalibr's camchain.yaml or ZED's .conf; this is the calibration of the depth, too
+    #[arg(long, value_name = "FILE", group = "cameras", conflicts_with_all = ["focal", "baseline", "cx", "cy", "doffs"])]
+    pub rectify: Option<PathBuf>,
+
+    /// The right camera's file, where each camera has one (ROS); or the second file, where the lenses have one of their own
+    /// (intrinsics.yml and extrinsics.yml of OpenCV's sample)
+    #[arg(long, value_name = "FILE", requires = "cameras")]
+    pub calib_right: Option<PathBuf>,
+
+    /// The model of the lenses, where the file does not say and their numbers do not tell: k1, k2, p1, p2 of calibrateCamera,
+    /// or k1, k2, k3, k4 of cv::fisheye
+    #[arg(long, value_enum, value_name = "MODEL", default_value_t = LensModel::Auto, requires = "rectify")]
+    pub lens: LensModel,
+
+    /// The images' size by that of the calibrated ones, such as 0.5 or 2/3; 1: the calibration is right as it is
+    #[arg(long, value_name = "S", requires = "cameras", allow_negative_numbers = true)]
+    pub calib_scale: Option<Scale>,
+
+    /// The unit of lengths in the calibration [default: mm in Middlebury's and ZED's files, else m]
+    #[arg(long, value_enum, value_name = "UNIT", requires = "cameras")]
+    pub calib_unit: Option<Unit>,
+
+    /// The cameras of a KITTI calibration that took the pair [default: color, if it has P2]
+    #[arg(long, value_enum, value_name = "PAIR", requires = "cameras")]
+    pub calib_pair: Option<Pair>,
+
+    /// Column of the left principal point [default: the middle]
+    #[arg(long, value_name = "PX", requires = "focal", allow_negative_numbers = true)]
+    pub cx: Option<f64>,
+
+    /// Row of the principal points [default: the middle]
+    #[arg(long, value_name = "PX", requires = "focal", allow_negative_numbers = true)]
+    pub cy: Option<f64>,
+
+    /// Column of the right principal point less that of the left one [default: 0]
+    #[arg(long, value_name = "PX", requires = "focal", allow_negative_numbers = true)]
+    pub doffs: Option<f64>,
+
+    /// Write the depth: .png (16 bit, millimetres, 0 without a depth and from 65.5355 m on), .pfm (+inf without a depth),
+    /// .npy, .tif (metres as 32-bit floats, NaN without a depth); may be given several times
+    #[arg(long, value_name = "FILE")]
+    pub depth: Vec<PathBuf>,
+
+    /// Write coloured points, those that have a depth: .ply or .pcd, binary; metres to the right, down and forward of the
+    /// left camera; may be given several times
+    #[arg(long, value_name = "FILE")]
+    pub points: Vec<PathBuf>,
+}
+
+/// What makes a depth of a disparity, and a disparity of a depth.
+#[derive(Debug, clap::Args)]
+#[command(next_help_heading = "Depth")]
+pub struct Optics {
+    /// Focal length in pixels, in place of a calibration
+    #[arg(long, value_name = "PX", allow_negative_numbers = true)]
+    pub focal: Option<f64>,
+
+    /// Distance between the cameras in metres
+    #[arg(long, value_name = "M", allow_negative_numbers = true)]
+    pub baseline: Option<f64>,
+}
+
+impl Optics {
+    /// Both, or nothing.
+    pub fn both(&self) -> anyhow::Result<Option<[f64; 2]>> {
+        for (name, value) in [("focal", self.focal), ("baseline", self.baseline)] {
+            if let Some(value) = value.filter(|&value| !(value > 0.0 && value.is_finite())) {
+                anyhow::bail!("--{name} is {value}, but must be a number above 0; give what the calibration says");
+            }
+        }
+        match (self.focal, self.baseline) {
+            (Some(focal), Some(baseline)) => Ok(Some([focal, baseline])),
+            (None, None) => Ok(None),
+            _ => anyhow::bail!("--focal PX and --baseline M are one without the other; give both"),
+        }
+    }
+}

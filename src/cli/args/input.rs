@@ -1,0 +1,52 @@
+//! `--swap`, `--bits` and `--mask-in`: how images are read, and which of their pixels count.
+
+use std::path::PathBuf;
+use std::str::FromStr;
+
+/// How images are read.
+#[derive(Clone, Debug, Default, clap::Args)]
+#[command(next_help_heading = "Input")]
+pub struct InputArgs {
+    /// Exchange LEFT and RIGHT
+    #[arg(long)]
+    pub swap: bool,
+
+    /// The bits that samples of 16-bit images have, 8 to 16; auto: 8, 10, 12, 14 or 16, as the largest sample of the pair
+    /// (of a video, of its first pair) needs. They are stretched to 16
+    #[arg(long, value_name = "N|auto", default_value = "auto", allow_negative_numbers = true)]
+    pub bits: Bits,
+}
+
+/// `--bits`.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Bits {
+    /// As the largest sample needs.
+    #[default]
+    Auto,
+    /// So many.
+    Given(u32),
+    /// As many as the first pair of the sequence has.
+    OfFirst(u32),
+}
+
+impl FromStr for Bits {
+    type Err = String;
+
+    fn from_str(text: &str) -> Result<Self, String> {
+        match text.parse() {
+            _ if text == "auto" => Ok(Self::Auto),
+            Ok(bits @ 8..=16) => Ok(Self::Given(bits)),
+            _ => Err("8 to 16 or auto is needed, such as 10".into()),
+        }
+    }
+}
+
+/// Which pixels count.
+#[derive(Debug, clap::Args)]
+pub struct MaskArgs {
+    /// Which pixels of the given images have content: images of their size, 0 where there is none (alpha is ignored). Pixels
+    /// without content have no disparity, nor have those that lead to one. LEFT alone, or ,RIGHT alone, masks one side; a name
+    /// with commas is taken as one name if such a file is there
+    #[arg(long, value_name = "LEFT[,RIGHT]")]
+    pub mask_in: Option<PathBuf>,
+}

@@ -1,0 +1,131 @@
+//! The matcher's settings: an option for each of [`Params::OPTIONS`], and `--preset`.
+
+use super::names;
+use crate::terminal::tell;
+use anyhow::{Result, anyhow, ensure};
+use clap::builder::{PossibleValue, StringValueParser, TypedValueParser};
+use clap::{Arg, ArgMatches, Command, FromArgMatches};
+use gpu_stereo::{Error, Params, Preset};
+use std::ffi::OsStr;
+
+const PRESET: &str = "preset";
+
+/// The options of [`Params::OPTIONS`] and `preset` that were given, as they were typed.
+#[derive(Clone, Debug)]
+pub struct Settings(Vec<(&'static str, String)>);
+
+impl Settings {
+    /// Name and value of each.
+    pub fn iter(&self) -> impl Iterator<Item = (&str, &str)> {
+        self.0.iter().map(|(name, value)| (*name, value.as_str()))
+    }
+}
+
+impl FromArgMatches for Settings {
+    fn from_arg_matches(matches: &ArgMatches) -> Result<Self, clap::Error> {
+        let names = Params::OPTIONS.iter().map(|option| option.name).chain([PRESET]);
+        let given = names.filter_map(|name| Some((name, matches.get_one::<String>(name)?.clone())));
+        let mut given: Vec<_> = given.collect();
+        given.sort_by_key(|(name, _)| matches.index_of(name)); // as they were typed
+        Ok(Self(given))
+    }
+
+    fn update_from_arg_matches(&mut self, matches: &ArgMatches) -> Result<(), clap::Error> {
+        *self = Self::from_arg_matches(matches)?;
+        Ok(())
+    }
+}
+
+impl clap::Args for Settings {
+    fn augment_args(command: Command) -> Command {
+        let preset = Arg::new(PRESET)
+            .long(PRESET)
+            .value_name("PRESET")
+            .value_parser(Words(Preset::NAMES))
+            .help(format!("Settings to start from; other options override them [default: {}]", Preset::default()));
+        // Both are known to be good.
+        let defaults = ["sgm", "bm"].map(|method| Params::from_options(64, [("method", method)]).ok());
+        let described = Params::OPTIONS.iter().map(|option| {
+            let [sgm, bm] = defaults.each_ref().map(|params| params.as_ref().map(|params| option.get(params)));
+            let default = match (option.name, sgm, bm) {
+                ("disp", ..) => String::new(),
+                (name, Some(sgm), Some(bm)) if sgm != bm && name != "method" => {
+                    format!(" [default: sgm {sgm}, bm {bm}]")
+                }
+                (_, sgm, _) => format!(" [default: {}]", sgm.unwrap_or_default()),
+            };
+            Arg::new(option.name)
+                .long(option.name)
+                .help_heading(option.heading)
+                .help(format!("{}{default}", option.help))
+                .value_name(option.placeholder)
+                .hide_possible_values(option.placeholder.contains('|'))
+                .value_parser(Words(option.values))
+                .allow_negative_numbers(true)
+        });
+        described.fold(command.arg(preset), Command::arg)
+    }
+
+    fn augment_args_for_update(command: Command) -> Command {
+        Self::augment_args(command)
+    }
+}
+
+/// Takes any text, since the library judges it, and lists the words that are allowed in the help.
+#[derive(Clone, Copy)]
+struct Words(&'static [(&'static str, &'static str)]);
+
+impl TypedValueParser for Words {
+    type Value = String;
+
+    fn parse_ref(&self, command: &Command, argument: Option<&Arg>, value: &OsStr) -> Result<String, clap::Error> {
+        StringValueParser::new().parse_ref(command, argument, value)
+    }
+
+    fn possible_values(&self) -> Option<Box<dyn Iterator<Item = PossibleValue> + '_>> {
+        let words = self.0.iter().map(|(word, help)| PossibleValue::new(*word).help(*help));
+        (!self.0.is_empty()).then(|| Box::new(words) as Box<_>)
+    }
+}
+
+/// The number of disparities before `--disp`, which must be given, sets it.
+const DISPARITIES: u32 = 64;
+
+/// There is no usual number of disparities.
+pub fn ensure_disparities(given: &[&str]) -> Result<()> {
+    ensure!(given.contains(&"disp"), "--disp <N> is needed, the number of disparities; see gpu-stereo --help");
+    Ok(())
+}
+
+/// The settings that the options make.
+pub fn params<'a>(settings: impl Iterator<Item = (&'a str, &'a str)>) -> Result<Params> {
+    Params::from_options(DISPARITIES, settings).map_err(by_option)
+}
+
+/// An error of the library by the names of the options.
+pub fn by_option(error: Error) -> anyhow::Error {
+    match error {
+        Error::Parameter { name: "option", given, allowed, remedy, .. } => {
+            let meant =
+                names::setting(given.trim_matches('"')).map(|meant| format!("take {meant}; ")).unwrap_or_default();
+            anyhow!("{given} is no option; {allowed} is; {meant}{remedy}")
+        }
+        Error::Parameter { name, given, allowed, remedy, .. } => {
+            let meant = names::value(name, &given).map(|meant| format!("take {meant}; ")).unwrap_or_default();
+            anyhow!("--{name} is {given}, but must be {allowed}; {meant}{remedy}")
+        }
+        other => other.into(),
+    }
+}
+
+/// Reports options that have no effect wherever they are given: nothing is ignored in silence.
+pub fn report_unused(given: &[(Vec<&str>, &Params)]) {
+    for option in Params::OPTIONS {
+        let with = given.iter().filter(|(names, _)| names.contains(&option.name));
+        let others: Option<Vec<_>> = with.map(|(_, params)| Some((option.idle(params)?, params))).collect();
+        if let Some((other, params)) = others.and_then(|others| others.into_iter().next()) {
+            let value = other.get(params);
+            tell(&format!("note: --{} changes nothing with --{} {value}", option.name, other.name));
+        }
+    }
+}

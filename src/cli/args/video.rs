@@ -1,0 +1,98 @@
+//! The command line of `video`.
+
+use super::device::DeviceArgs;
+use super::headings::{DEVICE, OUTPUT};
+use super::input::{InputArgs, MaskArgs};
+use super::numbers::Whole;
+use super::settings::Settings;
+use crate::output::Format;
+use std::path::PathBuf;
+
+/// The usage.
+pub const USAGE: &str = "gpu-stereo video <LEFT> <RIGHT> -o <OUT> --disp <N> [OPTIONS]";
+
+/// What `--help` says at its end.
+pub const HELP: &str = "\
+LEFT and RIGHT are each
+  a folder: its images in natural order (frame2 before frame10);
+  a printf pattern such as img_%06d.png: from the first number that exists to the first that does not; or
+  a glob such as 'left/*.png', in quotes, in natural order.
+All pairs have one size. What fails is told, the rest goes on, and the exit code is 1.
+Without --resume, files that are there are replaced, as those of a single run are.
+
+Examples:
+  gpu-stereo video left right -o maps --disp 64
+      maps/NAME.png for every left/NAME.png, 16 bits as in the KITTI benchmark
+  gpu-stereo video image_2/%06d_10.png image_3/%06d_10.png -o maps --disp 128 --format npy,color --resume
+      maps/000000_10.npy and maps/000000_10_color.png and so on, but not those that are there
+  gpu-stereo video 'cam0/*.jpg' 'cam1/*.jpg' -o depth_%04d.pfm --disp 96
+      depth_0000.pfm, depth_0001.pfm and so on
+  gpu-stereo video left right -o both.mp4 --fps 25 --disp 64
+      the left image beside the colour map, by the ffmpeg on the PATH
+
+Exit codes: 0 done, 1 a frame failed, 2 could not run.";
+
+/// The command line of `video`.
+#[derive(Debug, clap::Args)]
+pub struct VideoArgs {
+    /// The frames of the left and of the right camera
+    #[arg(required = true, num_args = 1.., value_names = ["LEFT", "RIGHT"])]
+    pub sides: Vec<PathBuf>,
+
+    /// The settings by name
+    #[command(flatten)]
+    pub settings: Settings,
+
+    /// Which pixels count
+    #[command(flatten)]
+    pub masks: MaskArgs,
+
+    /// How the images are read
+    #[command(flatten)]
+    pub input: InputArgs,
+
+    /// Where to compute
+    #[command(flatten)]
+    pub device: DeviceArgs,
+
+    /// Frames that are uploaded, computed and read back at a time, 1 to 16
+    #[arg(long, value_name = "N", default_value = "3", allow_negative_numbers = true, help_heading = DEVICE)]
+    pub in_flight: Whole,
+
+    /// A folder, made if need be; a printf pattern such as map_%04d.png; or a video: .mp4, .mkv, .webm
+    #[arg(short, long, value_name = "OUT", required = true, help_heading = OUTPUT)]
+    pub output: PathBuf,
+
+    /// What to write of each frame, with commas between them: png (16 bit as KITTI), pfm, npy, tif, color, mask,
+    /// confidence [default: png, or as the pattern ends]
+    #[arg(long, value_name = "FORMAT", value_delimiter = ',', hide_possible_values = true, help_heading = OUTPUT)]
+    pub format: Vec<Format>,
+
+    /// Frames a second of a video, above 0, at most 1000 [default: 10]
+    #[arg(long, value_name = "FPS", allow_negative_numbers = true, help_heading = OUTPUT)]
+    pub fps: Option<String>,
+
+    /// Keep the files of an earlier run with the same settings and the same images, and compute only what is missing
+    #[arg(long, help_heading = OUTPUT)]
+    pub resume: bool,
+
+    /// With --resume: try again what ended the processes that computed it
+    #[arg(long, requires = "resume", help_heading = OUTPUT)]
+    pub retry: bool,
+
+    /// Do not wait until each file is on the disk; --resume then reads the maps before it trusts them
+    #[arg(long, help_heading = OUTPUT)]
+    pub no_sync: bool,
+
+    /// Internal: compute the pairs of this journal one by one
+    #[arg(long, hide = true, value_name = "FILE")]
+    pub suspects: Option<PathBuf>,
+
+    /// Print one JSON object instead of the summary
+    #[arg(long, help_heading = OUTPUT)]
+    pub json: bool,
+
+    /// Print no summary and no progress
+    #[arg(short, long, help_heading = OUTPUT)]
+    pub quiet: bool,
+}

@@ -1,0 +1,149 @@
+//! `batch`: the maps of all pairs of a data set, or of a share of them.
+
+use super::outcome::Outcome;
+use super::summary::Summary;
+use crate::args::{self, BatchArgs, DeviceArgs, InputArgs, Shard};
+use crate::disk;
+use crate::engine::pair::Pair;
+use crate::engine::pipeline::Setup;
+use crate::engine::signals::stop_on_signals;
+use crate::engine::store::{self, FailedLine, Item, Mode, Planned, Store};
+use crate::engine::{adapter, pairs, trial};
+use crate::list::{self, Listed};
+use crate::mask::MaskFiles;
+use crate::output::{self, Format};
+use anyhow::{Result, bail};
+use gpu_stereo::Params;
+
+/// A batch, ready to start.
+struct Batch {
+    store: Store,
+    shard: Option<Shard>,
+    device: DeviceArgs,
+    input: InputArgs,
+    params: Params,
+    in_flight: usize,
+    threads: usize,
+    json: bool,
+    quiet: bool,
+}
+
+/// Matches all pairs.
+pub fn run(args: BatchArgs) -> Result<Outcome> {
+    let batch = resolve(args)?;
+    let (json, quiet) = (batch.json, batch.quiet);
+    let summary = batch.run()?;
+    summary.print(json, quiet)?;
+    Ok(Outcome::failed_if(!summary.failures.is_empty()))
+}
+
+/// Checks everything that can be checked without reading an image or opening a device.
+fn resolve(typed: BatchArgs) -> Result<Batch> {
+    let given: Vec<_> = typed.settings.iter().map(|(name, _)| name).collect();
+    args::ensure_disparities(&given)?;
+    let mut params = args::params(typed.settings.iter())?;
+    let mut formats = output::formats(&typed.format)?;
+    if formats.is_empty() {
+        formats.push(output::default_format(&params, "NAME"));
+    }
+    params.confidence = formats.contains(&Format::Confidence);
+    let masks = MaskFiles::resolve(typed.masks.mask_in.as_deref())?;
+    params.masks = masks.read()?;
+    adapter::ensure_consistent(&typed.device)?;
+    let in_flight = args::in_flight(&typed.in_flight)?;
+    output::ensure_ranges(&typed.format, &typed.output, &params)?;
+    let threads = typed.threads.as_ref().map_or(Ok(args::usual_threads()), args::threads)?;
+    if typed.no_sync {
+        disk::leave_to_the_system();
+    }
+
+    let planned = plan(&typed, &formats)?;
+    let mode = Mode {
+        resume: typed.resume,
+        retry: typed.retry,
+        video: false,
+        input: typed.input.clone(),
+        masks,
+        suspects: typed.suspects,
+    };
+    let advice = "give each a name of its own in a list";
+    let mut store = Store::new(&typed.output, &params, &[], &planned, advice, mode)?;
+    store.fill(match typed.shard {
+        Some(Shard { index, count }) if store.mode.suspects.is_none() => {
+            planned.into_iter().skip(index - 1).step_by(count).collect()
+        }
+        _ => planned,
+    })?;
+    args::report_unused(&[(given, &params)]);
+    Ok(Batch {
+        store,
+        shard: typed.shard,
+        device: typed.device,
+        input: typed.input,
+        params,
+        in_flight,
+        threads,
+        json: typed.json,
+        quiet: typed.quiet,
+    })
+}
+
+/// All pairs, and what they become.
+fn plan(args: &BatchArgs, formats: &[Format]) -> Result<Vec<Planned>> {
+    let planned = |pair, name, line| Planned { pair, item: Item::new(&args.output, name, formats), line };
+    if let Some(journal) = &args.suspects {
+        let suspects = store::suspects(journal)?.into_iter();
+        return Ok(suspects.map(|(pair, name)| planned(pair, name, None)).collect());
+    }
+    let listed = match &args.pairs[..] {
+        [path] => list::read(path)?,
+        [left, right] => {
+            let unnamed = |(_, Pair { left, right }): (u64, Pair)| Listed { line: None, left, right, name: None };
+            pairs::find(left, right)?.into_iter().map(unnamed).collect()
+        }
+        more => bail!(
+            "{} names were given, but a list or LEFT and RIGHT are needed; put a glob in quotes, or the shell replaces it \
+             by names",
+            more.len()
+        ),
+    };
+    let names = list::names(&listed)?.into_iter();
+    let pairs = listed.into_iter().map(|Listed { line, left, right, .. }| (Pair { left, right }, line));
+    Ok(pairs.zip(names).map(|((pair, line), name)| planned(pair, name, line)).collect())
+}
+
+impl Batch {
+    /// Computes all pairs.
+    fn run(self) -> Result<Summary<FailedLine>> {
+        let Self { store, shard, device, input, params, in_flight, threads, quiet, .. } = self;
+        let stop = stop_on_signals();
+        if store.mode.suspects.is_some() {
+            trial::stop_with_parent(stop)?;
+        }
+        let setup = Setup {
+            device: &device,
+            params: &params,
+            input: &input,
+            diagnosed: 1,
+            in_flight,
+            readers: threads,
+            writers: threads,
+            mixed: true,
+            kind: None,
+            alone: false,
+            unit: "pairs",
+            quiet,
+        };
+        let mut ran = trial::run(&store, &setup, stop);
+        let closed = store.close();
+        if let Some(error) = ran.stopped.take() {
+            let (done, pairs) = (ran.done, store.pairs.len());
+            bail!("{error:#}; {done} of {pairs} pairs were written: --resume computes the rest");
+        }
+        closed?;
+        let failures = ran.failed.iter().map(|failed| store.failure(failed.place, &failed.error)).collect();
+        let summary = Summary::new("pairs", ran, &params, store.out, failures);
+        let shard = shard.map(|Shard { index, count }| format!("{index}/{count}"));
+        Ok(Summary { shard: Some(shard), skipped: store.skipped, log: Some(store.failures.path), ..summary })
+    }
+}

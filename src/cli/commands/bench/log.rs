@@ -1,0 +1,181 @@
+//! The log of a bench: what came of each scene with each variant, so that a run that was ended goes on where it was.
+
+use crate::engine::compute::EngineNames;
+use crate::engine::known::KnownFile;
+use crate::engine::log::Log;
+use crate::facts::hash;
+use anyhow::Result;
+use gpu_stereo::evaluation::Scores;
+use serde::{Deserialize, Serialize};
+use std::collections::HashMap;
+use std::path::Path;
+use std::{fs, io};
+
+/// The file's name.
+const NAME: &str = "done.jsonl";
+
+/// What came of a scene with a variant. Numbers with a fraction are kept to the bit.
+#[derive(Clone, Debug, Serialize, Deserialize)]
+pub struct Kept {
+    /// The scene, the variant and all that decides about the result.
+    key: [String; 3],
+    /// Images, truths and calibrations.
+    inputs: Vec<KnownFile>,
+    /// Pictures and files to submit.
+    outputs: Vec<KnownFile>,
+    /// Why it is doubtful.
+    pub warnings: Vec<String>,
+    /// What computed.
+    pub names: EngineNames,
+    /// Columns and rows.
+    pub size: (u32, u32),
+    /// The share of valid pixels.
+    pub valid: Bits,
+    /// Median and smallest time of a frame in milliseconds.
+    pub ms: [Bits; 2],
+    /// Of all pixels with a truth, and of those that are not occluded.
+    pub scores: [Option<KeptScores>; 2],
+}
+
+/// The bits of an `f64`.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+pub struct Bits(u64);
+
+impl From<f64> for Bits {
+    fn from(number: f64) -> Self {
+        Self(number.to_bits())
+    }
+}
+
+impl From<Bits> for f64 {
+    fn from(bits: Bits) -> Self {
+        Self::from_bits(bits.0)
+    }
+}
+
+/// [`Scores`].
+#[derive(Clone, Debug, Serialize, Deserialize)]
+pub struct KeptScores {
+    counts: [u64; 4],
+    bad: [u64; 4],
+    sums: [Bits; 2],
+    quantiles: Option<[Bits; 4]>,
+}
+
+impl From<&Scores> for KeptScores {
+    fn from(scores: &Scores) -> Self {
+        Self {
+            counts: [scores.pixels, scores.valid, scores.d1_est, scores.d1_all],
+            bad: scores.bad,
+            sums: [scores.error_sum.into(), scores.squared_sum.into()],
+            quantiles: scores.quantiles.map(|errors| errors.map(Into::into)),
+        }
+    }
+}
+
+impl From<&KeptScores> for Scores {
+    fn from(kept: &KeptScores) -> Self {
+        let [pixels, valid, d1_est, d1_all] = kept.counts;
+        let [error_sum, squared_sum] = kept.sums.map(Into::into);
+        let mut scores = Self::default();
+        (scores.pixels, scores.valid, scores.bad) = (pixels, valid, kept.bad);
+        (scores.d1_est, scores.d1_all) = (d1_est, d1_all);
+        (scores.error_sum, scores.squared_sum) = (error_sum, squared_sum);
+        scores.quantiles = kept.quantiles.map(|errors| errors.map(Into::into));
+        scores
+    }
+}
+
+/// The log of a report's folder, or none.
+pub struct BenchLog {
+    log: Option<Log>,
+    there: HashMap<[String; 3], Kept>,
+}
+
+impl BenchLog {
+    /// That of a report. With `resume`, what is there is kept, else it goes.
+    pub fn open(report: Option<&Path>, resume: bool) -> Result<Self> {
+        let log = report.map(|folder| Log { path: folder.join(NAME) });
+        let mut there = HashMap::new();
+        if let Some(log) = &log {
+            log.ensure_own()?;
+            if resume {
+                there = log.read::<Kept>()?.into_iter().map(|kept| (kept.key.clone(), kept)).collect();
+            } else if let Err(error) = fs::remove_file(&log.path)
+                && error.kind() != io::ErrorKind::NotFound
+            {
+                return Err(error.into());
+            }
+        }
+        Ok(Self { log, there })
+    }
+
+    /// What was found before with the same settings and the same files, if all that was written is still there.
+    pub fn find(&self, scene: &str, variant: &str, settings: &str) -> Option<&Kept> {
+        let kept = self.there.get(&[scene.into(), variant.into(), hash(settings.as_bytes())])?;
+        let inputs = kept.inputs.iter().all(|input| input.facts.are_of_input(&input.path.0));
+        let outputs = || kept.outputs.iter().all(|output| output.facts.are_of_output(&output.path.0));
+        (inputs && outputs()).then_some(kept)
+    }
+
+    /// The contents of the files that a scene is made of, as they are before they are read. Without a log nobody asks.
+    pub fn inputs<'a>(&self, files: impl Iterator<Item = &'a Path>) -> Vec<KnownFile> {
+        if self.log.is_some() { files.filter_map(KnownFile::read).collect() } else { Vec::new() }
+    }
+
+    /// Keeps what was found, once all that belongs to it is written.
+    pub fn keep(
+        &self,
+        [scene, variant, key]: [&str; 3],
+        inputs: &[KnownFile],
+        outputs: Vec<KnownFile>,
+        found: ToKeep<'_>,
+    ) -> Result<()> {
+        let Some(log) = &self.log else { return Ok(()) };
+        let ToKeep { warnings, names, size, valid, ms, scores } = found;
+        let kept = Kept {
+            key: [scene.into(), variant.into(), hash(key.as_bytes())],
+            inputs: inputs.to_vec(),
+            outputs,
+            warnings,
+            names,
+            size,
+            valid: valid.into(),
+            ms: ms.map(Into::into),
+            scores: scores.map(|scores| scores.map(Into::into)),
+        };
+        log.append(&[kept], true)
+    }
+}
+
+/// What is kept of a scene.
+pub struct ToKeep<'a> {
+    /// Why it is doubtful.
+    pub warnings: Vec<String>,
+    /// What computed.
+    pub names: EngineNames,
+    /// Columns and rows.
+    pub size: (u32, u32),
+    /// The share of valid pixels.
+    pub valid: f64,
+    /// Median and smallest time of a frame in milliseconds.
+    pub ms: [f64; 2],
+    /// Of all pixels with a truth, and of those that are not occluded.
+    pub scores: [Option<&'a Scores>; 2],
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn scores_are_kept_to_the_bit() {
+        let mut scores = Scores::default();
+        (scores.pixels, scores.valid, scores.bad) = (7, 6, [5, 4, 3, 2]);
+        (scores.d1_est, scores.d1_all, scores.error_sum, scores.squared_sum) = (1, 2, 0.1 + 0.2, 1.0 / 3.0);
+        scores.quantiles = Some([0.1, 0.7, f64::MAX, 1e-300]);
+        let text = serde_json::to_string(&KeptScores::from(&scores)).unwrap();
+        let again = Scores::from(&serde_json::from_str::<KeptScores>(&text).unwrap());
+        assert_eq!(format!("{again:?}"), format!("{scores:?}"));
+    }
+}

@@ -1,0 +1,190 @@
+//! Resolve: the scenes and the variants, and that everything can be written.
+
+use super::report::{PICTURES, REPORT, RESULTS};
+use super::scene::settings;
+use super::submission::Submission;
+use crate::args::{self, BenchArgs, DeviceArgs, InputArgs};
+use crate::commands::variants::{self, Variant, in_words};
+use crate::disk;
+use crate::engine::{adapter, places};
+use crate::layout::{Layout, Scene};
+use crate::list::absolute;
+use crate::output::{self, Format};
+use crate::terminal::name;
+use anyhow::{Result, bail, ensure};
+use std::collections::BTreeSet;
+use std::path::{Path, PathBuf};
+
+/// A run over a data set, ready to start.
+pub struct Bench {
+    /// How the data set lies.
+    pub layout: Layout,
+    /// Its scenes.
+    pub scenes: Vec<Scene>,
+    /// What to compute for each.
+    pub variants: Vec<Variant>,
+    /// How the images are read.
+    pub input: InputArgs,
+    /// Where to compute.
+    pub device: DeviceArgs,
+    /// Frames after one warm-up, if they are given.
+    pub repeat: Option<u32>,
+    /// The folder of the report.
+    pub report: Option<PathBuf>,
+    /// Where files to submit go.
+    pub submission: Option<Submission>,
+    /// Keep what an earlier run found.
+    pub resume: bool,
+    /// Print JSON.
+    pub json: bool,
+    /// Print nothing.
+    pub quiet: bool,
+}
+
+/// Finds the scenes and checks what can be checked without computing.
+pub fn resolve(typed: BenchArgs) -> Result<Bench> {
+    let variants = resolve_variants(&typed)?;
+    let given = variants.iter().map(|v| (v.settings.iter().map(|(name, _)| name.as_str()).collect(), &v.params));
+    args::report_unused(&given.collect::<Vec<_>>());
+    adapter::ensure_consistent(&typed.device)?;
+    let repeat = typed.repeat.as_ref().map(args::repeat).transpose()?;
+    let scenes = scenes(typed.layout, &typed.dataset, &typed.only)?;
+    let submission = typed.submission.map(|folder| submission(folder, typed.method_name, typed.layout, variants.len()));
+    let submission = submission.transpose()?;
+    for folder in [typed.report.as_ref(), submission.as_ref().map(|s| &s.folder)].into_iter().flatten() {
+        output::ensure_folder(folder)?;
+    }
+    ensure!(
+        !typed.resume || typed.report.is_some(),
+        "--resume needs the folder where the earlier run kept what it found; add --report FOLDER"
+    );
+    if typed.no_sync {
+        disk::leave_to_the_system();
+    }
+    let bench = Bench {
+        layout: typed.layout,
+        scenes,
+        variants,
+        input: typed.input,
+        device: typed.device,
+        repeat,
+        report: typed.report,
+        submission,
+        resume: typed.resume,
+        json: typed.json,
+        quiet: typed.quiet,
+    };
+    bench.ensure_outputs()?;
+    Ok(bench)
+}
+
+/// What to compute for each scene; no two are the same.
+fn resolve_variants(typed: &BenchArgs) -> Result<Vec<Variant>> {
+    let common: Vec<_> = typed.settings.iter().collect();
+    if typed.variants.is_empty() {
+        let settings = common.iter().map(|(name, value)| (String::from(*name), String::from(*value))).collect();
+        let label = match in_words(common.iter().copied()) {
+            text if text.is_empty() => "default".into(),
+            text => text,
+        };
+        return Ok(vec![Variant { label, settings, params: args::params(common.iter().copied())? }]);
+    }
+    let variants = variants::named(&typed.variants, &common)?;
+    for (i, variant) in variants.iter().enumerate() {
+        if let Some(other) = variants[..i].iter().find(|other| other.params == variant.params) {
+            bail!(
+                "--variants has {:?} and {:?}, which are the same settings; name them once",
+                other.label,
+                variant.label
+            );
+        }
+    }
+    Ok(variants)
+}
+
+/// The scenes of a data set that `only` names.
+fn scenes(layout: Layout, dataset: &Path, only: &[String]) -> Result<Vec<Scene>> {
+    let all = layout.scenes(dataset)?;
+    let mut labels = BTreeSet::new();
+    if let Some(label) = all.iter().map(Scene::label).find(|label| !labels.insert(label.clone())) {
+        bail!("the data set has the scene {:?} twice; each SET/NAME may be there once", name(&label));
+    }
+    let (found, first) = (all.len(), all.first().map(Scene::label).unwrap_or_default());
+    let is_wanted = |scene: &Scene| only.is_empty() || only.iter().any(|part| scene.label().contains(part));
+    let scenes: Vec<_> = all.into_iter().filter(is_wanted).collect();
+    ensure!(
+        !scenes.is_empty(),
+        "--only is {:?}, but none of the {found} scenes has it in SET/NAME, such as {}; give a part of one",
+        only.join(" "),
+        name(&first)
+    );
+    Ok(scenes)
+}
+
+fn submission(folder: PathBuf, method: String, layout: Layout, variants: usize) -> Result<Submission> {
+    ensure!(
+        !matches!(layout, Layout::Vkitti2 | Layout::Manifest),
+        "--submission is {folder:?}, but nothing is submitted for this --layout; drop it, or take kitti2012, kitti2015, \
+         middlebury or eth3d"
+    );
+    let is_plain = |c: char| c.is_ascii_alphanumeric() || "-_.".contains(c);
+    ensure!(
+        !method.is_empty() && method.chars().all(is_plain),
+        "--method-name is {method:?}, but letters, digits, - _ and . are allowed; it becomes a part of file names"
+    );
+    Ok(Submission { folder, method, layout, several: variants > 1 })
+}
+
+impl Bench {
+    /// Every file can be written and can hold what it is to hold, and none is one of the data set's.
+    fn ensure_outputs(&self) -> Result<()> {
+        let mut outputs = Vec::new();
+        if let Some(folder) = &self.report {
+            for name in [REPORT, RESULTS] {
+                output::writable_place(&folder.join(name))?;
+                outputs.push(folder.join(name));
+            }
+            output::make_folder(&folder.join(PICTURES), &folder.join(PICTURES))?;
+        }
+        if let Some(submission) = &self.submission {
+            let mut folders = BTreeSet::new();
+            for variant in &self.variants {
+                ensure!(
+                    folders.insert(submission.folder_of(variant)),
+                    "--variants has {:?} and another whose folder would have the same name; run them one by one",
+                    variant.label
+                );
+                for scene in &self.scenes {
+                    let files = [false, true].map(|sparse| submission.files(scene, variant, sparse));
+                    if files[0].format == Format::Kitti {
+                        let (_, params) = settings(variant, scene.disparities()?)?;
+                        output::ensure_range(Format::Kitti, &files[0].map, &params)?;
+                    }
+                    outputs.extend(files.into_iter().flat_map(|files| [Some(files.map), files.time]).flatten());
+                }
+            }
+        }
+        let inputs = self.scenes.iter().flat_map(Scene::files);
+        places::ensure_apart(outputs.iter().map(PathBuf::as_path), inputs)
+    }
+
+    /// All that decides about the result of a scene with a variant and about the files that are made of it, but the contents
+    /// of the scene's files.
+    pub fn key(&self, number: usize, place: usize, scene: &Scene) -> String {
+        let variant = &self.variants[place];
+        let submission = self.submission.as_ref().map(|to| (absolute(&to.folder), &to.method));
+        let files: Vec<_> = scene.files().map(absolute).collect();
+        let (version, several) = (env!("CARGO_PKG_VERSION"), self.variants.len() > 1);
+        let of_run = (
+            version,
+            self.layout,
+            self.repeat,
+            self.device.backend,
+            &self.device.adapter,
+            submission,
+            several,
+            &self.input,
+        );
+        format!("{of_run:?} {number} {place} {:?} {:?} {scene:?} {files:?}", variant.settings, variant.params)
+    }
+}

@@ -1,0 +1,198 @@
+//! Run: computes, scores and writes one scene with one variant after the other.
+
+use super::log::{BenchLog, Kept};
+use super::report::{BenchReport, FailedScene, write_pictures};
+use super::resolve::Bench;
+use super::scene::{Loaded, SceneReport, load, settings};
+use super::tables::sets;
+use crate::commands::variants::Variant;
+use crate::disk;
+use crate::engine::adapter;
+use crate::engine::compute::{Engine, EngineNames};
+use crate::engine::known::KnownFile;
+use crate::layout::Scene;
+use crate::output;
+use crate::terminal::{Progress, name, one_line, plain, warnings};
+use anyhow::{Result, anyhow};
+use gpu_stereo::{DisparityMap, Params};
+use std::fmt::{self, Display, Formatter};
+
+/// Computes everything.
+pub fn run(bench: &Bench) -> Result<BenchReport> {
+    adapter::ensure_there(&bench.device)?;
+    let progress = Progress::new(bench.scenes.len() * bench.variants.len(), bench.quiet);
+    let log = BenchLog::open(bench.report.as_deref(), bench.resume)?;
+    let (engine, names) = (None, None);
+    let mut run = Run { bench, log: &log, progress, engine, names, scenes: Vec::new(), failures: Vec::new() };
+    for (number, scene) in (1..).zip(&bench.scenes) {
+        run.scene(number, scene)?;
+    }
+    let Run { names, scenes, failures, .. } = run;
+    let (names, sets) = (names.unwrap_or_default(), sets(&scenes));
+    Ok(BenchReport { names, scenes, sets, failures, warnings: warnings::all() })
+}
+
+/// What was found so far, and what finds more.
+struct Run<'a> {
+    bench: &'a Bench,
+    log: &'a BenchLog,
+    progress: Progress,
+    engine: Option<Engine>,
+    names: Option<EngineNames>,
+    scenes: Vec<SceneReport>,
+    failures: Vec<FailedScene>,
+}
+
+/// A scene with a variant.
+struct Task<'a> {
+    scene: &'a Scene,
+    variant: &'a Variant,
+    /// All that decides about the result but the contents of files.
+    key: String,
+    /// The numbers of scene and variant, from 1.
+    numbers: [usize; 2],
+    /// Whether no variant of the scene is done yet.
+    is_first: bool,
+    /// Warnings before the scene.
+    warned: usize,
+}
+
+/// A result that could not be written.
+#[derive(Debug)]
+struct Unwritten(anyhow::Error);
+
+impl Display for Unwritten {
+    fn fmt(&self, to: &mut Formatter<'_>) -> fmt::Result {
+        write!(to, "{:#}", self.0)
+    }
+}
+
+impl std::error::Error for Unwritten {}
+
+impl<'a> Run<'a> {
+    /// A scene with all variants.
+    fn scene(&mut self, number: usize, scene: &'a Scene) -> Result<()> {
+        let (bench, log, label) = (self.bench, self.log, scene.label());
+        self.progress.begin(&label);
+        let mut is_first = true;
+        let warned = warnings::all().len();
+        let key = |place: usize| bench.key(number, place, scene);
+        let kept = |place: usize| log.find(&label, &bench.variants[place].label, &key(place));
+        let kept: Vec<Option<&Kept>> = (0..bench.variants.len()).map(kept).collect();
+        let mut read = None;
+        if !kept.iter().all(Option::is_some) {
+            let inputs = log.inputs(scene.files());
+            match load(scene, &bench.input) {
+                Ok(loaded) => read = Some((inputs, loaded)),
+                Err(error) => {
+                    self.failed(&label, None, &error);
+                    bench.variants.iter().for_each(|_| self.progress.done(&name(&label).to_string()));
+                    return Ok(());
+                }
+            }
+        }
+        for (place, variant) in bench.variants.iter().enumerate() {
+            let task = Task { scene, variant, key: key(place), numbers: [number, place + 1], is_first, warned };
+            let done = match (kept[place], &read) {
+                (Some(kept), _) => self.keep(&task, kept),
+                (None, Some((inputs, loaded))) => self.compute(&task, inputs, loaded),
+                (None, None) => continue, // all were kept
+            };
+            let told = format!("{}, {}", name(&label), plain(&variant.label));
+            match done {
+                Ok(report) => {
+                    is_first = false;
+                    self.progress.done(&format!("{told}: {}", report.in_words()));
+                    self.scenes.push(SceneReport { numbers: task.numbers, ..report });
+                }
+                Err(error) => {
+                    self.ensure_not_lasting(&error)?;
+                    self.failed(&label, Some(variant), &error);
+                    self.progress.done(&told);
+                }
+            }
+        }
+        Ok(())
+    }
+
+    fn failed(&mut self, scene: &str, variant: Option<&Variant>, error: &anyhow::Error) {
+        let variant = variant.map(|variant| variant.label.clone());
+        let error = one_line(&format!("{error:#}"));
+        let of = variant.iter().map(|variant| format!(", {variant}")).collect::<String>();
+        self.progress.tell(&format!("failed: {}{}: {error}", name(scene), plain(&of)));
+        self.failures.push(FailedScene { scene: scene.into(), variant, error });
+    }
+
+    /// Once a result cannot be written for good, nothing more is computed.
+    fn ensure_not_lasting(&self, error: &anyhow::Error) -> Result<()> {
+        let unwritten = error.downcast_ref().map(|Unwritten(error)| error);
+        let Some(error) = unwritten.filter(|error| disk::is_lasting(error)) else { return Ok(()) };
+        let (maps, all) = (self.scenes.len(), self.bench.scenes.len() * self.bench.variants.len());
+        let advice = if self.bench.report.is_some() { ": --resume computes the rest" } else { "" };
+        Err(anyhow!("{error:#}; {maps} of {all} maps were scored{advice}"))
+    }
+
+    /// What was found before.
+    fn keep(&mut self, task: &Task<'_>, kept: &Kept) -> Result<SceneReport> {
+        self.names.get_or_insert_with(|| kept.names.clone());
+        kept.warnings.iter().for_each(|line| warnings::warn_by(line, |line| self.progress.tell(line)));
+        SceneReport::of_kept(task.scene, task.variant, kept)
+    }
+
+    /// Matches, scores and writes.
+    fn compute(&mut self, task: &Task<'_>, inputs: &[KnownFile], loaded: &Loaded) -> Result<SceneReport> {
+        let result = self.matched(task, loaded);
+        if let Some(engine) = &self.engine {
+            self.names.get_or_insert_with(|| engine.names());
+        }
+        let (params, map, report) = result?;
+        loaded.warn(task.scene, task.variant, &params, &self.progress);
+        let report = report.scored(loaded, &(&map).into())?;
+        let outputs = self.write(task, &report, loaded, &map, &params).map_err(Unwritten)?;
+        let found = report.kept(self.names.clone().unwrap_or_default(), &warnings::all()[task.warned..]);
+        let label = task.scene.label();
+        let of = [&label, &task.variant.label, &task.key].map(String::as_str);
+        self.log.keep(of, inputs, outputs, found).map_err(Unwritten)?;
+        Ok(report)
+    }
+
+    /// The map of a scene, not scored yet.
+    fn matched(&mut self, task: &Task<'_>, loaded: &Loaded) -> Result<(Params, DisparityMap, SceneReport)> {
+        let (settings, params) = settings(task.variant, loaded.disparities)?;
+        let engine = Engine::again(&mut self.engine, &self.bench.device, &loaded.left, &params)?;
+        // On an adapter the first frame compiles.
+        let repeat = self.bench.repeat.or_else(|| (engine.device_bytes() > 0).then_some(1));
+        let frames = match engine.frames(&loaded.left, &loaded.right, &params, false, repeat) {
+            Ok(frames) => frames,
+            Err(error) => {
+                self.engine = None; // the device may be lost
+                return Err(error.into());
+            }
+        };
+        let map = frames.matched.map;
+        let report = SceneReport::new(task.scene, task.variant, &params, settings, frames.times);
+        let (width, height, valid) = (map.width, map.height, map.valid_fraction());
+        let report = SceneReport { width, height, valid, numbers: task.numbers, ..report };
+        Ok((params, map, report))
+    }
+
+    /// Writes the files of a scene with a variant.
+    fn write(
+        &self,
+        task: &Task<'_>,
+        report: &SceneReport,
+        loaded: &Loaded,
+        map: &DisparityMap,
+        params: &Params,
+    ) -> Result<Vec<KnownFile>> {
+        let mut written = Vec::new();
+        if let Some(submission) = &self.bench.submission {
+            written.extend(submission.write(task.scene, task.variant, map, report, params)?);
+        }
+        if let Some(folder) = &self.bench.report {
+            let range = output::searched(params);
+            written.extend(write_pictures(folder, report, loaded, map, range, task.is_first)?);
+        }
+        Ok(written)
+    }
+}

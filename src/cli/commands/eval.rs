@@ -1,0 +1,70 @@
+//! `eval`: a map beside the truth.
+
+use super::outcome::Outcome;
+use crate::args::EvalArgs;
+use crate::evaluate::TruthFile;
+use crate::maps::{self, Encoding};
+use crate::output::{self, Output, SheetFormat};
+use crate::terminal::{self, Evaluation, warnings};
+use anyhow::{Result, bail};
+use serde::Serialize;
+use std::path::PathBuf;
+
+/// `eval`, ready to start.
+struct Eval {
+    estimate: PathBuf,
+    scale: Option<f64>,
+    truth: TruthFile,
+    error_map: Option<Output<SheetFormat>>,
+    json: bool,
+}
+
+/// What `eval` found; `--json` prints it as it is.
+#[derive(Serialize)]
+struct EvalReport {
+    width: u32,
+    height: u32,
+    evaluation: Evaluation,
+    warnings: Vec<String>,
+    #[serde(serialize_with = "terminal::paths")]
+    outputs: Vec<PathBuf>,
+}
+
+/// Scores a map.
+pub fn run(args: EvalArgs) -> Result<Outcome> {
+    let eval = resolve(args)?;
+    let report = eval.run()?;
+    match eval.json {
+        true => terminal::print_json(&report)?,
+        false => terminal::print(&report.evaluation.table())?,
+    }
+    Ok(Outcome::Done)
+}
+
+/// Checks what can be checked without reading the maps.
+fn resolve(args: EvalArgs) -> Result<Eval> {
+    let EvalArgs { estimate, truth, scale, options, optics, json } = args;
+    let optics = optics.both()?;
+    if optics.is_some() && !options.gt_depth {
+        bail!("--focal and --baseline make depths disparities, but the truth is none; add --gt-depth");
+    }
+    let truth = options.file(&truth, optics)?;
+    let inputs: Vec<_> = truth.files().chain([estimate.as_path()]).collect();
+    let error_map = options.error_map.as_ref().map(|path| output::resolve_error_map(path, &inputs)).transpose()?;
+    Ok(Eval { scale: scale.map(|scale| scale.0), truth, error_map, json, estimate })
+}
+
+impl Eval {
+    /// Compares the two maps, and writes the picture of the errors.
+    fn run(&self) -> Result<EvalReport> {
+        let estimate = maps::read(&self.estimate, Encoding { scale: self.scale, depth: None }, "--scale")?;
+        let truth = self.truth.read((estimate.width(), estimate.height()), &self.estimate)?;
+        let evaluation = Evaluation::from(&truth.score(&estimate)?);
+        if self.error_map.is_some() {
+            output::write_sheet(self.error_map.as_slice(), &truth.error_picture(&estimate)?)?;
+        }
+        let outputs = self.error_map.iter().map(|output| output.path.clone()).collect();
+        let (width, height) = (estimate.width(), estimate.height());
+        Ok(EvalReport { width, height, evaluation, warnings: warnings::all(), outputs })
+    }
+}

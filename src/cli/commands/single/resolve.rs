@@ -1,0 +1,143 @@
+//! Resolve: what was typed becomes settings that are known to be good, before an image is decoded or a device opened.
+
+use crate::args::{self, Backend, CameraArgs, DeviceArgs, InputArgs, SingleArgs};
+use crate::calibration::{Calibration, LensModel, Reading};
+use crate::engine::adapter;
+use crate::evaluate::TruthFile;
+use crate::mask::MaskFiles;
+use crate::output::{self, Format, Output};
+use crate::terminal::tell;
+use anyhow::{Result, bail, ensure};
+use gpu_stereo::{Camera, Params};
+use std::path::PathBuf;
+
+/// A run, ready to start.
+#[derive(Debug)]
+pub struct Job {
+    /// The left image's path.
+    pub left: PathBuf,
+    /// The right image's path.
+    pub right: PathBuf,
+    /// How they are read.
+    pub input: InputArgs,
+    /// The matcher's settings, validated.
+    pub params: Params,
+    /// Which pixels have content.
+    pub masks: MaskFiles,
+    /// What the calibration says.
+    pub calibration: Option<Calibration>,
+    /// Whether the depth is wanted.
+    pub depth: bool,
+    /// Whether the principal point is to be in the middle of the image, along each axis.
+    pub middle: [bool; 2],
+    /// Where to compute.
+    pub device: DeviceArgs,
+    /// The truth to score the map against.
+    pub truth: Option<TruthFile>,
+    /// The files to write, each known to be writable.
+    pub outputs: Vec<Output>,
+    /// Compare every stage.
+    pub check: bool,
+    /// Print the table of stages.
+    pub timings: bool,
+    /// Frames after one warm-up; `None`: the first frame is the only one.
+    pub repeat: Option<u32>,
+    /// Print JSON.
+    pub json: bool,
+    /// Print no summary.
+    pub quiet: bool,
+}
+
+/// Checks everything that can be checked without the images and without a device.
+pub fn resolve(typed: SingleArgs) -> Result<Job> {
+    let given: Vec<_> = typed.settings.iter().map(|(name, _)| name).collect();
+    args::ensure_disparities(&given)?;
+    let mut params = args::params(typed.settings.iter())?;
+    params.confidence = typed.confidence.is_some();
+    args::report_unused(&[(given, &params)]);
+    if typed.check && typed.device.backend == Backend::Cpu {
+        bail!("--check compares an adapter with the CPU reference, but --backend is cpu; take auto or gpu");
+    }
+    adapter::ensure_consistent(&typed.device)?;
+    let repeat = typed.repeat.as_ref().map(args::repeat).transpose()?.or(typed.timings.then_some(1));
+    let (Some(left), Some(right)) = (typed.left, typed.right) else {
+        bail!("two images are needed, LEFT and RIGHT; see gpu-stereo --help");
+    };
+    let optics = typed.optics.both()?;
+    let calibration = calibration(&typed.cameras, optics)?;
+    let depths = output::depth_formats(&typed.cameras.depth, &typed.cameras.points)?;
+    match &calibration {
+        Some(_) if !depths.is_empty() => {}
+        Some(calibration) if calibration.has_lenses() => {}
+        Some(_) if typed.truth.gt_depth => {}
+        Some(_) => tell("note: the cameras change nothing without --depth and --points"),
+        None if depths.is_empty() => {}
+        None => bail!(
+            "--depth and --points need the cameras; give --calib FILE, --rectify FILE, or --focal PX and --baseline M"
+        ),
+    }
+    let pictures = [
+        ("color", &typed.color, Format::Color),
+        ("mask", &typed.mask, Format::Mask),
+        ("confidence", &typed.confidence, Format::Confidence),
+        ("error-map", &typed.truth.error_map, Format::ErrorMap),
+    ];
+    let truth = match &typed.gt {
+        Some(path) => Some(typed.truth.file(path, optics)?),
+        None => typed.truth.ensure_unused().map(|()| None)?,
+    };
+    let masks = MaskFiles::resolve(typed.masks.mask_in.as_deref())?;
+    let CameraArgs { calib, rectify, calib_right, .. } = &typed.cameras;
+    let calibrations = [calib, rectify, calib_right].into_iter().flatten().map(PathBuf::as_path);
+    let inputs: Vec<_> = truth
+        .iter()
+        .flat_map(TruthFile::files)
+        .chain(calibrations)
+        .chain(masks.paths())
+        .chain([left.as_path(), &right])
+        .collect();
+    let outputs = output::resolve(&typed.output, &pictures, &depths, &inputs, &params)?;
+    Ok(Job {
+        left,
+        right,
+        input: typed.input,
+        params,
+        masks,
+        calibration,
+        depth: !depths.is_empty(),
+        middle: [typed.cameras.cx, typed.cameras.cy].map(|given| optics.is_some() && given.is_none()),
+        device: typed.device,
+        truth,
+        outputs,
+        check: typed.check,
+        timings: typed.timings,
+        repeat,
+        json: typed.json,
+        quiet: typed.quiet,
+    })
+}
+
+/// The cameras that the options name.
+fn calibration(cameras: &CameraArgs, optics: Option<[f64; 2]>) -> Result<Option<Calibration>> {
+    let CameraArgs { calib, rectify, calib_right, .. } = cameras;
+    if let Some(path) = calib.as_ref().or(rectify.as_ref()) {
+        // The parser lets it pass where --calib excludes --rectify.
+        ensure!(
+            cameras.lens == LensModel::Auto || rectify.is_some(),
+            "--lens goes with --rectify, since --calib takes a rectified pair; drop it, or give the file with --rectify"
+        );
+        let reading = Reading {
+            unit: cameras.calib_unit,
+            pair: cameras.calib_pair,
+            lens: cameras.lens,
+            scale: cameras.calib_scale,
+            lenses: rectify.is_some(),
+        };
+        return Calibration::read(path, calib_right.as_deref(), reading).map(Some);
+    }
+    let Some([focal, baseline]) = optics else { return Ok(None) };
+    let [doffs, cx, cy] = [cameras.doffs, cameras.cx, cameras.cy].map(Option::unwrap_or_default);
+    let camera = Camera { focal, baseline, doffs, cx, cy };
+    camera.validate().map_err(args::by_option)?;
+    Ok(Some(Calibration::typed(camera)))
+}

@@ -1,0 +1,107 @@
+//! Run: read the pair, compute, check, write.
+
+use super::report::Report;
+use super::resolve::Job;
+use crate::calibration::Fitted;
+use crate::engine::compute::{Engine, Frames};
+use crate::engine::diagnosis;
+use crate::evaluate::Truth;
+use crate::output::{self, Format, Maps};
+use crate::terminal::{Evaluation, warnings};
+use crate::views::{self, Views};
+use anyhow::Result;
+use gpu_stereo::evaluation::FloatMap;
+use gpu_stereo::{Camera, Image, Matched, Params, Rectification, reference};
+use std::time::Instant;
+
+/// Does the job.
+pub fn run(job: &Job) -> Result<Report> {
+    let views = views::read_pair(&job.left, &job.right, &job.input)?;
+    let (samples, turned) = (views.samples(), views.turns());
+    views.doubts.iter().for_each(|doubt| warnings::warn(doubt));
+    let Views { left, right, bits, .. } = views;
+    output::ensure_size(&job.outputs, left.width(), left.height())?;
+    let truth = job.truth.as_ref().map(|truth| truth.read((left.width(), left.height()), &job.left)).transpose()?;
+
+    let (params, camera) = &params_for(job, &left)?;
+    let start = Instant::now();
+    let engine = Engine::open(&job.device, job.check, &left, params)?;
+    // Stage times come from the frames that are reported, so that stages and transfers add up to the frame.
+    let timed = job.timings || job.json;
+    let Frames { matched, first, times, stages } = engine.frames(&left, &right, params, timed, job.repeat)?;
+    let first_frame_ms = (first - start).as_secs_f64() * 1e3;
+    if let Some(finding) = diagnosis::finding(&left, &right, params)? {
+        warnings::warn(&finding.to_string());
+    }
+
+    let check = if job.check { Some(engine.check(&left, &right, params)?) } else { None };
+    let passed = check.iter().flatten().all(|stage| stage.mismatches == 0);
+    let evaluation = if passed { write(job, params, left, &matched, truth.as_ref())? } else { None };
+    let outputs = if passed { job.outputs.iter().map(|output| output.path.clone()).collect() } else { Vec::new() };
+    Ok(Report {
+        names: engine.names(),
+        width: matched.map.width,
+        height: matched.map.height,
+        bits,
+        samples,
+        turned,
+        min_disparity: params.min_disparity,
+        disparities: params.disparities,
+        camera: camera.map(Into::into),
+        valid: matched.map.valid_fraction(),
+        frame_ms: times,
+        first_frame_ms,
+        stages,
+        peak_device_bytes: engine.device_bytes(),
+        evaluation,
+        check: check.map(|stages| stages.into_iter().map(Into::into).collect()),
+        warnings: warnings::all(),
+        outputs,
+    })
+}
+
+/// The settings of the job for images of this size, and the rectified cameras, if they are known.
+fn params_for(job: &Job, image: &Image) -> Result<(Params, Option<Camera>)> {
+    let (width, height) = (image.width(), image.height());
+    let mut params = job.params.clone();
+    params.masks = job.masks.read_for(image)?;
+    let Some(calibration) = &job.calibration else { return Ok((params, None)) };
+    let Fitted { mut camera, lenses } = calibration.fit(width, height)?;
+    if let Some(doubt) = calibration.doubt(&camera) {
+        warnings::warn(&doubt);
+    }
+    if let Some(lenses) = lenses {
+        params.rectify = Some(Rectification::new(width, height, lenses)?);
+    }
+    for (is_middle, place, side) in [(job.middle[0], &mut camera.cx, width), (job.middle[1], &mut camera.cy, height)] {
+        if is_middle {
+            *place = f64::from(side - 1) / 2.0;
+        }
+    }
+    params.depth = job.depth.then_some(camera);
+    Ok((params, Some(camera)))
+}
+
+/// Scores the map where there is a truth, and writes all files.
+fn write(
+    job: &Job,
+    params: &Params,
+    left: Image,
+    matched: &Matched,
+    truth: Option<&Truth>,
+) -> Result<Option<Evaluation>> {
+    let (mut evaluation, mut errors) = (None, None);
+    if let Some(truth) = truth {
+        let estimate = FloatMap::from(&matched.map);
+        evaluation = Some(Evaluation::from(&truth.score(&estimate)?));
+        if job.outputs.iter().any(|output| output.format == Format::ErrorMap) {
+            errors = Some(truth.error_picture(&estimate)?);
+        }
+    }
+    let Matched { map, confidence, depth, .. } = matched;
+    let (confidence, depth, errors) = (confidence.as_ref(), depth.as_ref(), errors.as_ref());
+    let rectified = params.rectify.as_ref().map(|rectification| reference::rectify(&left, rectification, 0));
+    let left = rectified.transpose()?.unwrap_or(left);
+    output::write_maps(&job.outputs, &Maps { map, confidence, errors, depth, left: Some(&left), params })?;
+    Ok(evaluation)
+}

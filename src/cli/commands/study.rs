@@ -1,0 +1,268 @@
+//! `sweep` and `compare`: maps of one pair with several settings, on one sheet and in one table.
+
+mod sheet;
+
+use super::outcome::Outcome;
+use super::variants::{self, MAX_MAPS, Variant, in_words};
+use crate::args::{self, CompareArgs, DeviceArgs, InputArgs, StudyArgs};
+use crate::engine::adapter;
+use crate::engine::compute::{Engine, EngineNames, FrameMs};
+use crate::engine::diagnosis::{self, Finding};
+use crate::mask::MaskFiles;
+use crate::output::{self, Output, SheetFormat};
+use crate::terminal::{self, Progress, table, warnings};
+use crate::views::{self, Views};
+use anyhow::{Context as _, Result, bail, ensure};
+use gpu_stereo::{Image, Params};
+use serde::Serialize;
+use sheet::{Order, Sheet, SheetPlan};
+use std::path::PathBuf;
+
+/// Frames of a map on an adapter, after a warm-up. The reference computes one: its time is no one's concern.
+const REPEAT: u32 = 5;
+const TILE_WIDTHS: std::ops::RangeInclusive<i64> = 16..=4096;
+
+/// A study, ready to start.
+struct Study {
+    left: PathBuf,
+    right: PathBuf,
+    masks: MaskFiles,
+    input: InputArgs,
+    variants: Vec<Variant>,
+    /// The settings that all have in common.
+    common: String,
+    order: Order,
+    tile_width: Option<u32>,
+    device: DeviceArgs,
+    repeat: Option<u32>,
+    outputs: Vec<Output<SheetFormat>>,
+    json: bool,
+    quiet: bool,
+}
+
+/// Maps for every combination of values.
+pub fn sweep(args: StudyArgs) -> Result<Outcome> {
+    report(&resolve_sweep(args)?)
+}
+
+/// Maps of several variants.
+pub fn compare(args: CompareArgs) -> Result<Outcome> {
+    report(&resolve_compare(args)?)
+}
+
+fn report(study: &Study) -> Result<Outcome> {
+    let report = study.run()?;
+    study.print(&report)?;
+    Ok(Outcome::Done)
+}
+
+/// A combination of every value of the options that were given several.
+fn resolve_sweep(typed: StudyArgs) -> Result<Study> {
+    let given: Vec<(&str, Vec<&str>)> =
+        typed.settings.iter().map(|(name, values)| (name, values.split(',').collect())).collect();
+    let count = given.iter().try_fold(1_usize, |count, (_, values)| count.checked_mul(values.len()));
+    ensure!(
+        count.is_some_and(|count| count <= MAX_MAPS),
+        "the values make {} combinations, but at most {MAX_MAPS} are computed; give fewer values",
+        count.map_or("countless".into(), |count| count.to_string())
+    );
+    let mut combinations: Vec<Vec<(&str, &str)>> = vec![Vec::new()];
+    for (name, values) in &given {
+        let with = |combination: &Vec<_>, value| [&combination[..], &[(*name, value)]].concat();
+        combinations = combinations.iter().flat_map(|c| values.iter().map(|value| with(c, *value))).collect();
+    }
+    let axes: Vec<_> = given.iter().filter(|(_, values)| values.len() > 1).collect();
+    let order = match axes[..] {
+        [_, (_, columns)] => Order::Columns(columns.len() as u32),
+        _ => Order::Wrapped,
+    };
+    let variants = combinations.into_iter().map(|settings| {
+        let on_axes = settings.iter().filter(|(name, _)| axes.is_empty() || axes.iter().any(|(axis, _)| axis == name));
+        let label = in_words(on_axes.copied());
+        let params = args::params(settings.iter().copied())?;
+        let settings = settings.into_iter().map(|(name, value)| (name.into(), value.into())).collect();
+        Ok(Variant { label, settings, params })
+    });
+    let variants = variants.collect::<Result<_>>()?;
+    let common = given.iter().filter(|(_, values)| values.len() == 1 && !axes.is_empty());
+    let common = in_words(common.map(|(name, values)| (*name, values[0])));
+    resolve(&typed, variants, common, order, "sweep.png")
+}
+
+/// The variants that were named.
+fn resolve_compare(typed: CompareArgs) -> Result<Study> {
+    let CompareArgs { variants, study } = typed;
+    let common: Vec<_> = study.settings.iter().collect();
+    let variants = variants::named(&variants, &common)?;
+    resolve(&study, variants, in_words(common.into_iter()), Order::Wrapped, "compare.png")
+}
+
+/// What both have in common.
+fn resolve(typed: &StudyArgs, variants: Vec<Variant>, common: String, order: Order, name: &str) -> Result<Study> {
+    let given = variants.iter().map(|Variant { settings, params, .. }| {
+        let names: Vec<_> = settings.iter().map(|(name, _)| name.as_str()).collect();
+        (names, params)
+    });
+    let given: Vec<_> = given.collect();
+    given.iter().try_for_each(|(given, _)| args::ensure_disparities(given))?;
+    adapter::ensure_consistent(&typed.device)?;
+    let repeat = typed.repeat.as_ref().map(args::repeat).transpose()?;
+    let tile_width = typed.tile_width.as_ref().map(|given| {
+        let allowed = TILE_WIDTHS.contains(&given.value).then_some(given.value as u32);
+        allowed.with_context(|| {
+            let (least, most) = (TILE_WIDTHS.start(), TILE_WIDTHS.end());
+            format!("--tile-width is {}, but must be from {least} to {most} px; 320 is usual", given.text)
+        })
+    });
+    let tile_width = tile_width.transpose()?;
+    let masks = MaskFiles::resolve(typed.masks.mask_in.as_deref())?;
+    let inputs: Vec<_> = [typed.left.as_path(), &typed.right].into_iter().chain(masks.paths()).collect();
+    let outputs = output::resolve_sheet(typed.output.as_deref().unwrap_or(name.as_ref()), &inputs)?;
+    args::report_unused(&given);
+    Ok(Study {
+        left: typed.left.clone(),
+        right: typed.right.clone(),
+        masks,
+        input: typed.input.clone(),
+        variants,
+        common,
+        order,
+        tile_width,
+        device: typed.device.clone(),
+        repeat,
+        outputs,
+        json: typed.json,
+        quiet: typed.quiet,
+    })
+}
+
+/// What a study found; `--json` prints it as it is.
+#[derive(Serialize)]
+struct StudyReport {
+    #[serde(flatten)]
+    names: EngineNames,
+    width: u32,
+    height: u32,
+    variants: Vec<VariantReport>,
+    warnings: Vec<String>,
+    #[serde(serialize_with = "terminal::paths")]
+    outputs: Vec<PathBuf>,
+}
+
+/// What was found of a variant.
+#[derive(Serialize)]
+struct VariantReport {
+    label: String,
+    #[serde(serialize_with = "variants::settings")]
+    settings: Vec<(String, String)>,
+    min_disparity: i32,
+    disparities: u32,
+    valid: f64,
+    frame_ms: FrameMs,
+    peak_device_bytes: u64,
+}
+
+impl VariantReport {
+    fn ms(&self) -> String {
+        format!("{:.1}", self.frame_ms.median)
+    }
+
+    fn percent(&self) -> String {
+        format!("{:.1} %", 100.0 * self.valid)
+    }
+
+    /// What stands below the map.
+    fn note(&self) -> String {
+        format!("{} ms, {:.0} % valid", self.ms(), 100.0 * self.valid)
+    }
+}
+
+impl Study {
+    /// Computes every map and writes the sheet.
+    fn run(&self) -> Result<StudyReport> {
+        let Views { left, right, doubts, .. } = views::read_pair(&self.left, &self.right, &self.input)?;
+        doubts.iter().for_each(|doubt| warnings::warn(doubt));
+        let evidence = diagnosis::evidence(&left, &right, &Params::sgm(1))?; // no variant rectifies
+        let masks = self.masks.read_for(&left)?;
+        let mut engine: Option<Engine> = None;
+        let mut sheet = None;
+        let mut variants = Vec::new();
+        let (first, last) = self.range();
+        let progress = Progress::new(self.variants.len(), self.quiet);
+        let warn = |text: &str| warnings::warn_by(text, |line| progress.tell(line));
+        for (place, Variant { label, settings, params }) in (1..).zip(&self.variants) {
+            progress.begin(label);
+            let mut params = params.clone();
+            params.masks = masks.clone();
+            let params = &params;
+            let context = || label.clone();
+            let ready = Engine::again(&mut engine, &self.device, &left, params).with_context(context)?;
+            let repeat = self.repeat.or_else(|| (ready.device_bytes() > 0).then_some(REPEAT));
+            if sheet.is_none() {
+                sheet = Some(self.blank(ready, &left, repeat, (first, last))?);
+            }
+            let frames = ready.frames(&left, &right, params, false, repeat).with_context(context)?;
+            let (map, times) = (frames.matched.map, frames.times);
+            match evidence.finding(&params.searched()) {
+                Some(finding @ Finding::Range { .. }) => warn(&format!("{label}: {finding}")),
+                Some(finding) => warn(&finding.to_string()), // of all variants
+                None => {}
+            }
+            let found = VariantReport {
+                label: label.clone(),
+                settings: settings.clone(),
+                min_disparity: params.min_disparity,
+                disparities: params.disparities,
+                valid: map.valid_fraction(),
+                frame_ms: times,
+                peak_device_bytes: ready.device_bytes(),
+            };
+            if let Some(sheet) = &mut sheet {
+                sheet.tile(place, &output::picture(&map, (first, last)), &found.note());
+            }
+            progress.done(&format!("{}: {}", found.label, found.note()));
+            variants.push(found);
+        }
+        let (Some(engine), Some(sheet)) = (engine, sheet) else {
+            bail!("there is nothing to compute; give a setting");
+        };
+        output::write_sheet(&self.outputs, &sheet.finish())?;
+        let outputs = self.outputs.iter().map(|output| output.path.clone()).collect();
+        let (width, height, warnings) = (left.width(), left.height(), warnings::all());
+        Ok(StudyReport { names: engine.names(), width, height, variants, warnings, outputs })
+    }
+
+    /// The range of colours: every disparity that any variant searches.
+    fn range(&self) -> (i32, i32) {
+        let ranges = self.variants.iter().map(|variant| output::searched(&variant.params));
+        ranges.reduce(|a, b| (a.0.min(b.0), a.1.max(b.1))).unwrap_or_default()
+    }
+
+    /// The sheet without maps.
+    fn blank(&self, engine: &Engine, left: &Image, repeat: Option<u32>, range: (i32, i32)) -> Result<Sheet> {
+        let adapter = engine.names().adapter;
+        let name = self.left.file_name().unwrap_or_default().to_string_lossy();
+        let captions: Vec<_> = [name.into()].into_iter().chain(self.variants.iter().map(|v| v.label.clone())).collect();
+        let times = match repeat {
+            Some(frames @ 2..) => format!("times: median of {frames} frames after a warm-up, {adapter}"),
+            Some(_) => format!("times: one frame after a warm-up, {adapter}"),
+            None => format!("times: one frame, {adapter}"),
+        };
+        let legend = ["black: no disparity".to_owned(), self.common.clone(), times];
+        let legend: Vec<_> = legend.into_iter().filter(|line| !line.is_empty()).collect();
+        let plan = SheetPlan::new((left.width(), left.height()), &captions, &legend, self.order, self.tile_width)?;
+        Ok(Sheet::new(plan, &output::drawn(left), range))
+    }
+
+    /// Prints what was found.
+    fn print(&self, found: &StudyReport) -> Result<()> {
+        if self.json {
+            return terminal::print_json(found);
+        }
+        if self.quiet {
+            return Ok(());
+        }
+        let rows = found.variants.iter().map(|v| [v.label.clone(), v.ms(), v.percent()]);
+        terminal::print(&table(["settings", "ms", "valid"], rows, 1..3))
+    }
+}

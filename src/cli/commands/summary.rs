@@ -1,0 +1,147 @@
+//! The summary of many pairs, and the lines that all summaries have.
+
+use crate::engine::compute::EngineNames;
+use crate::engine::pipeline::Ran;
+use crate::terminal::{self, name, plain, rounded};
+use anyhow::Result;
+use gpu_stereo::Params;
+use serde::ser::SerializeMap as _;
+use serde::{Serialize, Serializer};
+use std::path::PathBuf;
+
+/// The line on what computed.
+pub fn adapter_line(names: &EngineNames) -> String {
+    let EngineNames { adapter, backend, driver } = names;
+    format!("adapter  {}\n", plain(&format!("{adapter} ({backend}, {driver})")))
+}
+
+/// The line on the disparities searched.
+pub fn range_line(min_disparity: i32, disparities: u32) -> String {
+    let last = i64::from(min_disparity) + i64::from(disparities) - 1;
+    format!("range    {disparities} disparities, {min_disparity} to {last} px\n")
+}
+
+/// What came of a video or a batch.
+pub struct Summary<F> {
+    /// What a pair is called, `pairs` or `frames`.
+    pub unit: &'static str,
+    /// What computed them, if there was anything to compute.
+    pub names: Option<EngineNames>,
+    /// Columns and rows, where all have the same: none where there was nothing to compute.
+    pub size: Option<Option<(u32, u32)>>,
+    /// The smallest disparity and their number.
+    pub range: (i32, u32),
+    /// The shard, where there can be one.
+    pub shard: Option<Option<String>>,
+    /// Pairs that were written.
+    pub done: usize,
+    /// Pairs whose files were there.
+    pub skipped: usize,
+    /// From the start to the last map written, with the creation of device and pipelines.
+    pub seconds: f64,
+    /// The most bytes in use on the device.
+    pub peak_device_bytes: u64,
+    /// The pairs that failed.
+    pub failures: Vec<F>,
+    /// Where they are logged.
+    pub log: Option<PathBuf>,
+    /// Why maps are doubtful.
+    pub warnings: Vec<String>,
+    /// How many are.
+    pub doubtful: usize,
+    /// Where the maps are.
+    pub output: PathBuf,
+}
+
+impl<F> Summary<F> {
+    /// What came of all pairs, with those that failed as the caller lists them.
+    pub fn new(unit: &'static str, ran: Ran, params: &Params, output: PathBuf, failures: Vec<F>) -> Self {
+        Self {
+            unit,
+            warnings: ran.warnings(),
+            doubtful: ran.doubtful_pairs(),
+            names: ran.names,
+            size: None,
+            range: (params.min_disparity, params.disparities),
+            shard: None,
+            done: ran.done,
+            skipped: 0,
+            seconds: ran.seconds,
+            peak_device_bytes: ran.device_bytes,
+            failures,
+            log: None,
+            output,
+        }
+    }
+
+    fn per_second(&self) -> f64 {
+        self.done as f64 / self.seconds.max(1e-9)
+    }
+
+    /// Prints it: as JSON, in words or, if `quiet`, not at all.
+    pub fn print(&self, json: bool, quiet: bool) -> Result<()>
+    where
+        F: Serialize,
+    {
+        match (json, quiet) {
+            (true, _) => terminal::print_json(self),
+            (false, false) => terminal::print(&self.text()),
+            (false, true) => Ok(()),
+        }
+    }
+
+    fn text(&self) -> String {
+        let mut text = self.names.as_ref().map(adapter_line).unwrap_or_default();
+        if let Some(Some((width, height))) = self.size {
+            text += &format!("size     {width} x {height}\n");
+        }
+        text += &range_line(self.range.0, self.range.1);
+        if let Some(Some(shard)) = &self.shard {
+            text += &format!("shard    {shard}\n");
+        }
+        let (unit, failed) = (self.unit, self.failures.len());
+        text += &format!("{unit:<9}{} done, {failed} failed, {} there already\n", self.done, self.skipped);
+        if self.doubtful > 0 {
+            text += &format!("doubtful {} {unit}: see the notes; --json lists them all\n", self.doubtful);
+        }
+        text += &format!("time     {:.1} s, {:.1} {unit} a second\n", self.seconds, self.per_second());
+        text += &match self.done {
+            0 => "written  nothing\n".into(),
+            _ => format!("written  {}\n", name(&self.output)),
+        };
+        if let Some(log) = self.log.as_ref().filter(|_| failed > 0) {
+            text += &format!("failed   {}\n", name(log));
+        }
+        text
+    }
+}
+
+impl<F: Serialize> Serialize for Summary<F> {
+    fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
+        let (unit, failed) = (self.unit, self.failures.len());
+        let mut map = serializer.serialize_map(None)?;
+        map.serialize_entry("adapter", &self.names.as_ref().map(|names| &names.adapter))?;
+        map.serialize_entry("backend", &self.names.as_ref().map(|names| &names.backend))?;
+        map.serialize_entry("driver", &self.names.as_ref().map(|names| &names.driver))?;
+        if let Some(size) = self.size {
+            map.serialize_entry("width", &size.map(|(width, _)| width))?;
+            map.serialize_entry("height", &size.map(|(_, height)| height))?;
+        }
+        map.serialize_entry("min_disparity", &self.range.0)?;
+        map.serialize_entry("disparities", &self.range.1)?;
+        if let Some(shard) = &self.shard {
+            map.serialize_entry("shard", shard)?;
+        }
+        map.serialize_entry(unit, &(self.done + failed + self.skipped))?;
+        map.serialize_entry("done", &self.done)?;
+        map.serialize_entry("failed", &failed)?;
+        map.serialize_entry("skipped", &self.skipped)?;
+        map.serialize_entry("seconds", &rounded(self.seconds))?;
+        map.serialize_entry(&format!("{unit}_per_second"), &rounded(self.per_second()))?;
+        map.serialize_entry("peak_device_bytes", &self.peak_device_bytes)?;
+        map.serialize_entry("failures", &self.failures)?;
+        map.serialize_entry("warnings", &self.warnings)?;
+        map.serialize_entry("output", &self.output.to_string_lossy())?;
+        map.end()
+    }
+}

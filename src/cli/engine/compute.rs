@@ -1,0 +1,279 @@
+//! What computes maps of one pair after another: an adapter, or the reference.
+
+use super::adapter::{self, Opened};
+use super::environment;
+use crate::args::{Backend, DeviceArgs};
+use crate::terminal::{plain, tell, to_microseconds};
+use anyhow::{Result, bail};
+use gpu_stereo::{Error, Image, Matched, Method, Params, StageCheck, StageTime, StereoMatcher, memory, reference};
+use serde::{Deserialize, Serialize};
+use std::time::Instant;
+
+/// What computes.
+pub enum Engine {
+    Adapter(Box<OnAdapter>),
+    Reference,
+}
+
+pub struct OnAdapter {
+    pub opened: Opened,
+    pub matcher: StereoMatcher,
+}
+
+/// The names of what computes; `--json` prints them as they are.
+#[derive(Clone, Debug, Default, Serialize, Deserialize)]
+pub struct EngineNames {
+    /// The adapter's name.
+    pub adapter: String,
+    /// The graphics interface, or `cpu` for the reference.
+    pub backend: String,
+    /// The driver's name and version.
+    pub driver: String,
+}
+
+/// Times over the frames.
+#[derive(Debug, Serialize)]
+pub struct FrameMs {
+    /// The median.
+    #[serde(serialize_with = "to_microseconds")]
+    pub median: f64,
+    /// The smallest.
+    #[serde(serialize_with = "to_microseconds")]
+    pub min: f64,
+}
+
+/// What came of frames of one pair.
+pub struct Frames {
+    /// The map and its confidence.
+    pub matched: Matched,
+    /// When the first frame was done.
+    pub first: Instant,
+    /// The time of a frame.
+    pub times: FrameMs,
+    /// The median time of each stage, where it was asked for.
+    pub stages: Vec<StageTime>,
+}
+
+impl Engine {
+    /// What computes with `params` maps of pairs that are as `image` is. `check`: it must be an adapter.
+    pub fn open(device: &DeviceArgs, check: bool, image: &Image, params: &Params) -> Result<Self> {
+        let (backend, wanted) = (device.backend, device.adapter.as_deref());
+        if backend == Backend::Cpu {
+            return Self::reference(image, params);
+        }
+        let mut adapters = adapter::ranked()?;
+        if let Some(wanted) = wanted {
+            let names: Vec<_> = adapters.iter().map(|adapter| adapter.get_info().name).collect();
+            adapters = vec![adapters.swap_remove(adapter::choose(&names, wanted)?)];
+        }
+        let only = adapters.len() == 1 && wanted.is_some();
+        for adapter in &adapters {
+            let opened = adapter::open(adapter).and_then(|opened| Self::on(opened, image, params));
+            match opened {
+                Ok(engine) => return Ok(engine),
+                // An adapter that cannot run the kernels at all is passed over, but not in silence.
+                Err(error @ (Error::Adapter(_) | Error::Device(_))) if !only => {
+                    tell(&format!("note: {}: {error}", plain(&adapter.get_info().name)));
+                }
+                Err(error) => return Err(error.into()),
+            }
+        }
+        let why = environment::why_none();
+        if backend == Backend::Gpu {
+            bail!(
+                "--backend is gpu, but there is no usable adapter{why}; install a Vulkan driver, or take auto or cpu"
+            );
+        }
+        if check {
+            bail!(
+                "--check compares an adapter with the CPU reference, but there is no usable adapter{why}; install a Vulkan driver"
+            );
+        }
+        tell(&format!("note: no usable GPU or CPU adapter{why}; computing with the CPU reference"));
+        Self::reference(image, params)
+    }
+
+    /// The engine in `kept` with other settings, or a new one, which is kept.
+    pub fn again<'a>(
+        kept: &'a mut Option<Self>,
+        device: &DeviceArgs,
+        image: &Image,
+        params: &Params,
+    ) -> Result<&'a Self> {
+        let engine = match kept.take() {
+            None => Self::open(device, false, image, params)?,
+            Some(Self::Adapter(on)) => {
+                let OnAdapter { opened, matcher } = *on;
+                drop(matcher); // its memory goes to the next one
+                Self::on(opened, image, params)?
+            }
+            Some(Self::Reference) => Self::reference(image, params)?,
+        };
+        Ok(kept.insert(engine))
+    }
+
+    fn on(opened: Opened, image: &Image, params: &Params) -> Result<Self, Error> {
+        let (width, height) = (image.width(), image.height());
+        let matcher = StereoMatcher::new(&opened.device, &opened.queue, width, height, image.format(), params);
+        opened.fault()?;
+        let matcher = matcher?;
+        Ok(Self::Adapter(Box::new(OnAdapter { opened, matcher })))
+    }
+
+    /// The reference, if its volumes fit.
+    fn reference(image: &Image, params: &Params) -> Result<Self> {
+        ensure_reference(params, image)?;
+        Ok(Self::Reference)
+    }
+
+    /// `repeat` frames after a warm-up; `None`: the first frame is the only one.
+    pub fn frames(
+        &self,
+        left: &Image,
+        right: &Image,
+        params: &Params,
+        timed: bool,
+        repeat: Option<u32>,
+    ) -> Result<Frames, Error> {
+        let before_first = Instant::now();
+        let (mut matched, stages) = self.compute(left, right, params, timed)?;
+        let first = Instant::now();
+        let mut frames = vec![(milliseconds(before_first), stages)];
+        if let Some(repeat) = repeat {
+            frames.clear(); // the first frame was the warm-up
+            for _ in 0..repeat {
+                let before = Instant::now();
+                let (frame, stages) = self.compute(left, right, params, timed)?;
+                frames.push((milliseconds(before), stages));
+                matched = frame;
+            }
+        }
+        let (times, stages): (Vec<_>, Vec<_>) = frames.into_iter().unzip();
+        let times = FrameMs { min: times.iter().copied().fold(f64::INFINITY, f64::min), median: median(times) };
+        Ok(Frames { matched, first, times, stages: median_stages(stages) })
+    }
+
+    fn compute(
+        &self,
+        left: &Image,
+        right: &Image,
+        params: &Params,
+        timed: bool,
+    ) -> Result<(Matched, Vec<StageTime>), Error> {
+        match self {
+            Self::Adapter(on) => {
+                let OnAdapter { opened, matcher } = on.as_ref();
+                let frame = if timed {
+                    matcher.compute_timed_blocking(left, right)
+                } else {
+                    matcher.compute_blocking(left, right).map(|matched| (matched, Vec::new()))
+                };
+                opened.fault()?;
+                frame
+            }
+            Self::Reference if timed => reference::compute_timed(left, right, params),
+            Self::Reference => reference::compute_all(left, right, params).map(|matched| (matched, Vec::new())),
+        }
+    }
+
+    /// Compares each stage with the reference.
+    pub fn check(&self, left: &Image, right: &Image, params: &Params) -> Result<Vec<StageCheck>> {
+        // Column sums of four bytes, the cost, every direction, and an aggregate of two bytes.
+        let directions = if params.method == Method::Sgm { params.paths.count().into() } else { 0 };
+        ensure_memory("the reference that --check compares with", params, left, 7 + directions)?;
+        match self {
+            Self::Adapter(on) => {
+                let OnAdapter { opened, matcher } = on.as_ref();
+                let stages = matcher.check_blocking(left, right);
+                opened.fault()?;
+                Ok(stages?)
+            }
+            Self::Reference => Ok(Vec::new()), // refused before: there is nothing to compare
+        }
+    }
+
+    /// The names of what computes.
+    pub fn names(&self) -> EngineNames {
+        match self {
+            Self::Adapter(on) => {
+                let info = &on.opened.info;
+                let (adapter, backend) = (info.name.clone(), info.backend.to_string());
+                EngineNames { adapter, backend, driver: adapter::driver(info) }
+            }
+            Self::Reference => {
+                let version = concat!("gpu-stereo ", env!("CARGO_PKG_VERSION"));
+                EngineNames { adapter: "CPU reference".into(), backend: "cpu".into(), driver: version.into() }
+            }
+        }
+    }
+
+    /// Bytes in use on the device, 0 for the reference.
+    pub fn device_bytes(&self) -> u64 {
+        match self {
+            Self::Adapter(on) => on.matcher.device_bytes(),
+            Self::Reference => 0,
+        }
+    }
+}
+
+/// Refuses what the reference has no memory for, and a pair of another size than its masks.
+pub fn ensure_reference(params: &Params, image: &Image) -> Result<()> {
+    params.accepts(image.width(), image.height())?;
+    // At the peak: column sums of four bytes, and with sgm the costs of one that are made of them.
+    let bytes = if params.method == Method::Sgm { 5 } else { 4 };
+    ensure_memory("the CPU reference", params, image, bytes)
+}
+
+/// Refuses what the host's memory cannot hold, volumes of `bytes` a pixel and disparity and what the reference keeps for each
+/// pixel: the system would kill the process without a word, or a failed allocation abort it.
+fn ensure_memory(what: &str, params: &Params, image: &Image, bytes: u64) -> Result<()> {
+    if !params.memory_check {
+        return Ok(());
+    }
+    let (width, height) = (u64::from(image.width()), u64::from(image.height()));
+    let columns = width + u64::from(params.block) - 1;
+    let volumes = bytes * columns * height * u64::from(params.disparities);
+    let needed = volumes + PIXEL_BYTES * width * height;
+    let what = format!("{what} of {width}x{height} pixels at {} disparities", params.disparities);
+    memory::ensure(&what, needed)?;
+    Ok(())
+}
+
+/// Bytes a pixel of the images, the planes and the maps of the reference, about.
+const PIXEL_BYTES: u64 = 36;
+
+fn milliseconds(since: Instant) -> f64 {
+    since.elapsed().as_secs_f64() * 1e3
+}
+
+/// The middle value, or the mean of the two; 0 of none.
+fn median(mut values: Vec<f64>) -> f64 {
+    values.sort_by(f64::total_cmp);
+    let n = values.len();
+    match n {
+        0 => 0.0,
+        _ => (values[(n - 1) / 2] + values[n / 2]) / 2.0,
+    }
+}
+
+/// The median time of each stage over the frames, in the stages' order.
+fn median_stages(frames: Vec<Vec<StageTime>>) -> Vec<StageTime> {
+    let mut stages = frames.first().cloned().unwrap_or_default();
+    for (i, stage) in stages.iter_mut().enumerate() {
+        stage.ms = median(frames.iter().filter_map(|frame| frame.get(i)).map(|stage| stage.ms).collect());
+    }
+    stages
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn medians() {
+        assert_eq!(median(vec![]), 0.0);
+        assert_eq!(median(vec![3.0]), 3.0);
+        assert_eq!(median(vec![9.0, 1.0, 2.0]), 2.0);
+        assert_eq!(median(vec![9.0, 1.0, 2.0, 3.0]), 2.5);
+    }
+}

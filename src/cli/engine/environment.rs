@@ -1,0 +1,143 @@
+//! Environment: what the variables say of adapters. A value that means nothing is refused, for wgpu ignores it.
+
+use crate::terminal::{name, tell};
+use anyhow::{Result, anyhow, bail, ensure};
+use gpu_stereo::wgpu::{self, Backends, GlFenceBehavior, InstanceDescriptor};
+use std::env;
+use std::path::Path;
+
+const BACKEND: &str = "WGPU_BACKEND";
+
+/// The interfaces that `WGPU_BACKEND` can name, by the names that wgpu gives them.
+const BACKENDS: [(&[&str], Backends); 4] = [
+    (&["vulkan", "vk"], Backends::VULKAN),
+    (&["metal", "mtl"], Backends::METAL),
+    (&["dx12", "d3d12"], Backends::DX12),
+    (&["gl", "gles", "opengl"], Backends::GL),
+];
+
+/// What else wgpu reads, and the values that it knows, in any case.
+const CHOICES: [(&str, &[&str]); 5] = [
+    ("WGPU_GLES_MINOR_VERSION", &["automatic", "0", "1", "2"]),
+    ("WGPU_GL_DEBUG_FNS", &["auto", "enabled", "forceenabled", "force_enabled", "disabled"]),
+    ("WGPU_DX12_COMPILER", &["fxc", "dxc", "dynamicdxc", "staticdxc"]),
+    ("WGPU_DX12_PRESENTATION_SYSTEM", &["hwnd", "dxgifromhwnd", "visual", "dxgifromvisual"]),
+    ("WGPU_DX12_AGILITY_SDK_REQUIRE", &["0", "1"]),
+];
+
+/// What programs that let wgpu choose the adapter read, and this one does not.
+const UNREAD: [&str; 2] = ["WGPU_ADAPTER_NAME", "WGPU_POWER_PREF"];
+
+/// Where the loader of Vulkan looks for drivers: lists of files and folders.
+const DRIVERS: [&str; 2] = ["VK_DRIVER_FILES", "VK_ICD_FILENAMES"];
+
+/// Which of these the loader takes.
+const FILTERS: [&str; 2] = ["VK_LOADER_DRIVERS_SELECT", "VK_LOADER_DRIVERS_DISABLE"];
+
+/// Refuses values that mean nothing, and says which variables change nothing.
+pub fn ensure_known() -> Result<()> {
+    backends(env::var_os(BACKEND).as_deref())?;
+    for (variable, allowed) in CHOICES {
+        let Some(value) = env::var_os(variable) else { continue };
+        ensure!(
+            value.to_str().is_some_and(|value| allowed.contains(&value.to_lowercase().as_str())),
+            "the environment has {variable}={:?}, but must have one of {}; correct or unset it",
+            name(&value),
+            allowed.join(", ")
+        );
+    }
+    for variable in UNREAD {
+        if let Some(value) = env::var_os(variable) {
+            tell(&format!(
+                "note: the environment has {variable}={:?}, which changes nothing here; choose with --adapter",
+                name(&value)
+            ));
+        }
+    }
+    Ok(())
+}
+
+/// The interfaces that a value of `WGPU_BACKEND` names; `None` if it is not set, or to nothing.
+fn backends(value: Option<&std::ffi::OsStr>) -> Result<Option<Backends>> {
+    let Some(value) = value.filter(|value| !value.is_empty()) else { return Ok(None) };
+    let known: Vec<_> = BACKENDS.iter().map(|(names, _)| names[0]).collect();
+    let wrong = |why: &str| {
+        anyhow!("the environment has {BACKEND}={:?}, but {why} {}; correct or unset it", name(value), known.join(", "))
+    };
+    let unknown = || wrong("must have one or several, with commas between them, of");
+    let text = value.to_str().ok_or_else(unknown)?.to_lowercase();
+    let mut all = Backends::empty();
+    for word in text.split(',').map(str::trim).filter(|word| !word.is_empty()) {
+        let found = BACKENDS.iter().find(|(names, _)| names.contains(&word));
+        all |= found.ok_or_else(unknown)?.1;
+    }
+    if all.is_empty() {
+        return Err(unknown());
+    }
+    let here = wgpu::Instance::enabled_backend_features();
+    if !here.intersects(all) {
+        let here = BACKENDS.iter().filter(|(_, backend)| here.contains(*backend)).map(|(names, _)| names[0]);
+        let here = here.collect::<Vec<_>>().join(", ");
+        bail!(
+            "the environment has {BACKEND}={:?}, but here are only {here}; take one of these, or unset it",
+            name(value)
+        );
+    }
+    Ok(Some(all))
+}
+
+/// How to find adapters.
+pub fn descriptor() -> Result<InstanceDescriptor> {
+    let mut descriptor = InstanceDescriptor::new_without_display_handle().with_env();
+    // OpenGL only if it is asked for: it would list most adapters a second time, with smaller limits.
+    descriptor.backends = backends(env::var_os(BACKEND).as_deref())?.unwrap_or(Backends::PRIMARY);
+    // What would give maps that were never computed.
+    descriptor.backend_options.noop.enable = false;
+    descriptor.backend_options.gl.fence_behavior = GlFenceBehavior::Normal;
+    Ok(descriptor)
+}
+
+/// What in the environment can be why there is no adapter, for the end of a sentence; empty if there is nothing.
+pub fn why_none() -> String {
+    let mut told = Vec::new();
+    for variable in [BACKEND].into_iter().chain(FILTERS) {
+        if let Some(value) = env::var_os(variable).filter(|value| !value.is_empty()) {
+            told.push(format!("{variable}={:?}", name(&value)));
+        }
+    }
+    for variable in DRIVERS {
+        let Some(value) = env::var_os(variable) else { continue };
+        let missing = env::split_paths(&value).all(|path| !Path::new(&path).exists());
+        told.push(format!("{variable}={:?}{}", name(&value), if missing { ", where no file is" } else { "" }));
+    }
+    match told[..] {
+        [] => String::new(),
+        _ => format!(" (the environment has {})", told.join(" and ")),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn backends_are_those_that_wgpu_names() {
+        let of = |value: &str| backends(Some(value.as_ref()));
+        assert!(backends(None).unwrap().is_none() && of("").unwrap().is_none());
+        let here = wgpu::Instance::enabled_backend_features();
+        for (names, backend) in BACKENDS {
+            for name in names {
+                assert_eq!(Backends::from_comma_list(name), backend, "{name}");
+                match here.contains(backend) {
+                    true => assert_eq!(of(&format!(" {}, ", name.to_uppercase())).unwrap(), Some(backend)),
+                    false => assert!(of(name).unwrap_err().to_string().contains("here are only")),
+                }
+            }
+        }
+        for wrong in ["vulcan", "noop", "webgpu", "vulkan;gl", ",", "vulkan,x", "\u{1b}[2J"] {
+            let error = of(wrong).unwrap_err().to_string();
+            let shown = format!("WGPU_BACKEND={:?}", name(wrong));
+            assert!(error.contains(&shown) && error.contains("vulkan, metal, dx12, gl; correct"), "{error}");
+        }
+    }
+}

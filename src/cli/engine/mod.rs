@@ -1,0 +1,15 @@
+//! What runs pairs: an adapter or the reference, one pair or many at a time, and the folder of their maps.
+
+pub mod adapter;
+pub mod compute;
+pub mod diagnosis;
+mod environment;
+pub mod known;
+pub mod log;
+pub mod pair;
+pub mod pairs;
+pub mod pipeline;
+pub mod places;
+pub mod signals;
+pub mod store;
+pub mod trial;

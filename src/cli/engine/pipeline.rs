@@ -1,0 +1,182 @@
+//! Pairs are read ahead by some threads, matched several at a time, and written by other threads, so that the device waits for
+//! no file.
+
+mod flow;
+mod tally;
+mod threads;
+mod work;
+
+use super::pair::Pair;
+use anyhow::{Result, anyhow};
+use flow::Flow;
+use gpu_stereo::{Error, Image};
+use std::sync::atomic::{AtomicBool, Ordering};
+use std::sync::mpsc::TryRecvError;
+use std::thread;
+use std::time::Instant;
+use tally::Tally;
+use threads::{ReadPair, Readers, Writers};
+pub use work::{FailedPair, MatchedPair, PairKind, Ran, Refused, Setup, Work};
+
+/// Matches all pairs. What fails is reported at once, and the rest goes on. Once `stop` is true, no further pair is begun.
+pub fn run(pairs: &[Pair], setup: &Setup<'_>, stop: &AtomicBool, work: &dyn Work) -> Ran {
+    let start = Instant::now();
+    let tally = Tally::new(pairs, setup, work);
+    let mut flow = None;
+    let ended = thread::scope(|scope| {
+        let readers = Readers::start(scope, pairs, setup, work)?;
+        let writers = Writers::start(scope, setup, work, &tally)?;
+        Run { pairs, setup, stop, work, tally: &tally, readers, writers, flow: &mut flow }.all()
+    });
+    let mut ran = tally.finish();
+    ran.seconds = start.elapsed().as_secs_f64();
+    if let Some(flow) = flow {
+        ran.size = Some(flow.size);
+        ran.device_bytes = flow.device_bytes();
+        ran.names = Some(flow.names);
+    }
+    // The first cause comes first.
+    ran.stopped = ran.stopped.or(ended.err());
+    if ran.stopped.is_none() && stop.load(Ordering::Relaxed) && ran.done + ran.failed.len() < pairs.len() {
+        ran.stopped = Some(anyhow!("interrupted"));
+    }
+    ran
+}
+
+/// What the thread works with that matches.
+struct Run<'a> {
+    pairs: &'a [Pair],
+    setup: &'a Setup<'a>,
+    stop: &'a AtomicBool,
+    work: &'a dyn Work,
+    tally: &'a Tally<'a>,
+    readers: Readers,
+    writers: Writers,
+    flow: &'a mut Option<Flow>,
+}
+
+impl Run<'_> {
+    /// One pair after the other: read, made room for, begun.
+    fn all(mut self) -> Result<()> {
+        for place in 0..self.pairs.len() {
+            let read = self.read(place)?;
+            if self.stop.load(Ordering::Relaxed) || self.tally.is_stopped() {
+                break;
+            }
+            let pair = match read.and_then(|pair| self.ensure_kind(pair)) {
+                Ok(pair) => pair,
+                Err(Refused::Pair(error)) => {
+                    self.tally.failed(place, &error);
+                    continue;
+                }
+                Err(Refused::All(error)) => return Err(error),
+            };
+            if self.has_room(place, &pair.left)? {
+                self.begin(place, pair)?;
+            }
+        }
+        while self.in_flight() > 0 && !self.tally.is_stopped() {
+            self.hand_on()?;
+        }
+        Ok(())
+    }
+
+    /// A pair as it was read. Results are handed on while it is.
+    fn read(&mut self, place: usize) -> Result<Result<ReadPair, Refused>> {
+        if self.setup.alone {
+            self.hand_on_all()?;
+            self.tally.wait_for(place);
+            return Ok(match self.tally.is_stopped() {
+                true => Err(Refused::Pair(anyhow!("stopped"))),
+                false => ReadPair::read(self.work, place, &self.pairs[place], self.setup),
+            });
+        }
+        loop {
+            match self.readers.try_next(place) {
+                Ok(pair) => return Ok(pair),
+                Err(TryRecvError::Empty) if self.in_flight() > 0 => self.hand_on()?,
+                Err(_) => return self.readers.next(place),
+            }
+        }
+    }
+
+    /// The pair, if it is of the kind that is known beforehand.
+    fn ensure_kind(&self, pair: ReadPair) -> Result<ReadPair, Refused> {
+        if let Some(kind) = self.setup.kind.filter(|_| !self.setup.mixed) {
+            kind.ensure(&pair.left).map_err(Refused::Pair)?;
+        }
+        Ok(pair)
+    }
+
+    /// Makes room for a pair as `left` is; else it failed.
+    fn has_room(&mut self, place: usize, left: &Image) -> Result<bool> {
+        match self.make_room(left)? {
+            Ok(()) => Ok(true),
+            Err(error) if is_of_the_pair(&error) && (self.setup.mixed || self.flow.is_some()) => {
+                self.tally.failed(place, &error);
+                Ok(false)
+            }
+            Err(error) => Err(error),
+        }
+    }
+
+    fn make_room(&mut self, left: &Image) -> Result<Result<()>> {
+        let Some(format) = self.flow.as_ref().map(|flow| flow.format) else {
+            return Ok(Flow::open(self.setup, left).map(|flow| *self.flow = Some(flow)));
+        };
+        // Streams of other samples give their results in an order of their own.
+        if self.setup.mixed && format != left.format() {
+            self.hand_on_all()?;
+        }
+        let fits = self.fit(left);
+        if self.setup.mixed && self.in_flight() > 0 && fits.as_ref().is_err_and(is_of_the_pair) {
+            self.hand_on_all()?;
+            return Ok(self.fit(left));
+        }
+        Ok(fits)
+    }
+
+    fn fit(&mut self, left: &Image) -> Result<()> {
+        self.flow.as_mut().map_or(Ok(()), |flow| flow.fit(self.setup, left))
+    }
+
+    /// Begins with a pair that there is room for, once there is a place in flight.
+    fn begin(&mut self, place: usize, pair: ReadPair) -> Result<()> {
+        while self.flow.as_ref().is_some_and(|flow| flow.in_flight() >= flow.capacity()) {
+            self.hand_on()?;
+        }
+        let ReadPair { left, right, doubts } = pair;
+        if let Some(flow) = self.flow {
+            flow.push(place, left, &right)?;
+        }
+        doubts.into_iter().for_each(|doubt| self.tally.doubt(place, doubt));
+        Ok(())
+    }
+
+    fn in_flight(&self) -> usize {
+        self.flow.as_ref().map_or(0, Flow::in_flight)
+    }
+
+    /// Has the next result written.
+    fn hand_on(&mut self) -> Result<()> {
+        match self.flow.as_mut().map(Flow::next).transpose()?.flatten() {
+            Some(pair) => self.writers.write(pair),
+            None => Ok(()),
+        }
+    }
+
+    fn hand_on_all(&mut self) -> Result<()> {
+        while self.in_flight() > 0 {
+            self.hand_on()?;
+        }
+        Ok(())
+    }
+}
+
+/// Whether others can be matched where this happened.
+fn is_of_the_pair(error: &anyhow::Error) -> bool {
+    matches!(
+        error.downcast_ref(),
+        Some(Error::Image(_) | Error::TooLarge { .. } | Error::Memory { .. } | Error::OutOfMemory)
+    )
+}

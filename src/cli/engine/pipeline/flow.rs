@@ -1,0 +1,172 @@
+//! Where pairs are matched: a stream on an adapter for each kind of samples, or the reference.
+
+use super::work::{MatchedPair, PairKind, Setup};
+use crate::engine::adapter::Opened;
+use crate::engine::compute::{self, Engine, EngineNames, OnAdapter};
+use anyhow::{Result, anyhow};
+use gpu_stereo::{Error, Image, Matched, Params, PixelFormat, StereoMatcher, StereoStream, reference};
+use std::collections::VecDeque;
+
+/// What matches, and the pairs in it.
+pub struct Flow {
+    /// The names of what computes.
+    pub names: EngineNames,
+    /// Columns and rows of the first pair.
+    pub size: (u32, u32),
+    /// Of the pairs in it.
+    pub format: PixelFormat,
+    matcher: Matcher,
+    kind: PairKind,
+    waiting: VecDeque<(usize, Image)>,
+}
+
+enum Matcher {
+    Streams(Box<Streams>),
+    /// With the result of the pair that was pushed.
+    Reference(Box<Params>, Option<Matched>),
+}
+
+/// A stream for each kind of samples, so that kernels are compiled once. The last one is in use.
+struct Streams {
+    opened: Opened,
+    all: Vec<StereoStream>,
+    params: Params,
+    in_flight: usize,
+    peak_bytes: u64,
+}
+
+impl Streams {
+    fn current(&mut self) -> Result<&mut StereoStream> {
+        self.all.last_mut().ok_or_else(|| anyhow!("there is no stream"))
+    }
+
+    /// Takes pairs that are as `left` is from now on. If it is `idle`, streams may be dropped for it.
+    fn fit(&mut self, left: &Image, idle: bool) -> Result<()> {
+        let mut turned = self.turn(left);
+        if idle && matches!(turned, Err(Error::TooLarge { .. } | Error::Image(_))) {
+            turned = self.renew(left); // a wide pair and a high one need less room one after the other
+        }
+        if idle && matches!(turned, Err(Error::OutOfMemory | Error::Memory { .. })) {
+            self.all.clear();
+            turned = self.renew(left);
+        }
+        self.opened.fault()?;
+        turned?;
+        self.peak_bytes = self.peak_bytes.max(self.all.iter().map(|stream| stream.matcher().device_bytes()).sum());
+        Ok(())
+    }
+
+    /// By the stream for such samples.
+    fn turn(&mut self, left: &Image) -> Result<(), Error> {
+        let (width, height) = (left.width(), left.height());
+        let Some(place) = self.all.iter().position(|stream| stream.matcher().format() == left.format()) else {
+            return self.renew(left);
+        };
+        self.all[place..].rotate_left(1);
+        match self.all.last_mut() {
+            Some(stream) if stream.matcher().size() != (width, height) => stream.resize(width, height),
+            _ => Ok(()),
+        }
+    }
+
+    /// By a new stream in the place of that for such samples.
+    fn renew(&mut self, left: &Image) -> Result<(), Error> {
+        let (width, height, format) = (left.width(), left.height(), left.format());
+        let Opened { device, queue, .. } = &self.opened;
+        let matcher = StereoMatcher::new(device, queue, width, height, format, &self.params)?;
+        let stream = StereoStream::new(matcher, self.in_flight)?;
+        self.all.retain(|stream| stream.matcher().format() != format);
+        self.all.push(stream);
+        Ok(())
+    }
+}
+
+impl Flow {
+    /// For pairs that are as `left` is.
+    pub fn open(setup: &Setup<'_>, left: &Image) -> Result<Self> {
+        let engine = Engine::open(setup.device, false, left, setup.params)?;
+        let names = engine.names();
+        let params = setup.params.clone();
+        let matcher = match engine {
+            Engine::Reference => Matcher::Reference(Box::new(params), None),
+            Engine::Adapter(on) => {
+                let OnAdapter { opened, matcher } = *on;
+                let stream = StereoStream::new(matcher, setup.in_flight);
+                opened.fault()?;
+                let stream = stream?;
+                let peak_bytes = stream.matcher().device_bytes();
+                let in_flight = setup.in_flight;
+                Matcher::Streams(Box::new(Streams { opened, all: vec![stream], params, in_flight, peak_bytes }))
+            }
+        };
+        let size = (left.width(), left.height());
+        Ok(Self { matcher, names, size, kind: PairKind::of(left), format: left.format(), waiting: VecDeque::new() })
+    }
+
+    /// Makes sure that a pair can be pushed, which must be as the first one unless they are mixed. Those in it have the
+    /// same samples.
+    pub fn fit(&mut self, setup: &Setup<'_>, left: &Image) -> Result<()> {
+        let format = left.format();
+        if !setup.mixed {
+            self.kind.ensure(left)?;
+        }
+        match &mut self.matcher {
+            Matcher::Streams(on) => on.fit(left, self.waiting.is_empty())?,
+            Matcher::Reference(params, _) => compute::ensure_reference(params, left)?,
+        }
+        self.format = format;
+        Ok(())
+    }
+
+    /// Pairs in it.
+    pub fn in_flight(&self) -> usize {
+        self.waiting.len()
+    }
+
+    /// Pairs that it holds at most.
+    pub fn capacity(&self) -> usize {
+        match &self.matcher {
+            Matcher::Streams(on) => on.in_flight,
+            Matcher::Reference(..) => 1,
+        }
+    }
+
+    /// The most bytes in use on the device.
+    pub fn device_bytes(&self) -> u64 {
+        match &self.matcher {
+            Matcher::Streams(on) => on.peak_bytes,
+            Matcher::Reference(..) => 0,
+        }
+    }
+
+    /// Begins with a pair that fits; there is room for it.
+    pub fn push(&mut self, place: usize, left: Image, right: &Image) -> Result<()> {
+        match &mut self.matcher {
+            Matcher::Streams(on) => {
+                let pushed = on.current()?.try_push(&left, right);
+                on.opened.fault()?;
+                pushed?.ok_or_else(|| anyhow!("the stream is full before its time"))?;
+            }
+            Matcher::Reference(params, result) => {
+                *result = Some(reference::compute_all(&left, right, params)?);
+            }
+        }
+        self.waiting.push_back((place, left));
+        Ok(())
+    }
+
+    /// The next result. What fails here is the device, so all that follows would fail, too.
+    pub fn next(&mut self) -> Result<Option<MatchedPair>> {
+        let matched = match &mut self.matcher {
+            Matcher::Streams(on) => {
+                let frame = on.current()?.next_blocking();
+                on.opened.fault()?;
+                frame.map(|frame| frame.result).transpose()?
+            }
+            Matcher::Reference(_, result) => result.take(),
+        };
+        let ended = || Error::Lost("the stream gave no result".into());
+        let Some((place, left)) = self.waiting.pop_front() else { return Ok(None) };
+        Ok(Some(MatchedPair { place, left, matched: matched.ok_or_else(ended)? }))
+    }
+}

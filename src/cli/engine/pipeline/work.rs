@@ -1,0 +1,150 @@
+//! What the pipeline is given: how to match, where pairs come from and where their maps go; and what it gives back.
+
+use crate::args::{DeviceArgs, InputArgs};
+use crate::disk;
+use crate::engine::compute::EngineNames;
+use crate::engine::pair::Pair;
+use crate::lossless::Name;
+use crate::terminal::{one_line, warnings};
+use crate::views::{self, Views};
+use anyhow::{Result, bail};
+use gpu_stereo::{Error, Image, Matched, Params};
+use serde::{Deserialize, Serialize};
+use std::collections::HashSet;
+
+/// How to match the pairs.
+#[derive(Clone, Copy)]
+pub struct Setup<'a> {
+    /// Where to compute.
+    pub device: &'a DeviceArgs,
+    /// The settings.
+    pub params: &'a Params,
+    /// How the images are read.
+    pub input: &'a InputArgs,
+    /// Every so many pairs one is diagnosed.
+    pub diagnosed: usize,
+    /// Pairs on the device at a time.
+    pub in_flight: usize,
+    /// Threads that read.
+    pub readers: usize,
+    /// Threads that write; with one, the maps come in order.
+    pub writers: usize,
+    /// Whether pairs may differ in size and samples; else all must be as the first one.
+    pub mixed: bool,
+    /// What the first one must be, if that is known, unless they may differ.
+    pub kind: Option<&'a PairKind>,
+    /// Whether each pair is written before the next one is read.
+    pub alone: bool,
+    /// What the progress counts.
+    pub unit: &'static str,
+    /// No progress.
+    pub quiet: bool,
+}
+
+/// A pair's left image and its map.
+pub struct MatchedPair {
+    /// Which pair it is.
+    pub place: usize,
+    /// The left image.
+    pub left: Image,
+    /// The map.
+    pub matched: Matched,
+}
+
+/// Size and samples of a pair, in words.
+#[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
+pub struct PairKind(String);
+
+impl PairKind {
+    /// That of an image.
+    pub fn of(image: &Image) -> Self {
+        Self(format!("{}x{} in {:?}", image.width(), image.height(), image.format()))
+    }
+
+    /// All pairs are of the first one's kind.
+    pub fn ensure(&self, image: &Image) -> Result<()> {
+        let (Self(first), it) = (self, Self::of(image));
+        if it != *self {
+            let it = it.0;
+            bail!(Error::Image(format!("it is {it}, but the first frame is {first}; give frames of one kind")));
+        }
+        Ok(())
+    }
+}
+
+/// Why a pair could not be read or written.
+pub enum Refused {
+    /// Others can be.
+    Pair(anyhow::Error),
+    /// No other can be, either.
+    All(anyhow::Error),
+}
+
+impl Refused {
+    /// A failure to write: some last, as that of a full disk.
+    pub fn of(error: anyhow::Error) -> Self {
+        if disk::is_lasting(&error) { Self::All(error) } else { Self::Pair(error) }
+    }
+}
+
+/// Where pairs come from, and where their maps go.
+pub trait Work: Sync {
+    /// Reads a pair.
+    fn read(&self, _place: usize, pair: &Pair, options: &InputArgs) -> Result<Views, Refused> {
+        views::read_pair(&pair.left, &pair.right, options).map_err(Refused::Pair)
+    }
+
+    /// Writes a map.
+    fn write(&self, pair: &MatchedPair) -> Result<(), Refused>;
+
+    /// Writes down that a pair failed, and why.
+    fn failed(&self, _place: usize, _error: &str) -> Result<()> {
+        Ok(())
+    }
+}
+
+/// What came of all pairs.
+#[derive(Debug, Default)]
+pub struct Ran {
+    /// What computed them, if there was anything to compute.
+    pub names: Option<EngineNames>,
+    /// Columns and rows.
+    pub size: Option<(u32, u32)>,
+    /// Bytes in use on the device.
+    pub device_bytes: u64,
+    /// Pairs whose maps were written.
+    pub done: usize,
+    /// Pairs that failed.
+    pub failed: Vec<FailedPair>,
+    /// Pairs whose map is doubtful, with why.
+    pub doubtful: Vec<(usize, String)>,
+    /// From the start to the last map written.
+    pub seconds: f64,
+    /// What ended it before its time.
+    pub stopped: Option<anyhow::Error>,
+}
+
+impl Ran {
+    /// All that is doubtful, as `--json` lists it.
+    pub fn warnings(&self) -> Vec<String> {
+        let of_pairs = self.doubtful.iter().map(|(_, text)| one_line(text));
+        warnings::all().into_iter().chain(of_pairs).collect()
+    }
+
+    /// How many pairs are doubtful.
+    pub fn doubtful_pairs(&self) -> usize {
+        self.doubtful.iter().map(|(place, _)| place).collect::<HashSet<_>>().len()
+    }
+}
+
+/// A pair that failed.
+#[derive(Debug, Serialize)]
+pub struct FailedPair {
+    /// Which pair it is.
+    #[serde(skip)]
+    pub place: usize,
+    /// The left image's path.
+    pub frame: Name,
+    /// Why.
+    pub error: String,
+}

@@ -1,0 +1,420 @@
+//! The output folder of a video or a batch: what vouches for its maps, which of them `--resume` may keep, and what is written in
+//! which order, so that whatever ends a process, no map is taken for another.
+
+mod entry;
+mod journal;
+mod plan;
+mod record;
+
+use super::known::KnownFile;
+use super::log::Log;
+use super::pair::Pair;
+use super::pipeline::{MatchedPair, PairKind, Refused, Work};
+use super::places;
+use crate::args::InputArgs;
+use crate::disk;
+use crate::facts::Facts;
+use crate::lossless::Name;
+use crate::mask::MaskFiles;
+use crate::output;
+use crate::terminal::tell;
+use crate::views::{self, Views};
+use anyhow::{Context as _, Result, anyhow, bail, ensure};
+use entry::Entry;
+pub use entry::FailedLine;
+use gpu_stereo::Params;
+use journal::{Begun, Dead};
+pub use journal::{Journal, State};
+use plan::ensure_possible;
+pub use plan::{Item, Planned, suspects};
+use record::{Contents, Record};
+use std::collections::{BTreeSet, HashMap};
+use std::fs;
+use std::path::{Component, Path, PathBuf};
+use std::sync::{Mutex, MutexGuard, OnceLock, PoisonError};
+use std::time::{Duration, Instant};
+
+/// What vouches for maps is on the disk so long after them at the latest.
+const SYNC_AFTER: Duration = Duration::from_secs(1);
+
+/// So many processes may die while they compute a pair alone until it is not computed again.
+pub const MOST_DEATHS: u32 = 2;
+
+/// How the folder is used.
+#[derive(Clone, Debug)]
+pub struct Mode {
+    /// Keep what is there.
+    pub resume: bool,
+    /// Compute pairs again that ended processes.
+    pub retry: bool,
+    /// Maps of other settings go, rather than that they are an error; and failures are not logged.
+    pub video: bool,
+    /// How images are read.
+    pub input: InputArgs,
+    /// Which pixels have content; no map replaces such a file.
+    pub masks: MaskFiles,
+    /// The journal whose suspects are computed alone, in place of any list.
+    pub suspects: Option<PathBuf>,
+}
+
+/// The output folder.
+pub struct Store {
+    /// Where it is.
+    pub out: PathBuf,
+    /// First those to compute at once, then those to compute alone, then those that are not computed again.
+    pub pairs: Vec<Pair>,
+    /// Of each of these.
+    pub items: Vec<Item>,
+    /// How many are computed at once.
+    pub main: usize,
+    /// Of those to compute alone, how many processes died of each.
+    pub suspects: Vec<u32>,
+    /// Of those that are not computed again, why.
+    pub passed: Vec<String>,
+    /// Pairs whose files are kept.
+    pub skipped: usize,
+    /// Size and samples of the frames that are kept.
+    pub kind: Option<PairKind>,
+    /// How it is used.
+    pub mode: Mode,
+    /// Where failures are logged.
+    pub failures: Log,
+    params: Params,
+    record: Record,
+    settings: String,
+    done: Log,
+    dead: Mutex<Vec<Dead>>,
+    journal: OnceLock<Journal>,
+    /// The contents of the images that were read.
+    sources: Mutex<HashMap<usize, [Facts; 2]>>,
+    begun: OnceLock<Result<(), String>>,
+    synced: Mutex<Instant>,
+}
+
+impl Store {
+    /// A folder for these pairs, made if need be; nothing else in it is changed yet. `advice`: what to do about names that
+    /// are the same.
+    pub fn new(
+        out: &Path,
+        params: &Params,
+        sources: &[(&str, &Path)],
+        all: &[Planned],
+        advice: &str,
+        mode: Mode,
+    ) -> Result<Self> {
+        ensure_possible(out, all, false, advice)?;
+        output::make_folder(out, out)?;
+        if places::is_caseless(out) {
+            ensure_possible(out, all, true, advice)?;
+        }
+        let outputs = all.iter().flat_map(|planned| &planned.item.outputs).map(|output| output.path.as_path());
+        output::ensure_no_input(outputs, all.iter().map(|planned| &planned.pair), &mode.masks)?;
+        let record = Record::new(out, params, &mode.input, sources);
+        let log = |name: &str| Log { path: out.join(name) };
+        let store = Self {
+            out: out.into(),
+            pairs: Vec::new(),
+            items: Vec::new(),
+            main: 0,
+            suspects: Vec::new(),
+            passed: Vec::new(),
+            skipped: 0,
+            kind: None,
+            failures: log(plan::FAILURES),
+            params: params.clone(),
+            settings: format!("{} {:?}", record.fingerprint(), mode.input.bits),
+            record,
+            done: log(plan::DONE),
+            dead: Mutex::new(if mode.suspects.is_none() { Dead::find(out) } else { Vec::new() }),
+            journal: OnceLock::new(),
+            sources: Mutex::default(),
+            begun: OnceLock::new(),
+            synced: Mutex::new(Instant::now()),
+            mode,
+        };
+        store.ensure_mine(&store.record.find()?)?;
+        store.failures.ensure_own()?;
+        store.done.ensure_own()?;
+        Ok(store)
+    }
+
+    /// The pairs of this process. With `--resume`, those whose maps are there are dropped.
+    pub fn fill(&mut self, all: Vec<Planned>) -> Result<()> {
+        let entries = if self.mode.resume { self.entries()? } else { HashMap::new() };
+        if self.mode.video {
+            let mine = |entry: &&Entry| entry.settings.as_ref() == Some(&self.settings);
+            self.kind = entries.values().filter(mine).find_map(|entry| entry.kind.clone());
+        }
+        let (mut main, mut alone, mut passed) = (Vec::new(), Vec::new(), Vec::new());
+        let suspects = self.mode.suspects.as_ref().map(|journal| journal::states(journal)).transpose()?;
+        for Planned { pair, item, .. } in all {
+            if let Some(suspects) = &suspects {
+                let deaths = suspects.get(&Name::from(&item.name)).map_or(0, |(begun, _)| begun.alone);
+                alone.push((pair, item, deaths));
+                continue;
+            }
+            let entry = entries.get(&Name::from(&item.name)).filter(|entry| entry.is_of(&self.settings, &pair));
+            match (entry, self.deaths(&pair, &item)) {
+                (Some(Entry { killed: Some(why), .. }), _) if !self.mode.retry => {
+                    passed.push((pair, item, why.clone()))
+                }
+                (Some(Entry { killed: Some(_), .. }), _) => alone.push((pair, item, 0)),
+                (Some(entry), _) if entry.has(&self.out, &item) => self.skipped += 1,
+                (_, Some(deaths)) if self.mode.resume => alone.push((pair, item, deaths)),
+                _ => main.push((pair, item)),
+            }
+        }
+        if self.mode.suspects.is_none() && !alone.is_empty() {
+            tell(&format!(
+                "note: an earlier run died while it computed {} pairs; they are computed last, one by one, by a process of \
+                 their own",
+                alone.len()
+            ));
+        }
+        self.main = main.len();
+        for (pair, item) in main {
+            self.pairs.push(pair);
+            self.items.push(item);
+        }
+        for (pair, item, deaths) in alone {
+            self.pairs.push(pair);
+            self.items.push(item);
+            self.suspects.push(deaths);
+        }
+        for (pair, item, why) in passed {
+            self.pairs.push(pair);
+            self.items.push(item);
+            self.passed.push(why);
+        }
+        Ok(())
+    }
+
+    /// How many processes died while they computed a pair alone, if any died while it computed it.
+    fn deaths(&self, pair: &Pair, item: &Item) -> Option<u32> {
+        let dead = self.dead();
+        let begun = dead.iter().filter_map(|dead| dead.suspects.get(&Name::from(&item.name)));
+        let of_pair = |begun: &&Begun| **begun == Begun { alone: begun.alone, ..Begun::new(&item.name, pair, 0) };
+        let deaths = begun.filter(of_pair).map(|begun| begun.alone).max();
+        if self.mode.retry { deaths.map(|_| 0) } else { deaths }
+    }
+
+    fn dead(&self) -> MutexGuard<'_, Vec<Dead>> {
+        self.dead.lock().unwrap_or_else(PoisonError::into_inner)
+    }
+
+    /// What the last line of each name says. Formats of one pair that were made one after the other count together.
+    fn entries(&self) -> Result<HashMap<Name, Entry>> {
+        let mut entries: HashMap<Name, Entry> = HashMap::new();
+        for mut entry in self.done.read::<Entry>()? {
+            if let Some(before) = entries.remove(&entry.name) {
+                let same = |a: &[KnownFile], b: &[KnownFile]| {
+                    a.len() == b.len() && a.iter().zip(b).all(|(a, b)| a.path == b.path && a.facts.hash == b.facts.hash)
+                };
+                if entry.settings.is_some() && entry.settings == before.settings && same(&entry.inputs, &before.inputs)
+                {
+                    let missing = |known: &KnownFile| entry.outputs.iter().all(|other| other.path != known.path);
+                    let kept: Vec<_> = before.outputs.into_iter().filter(missing).collect();
+                    entry.outputs.extend(kept);
+                }
+            }
+            entries.insert(entry.name.clone(), entry);
+        }
+        Ok(entries)
+    }
+
+    /// Whether maps may be written here, where maps of `found` are.
+    fn ensure_mine(&self, found: &Contents) -> Result<()> {
+        let path = &self.record.path;
+        match found {
+            Contents::Same | Contents::Nothing => Ok(()),
+            Contents::OtherVerb(verb) => bail!(
+                "the output folder has maps of gpu-stereo {verb} ({path:?}), and a folder holds those of one; give another folder"
+            ),
+            Contents::Other(differing) if !self.mode.video => bail!(
+                "the output folder has maps that were made otherwise: {differing} ({path:?}); run as before, or give another \
+                 folder"
+            ),
+            Contents::Other(differing) if self.mode.resume => {
+                bail!("--resume would mix maps: {differing} ({path:?}); run as before, or without it")
+            }
+            Contents::Other(differing) => {
+                ensure!(
+                    !journal::is_in_use(&self.out, self.journal.get()),
+                    "another process writes maps into the output folder that are made otherwise: {differing} ({path:?}); wait \
+                     for its end, or give another folder"
+                );
+                Ok(())
+            }
+        }
+    }
+
+    /// The journal is begun, and those of dead processes are taken over.
+    pub fn open(&self) -> Result<()> {
+        let journal = match &self.mode.suspects {
+            Some(path) => Journal::join(path)?,
+            None => Journal::create(&self.out)?,
+        };
+        let alone = self.pairs[self.main..].iter().zip(&self.items[self.main..]).zip(&self.suspects);
+        if self.mode.suspects.is_none() {
+            journal.suspect(alone.map(|((pair, item), &deaths)| Begun::new(&item.name, pair, deaths)))?;
+        }
+        let _ = self.journal.set(journal);
+        for dead in self.dead().drain(..) {
+            dead.take(self.items.iter().map(|item| Name::from(&item.name)))?;
+        }
+        Ok(())
+    }
+
+    /// The journal, which is open.
+    pub fn journal(&self) -> Result<&Journal> {
+        self.journal.get().ok_or_else(|| anyhow!("the journal is not open"))
+    }
+
+    /// Before the first map: the settings are known to be those of the folder, and nothing vouches for maps that will be
+    /// replaced.
+    fn begin(&self) -> Result<()> {
+        if self.mode.suspects.is_some() {
+            return Ok(()); // the process that started this one has begun, or will
+        }
+        self.record.begin(|found| {
+            self.ensure_mine(found)?;
+            if matches!(found, Contents::Other(_)) {
+                self.remove_maps()?;
+            }
+            let mut lines = Vec::new();
+            if !self.mode.resume {
+                let there = self.entries()?;
+                let vouched = |item: &&Item| there.get(&Name::from(&item.name)).is_some_and(|e| e.settings.is_some());
+                lines.extend(self.items.iter().filter(vouched).map(|item| Entry::empty(&item.name)));
+            }
+            if self.mode.video {
+                let files = |item: &Item| item.outputs.iter().map(|output| self.below(&output.path)).collect();
+                lines =
+                    self.items.iter().map(|item| Entry { files: files(item), ..Entry::empty(&item.name) }).collect();
+            }
+            if lines.is_empty() {
+                return Ok(());
+            }
+            self.done.append(&lines, true)?;
+            Ok(disk::sync_folder(&self.out)?)
+        })
+    }
+
+    /// Removes all maps that the folder has lines about, and those that have their names here.
+    fn remove_maps(&self) -> Result<()> {
+        let mut files: BTreeSet<PathBuf> = BTreeSet::new();
+        for entry in self.done.read::<Entry>()? {
+            files.extend(
+                entry.files.into_iter().chain(entry.outputs.into_iter().map(|known| known.path)).map(|name| name.0),
+            );
+        }
+        // Plain names, or somebody else wrote them.
+        files.retain(|file| file.components().all(|part| matches!(part, Component::Normal(_))));
+        let own = self.items.iter().flat_map(|item| &item.outputs).map(|output| output.path.clone());
+        for path in files.iter().map(|file| self.out.join(file)).chain(own) {
+            let folders = path.ancestors().skip(1).take_while(|folder| *folder != self.out);
+            let is_file = fs::symlink_metadata(&path).is_ok_and(|kind| !kind.is_dir());
+            if is_file && folders.into_iter().all(|folder| disk::ensure_plain_folder(folder).is_ok()) {
+                fs::remove_file(&path).with_context(|| format!("{path:?} cannot be removed"))?;
+            }
+        }
+        if self.done.path.exists() {
+            fs::remove_file(&self.done.path).with_context(|| format!("{:?} cannot be removed", self.done.path))?;
+        }
+        Ok(disk::sync_folder(&self.out)?)
+    }
+
+    /// A path of the folder, seen from it.
+    fn below(&self, path: &Path) -> Name {
+        path.strip_prefix(&self.out).unwrap_or(path).into()
+    }
+
+    /// The line of a pair that failed.
+    pub fn failure(&self, place: usize, error: &str) -> FailedLine {
+        let Begun { name, left, right, .. } = Begun::new(&self.items[place].name, &self.pairs[place], 0);
+        FailedLine { name, left, right, error: error.into() }
+    }
+
+    /// From now on a pair is not computed again, since it ended processes.
+    pub fn convict(&self, place: usize, why: &str) -> Result<()> {
+        self.begin_once().map_err(|error| anyhow!("{error}"))?;
+        let Begun { name, left, right, .. } = Begun::new(&self.items[place].name, &self.pairs[place], 0);
+        let inputs = [left, right].iter().filter_map(|path| KnownFile::read(&path.0)).collect();
+        let (settings, killed) = (Some(self.settings.clone()), Some(why.into()));
+        self.done.append(&[Entry { settings, inputs, killed, ..Entry::empty(&name.0) }], true)?;
+        self.failed(place, why)
+    }
+
+    /// Once, before the first map.
+    pub fn begin_once(&self) -> Result<(), &String> {
+        self.begun.get_or_init(|| self.begin().map_err(|error| format!("{error:#}"))).as_ref().map(|_| ())
+    }
+
+    fn write_maps(&self, matched: &MatchedPair) -> Result<Entry> {
+        let item = &self.items[matched.place];
+        for folder in item.outputs.iter().filter_map(|output| output.path.parent()) {
+            disk::make_folder_below(&self.out, folder)?;
+        }
+        let maps = &matched.matched;
+        let facts = output::write(&item.outputs, &maps.map, maps.confidence.as_ref(), None, &self.params)?;
+        let outputs = item.outputs.iter().zip(facts);
+        let outputs = outputs.map(|(output, facts)| KnownFile { path: self.below(&output.path), facts }).collect();
+        let pair = &self.pairs[matched.place];
+        let sources = self.sources.lock().unwrap_or_else(PoisonError::into_inner).remove(&matched.place);
+        let inputs = [&pair.left, &pair.right].into_iter().zip(sources.into_iter().flatten());
+        let inputs = inputs.map(|(path, facts)| KnownFile::new(path, facts)).collect();
+        let (settings, kind) = (Some(self.settings.clone()), Some(PairKind::of(&matched.left)));
+        Ok(Entry { settings, inputs, outputs, kind, ..Entry::empty(&item.name) })
+    }
+
+    /// Vouches for maps that are on the disk. The lines themselves may get there a little later: without them, the maps
+    /// are computed again.
+    fn vouch(&self, entry: Entry) -> Result<()> {
+        let sync = {
+            let mut synced = self.synced.lock().unwrap_or_else(PoisonError::into_inner);
+            let due = synced.elapsed() >= SYNC_AFTER;
+            if due {
+                *synced = Instant::now();
+            }
+            due
+        };
+        self.done.append(&[entry], sync)
+    }
+
+    /// The process ends in order.
+    pub fn close(&self) -> Result<()> {
+        if self.begun.get().is_some() {
+            self.done.sync()?;
+        }
+        match self.journal.get() {
+            Some(journal) if self.mode.suspects.is_none() => journal.close(),
+            _ => Ok(()),
+        }
+    }
+}
+
+impl Work for Store {
+    fn read(&self, place: usize, pair: &Pair, options: &InputArgs) -> Result<Views, Refused> {
+        let alone = if self.mode.suspects.is_some() { self.suspects[place] + 1 } else { 0 };
+        let begun = Begun::new(&self.items[place].name, pair, alone);
+        self.journal().and_then(|journal| journal.begin(begun)).map_err(Refused::All)?;
+        let views = views::read_pair(&pair.left, &pair.right, options).map_err(Refused::Pair)?;
+        self.sources.lock().unwrap_or_else(PoisonError::into_inner).insert(place, views.facts.clone());
+        Ok(views)
+    }
+
+    fn write(&self, matched: &MatchedPair) -> Result<(), Refused> {
+        // Only now, so that a run that cannot compute changes nothing.
+        self.begin_once().map_err(|error| Refused::All(anyhow!("{error}")))?;
+        let entry = self.write_maps(matched).map_err(Refused::of)?;
+        self.vouch(entry).map_err(Refused::All)?;
+        self.journal().and_then(|journal| journal.end(&self.items[matched.place].name, None)).map_err(Refused::All)
+    }
+
+    fn failed(&self, place: usize, error: &str) -> Result<()> {
+        if !self.mode.video {
+            self.failures.append(&[self.failure(place, error)], false)?;
+        }
+        self.journal()?.end(&self.items[place].name, Some(error))
+    }
+}

@@ -1,0 +1,79 @@
+//! The lines of a store's logs.
+
+use super::plan::Item;
+use crate::engine::known::KnownFile;
+use crate::engine::pair::Pair;
+use crate::engine::pipeline::PairKind;
+use crate::list::absolute;
+use crate::lossless::Name;
+use serde::{Deserialize, Serialize};
+use std::path::Path;
+
+/// A line of the log of failures, which is a list of pairs, too.
+#[derive(Clone, Debug, PartialEq, Eq, Serialize)]
+pub struct FailedLine {
+    /// The name of its map.
+    pub name: Name,
+    /// The left image's absolute path.
+    pub left: Name,
+    /// The right image's absolute path.
+    pub right: Name,
+    /// Why.
+    pub error: String,
+}
+
+/// A line of what vouches for maps. The last one of a name counts.
+#[derive(Clone, Debug, Serialize, Deserialize)]
+pub struct Entry {
+    /// The name of the maps.
+    pub name: Name,
+    /// What stands for the settings. Without it, it vouches for nothing.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub settings: Option<String>,
+    /// The images.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub inputs: Vec<KnownFile>,
+    /// The maps.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub outputs: Vec<KnownFile>,
+    /// Files that may be there, of whatever contents.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub files: Vec<Name>,
+    /// Size and samples.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub kind: Option<PairKind>,
+    /// It ended the processes that computed it.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub killed: Option<String>,
+}
+
+impl Entry {
+    /// A line that vouches for nothing.
+    pub fn empty(name: &Path) -> Self {
+        Self {
+            name: name.into(),
+            settings: None,
+            inputs: Vec::new(),
+            outputs: Vec::new(),
+            files: Vec::new(),
+            kind: None,
+            killed: None,
+        }
+    }
+
+    /// Whether it is about this pair as it is now.
+    pub fn is_of(&self, settings: &str, pair: &Pair) -> bool {
+        let paths = [&pair.left, &pair.right].map(|path| Name(absolute(path)));
+        self.settings.as_deref() == Some(settings)
+            && self.inputs.iter().map(|input| &input.path).eq(&paths)
+            && self.inputs.iter().all(|input| input.facts.are_of_input(&input.path.0))
+    }
+
+    /// Whether the maps of an item are there as they were written.
+    pub fn has(&self, out: &Path, item: &Item) -> bool {
+        item.outputs.iter().all(|output| {
+            let known = self.outputs.iter().find(|known| out.join(&known.path.0) == output.path);
+            known.is_some_and(|known| known.facts.are_of_output(&output.path))
+        })
+    }
+}

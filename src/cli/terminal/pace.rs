@@ -1,0 +1,74 @@
+//! The pace of many pairs: a bar on a terminal, a line a second elsewhere, both on stderr.
+
+use super::print::tell;
+use indicatif::{ProgressBar, ProgressFinish, ProgressStyle};
+use std::sync::{Mutex, PoisonError};
+use std::time::{Duration, Instant};
+
+/// Between two lines where there is no terminal.
+const A_LINE: Duration = Duration::from_secs(1);
+
+/// How far a run is, how fast it is, and how long the rest will take.
+pub struct Pace {
+    bar: ProgressBar,
+    lines: bool,
+    all: usize,
+    unit: &'static str,
+    start: Instant,
+    last_line: Mutex<Instant>,
+}
+
+impl Pace {
+    /// Of `all` pieces, which are called `unit`; nothing is shown if `quiet`.
+    pub fn new(all: usize, unit: &'static str, quiet: bool) -> Self {
+        let bar = if quiet { ProgressBar::hidden() } else { ProgressBar::new(all as u64) };
+        let style = ProgressStyle::with_template("{bar:24} {pos}/{len}  {msg}");
+        let bar = bar.with_finish(ProgressFinish::AndClear).with_style(style.unwrap_or(ProgressStyle::default_bar()));
+        let lines = bar.is_hidden() && !quiet;
+        let start = Instant::now();
+        Self { bar, lines, all, unit, start, last_line: Mutex::new(start) }
+    }
+
+    /// So many are done.
+    pub fn show(&self, done: usize) {
+        let rate = done as f64 / self.start.elapsed().as_secs_f64().max(1e-9);
+        let message = format!("{rate:.1} {} a second, {} left", self.unit, time((self.all - done) as f64 / rate));
+        self.bar.set_message(message.clone());
+        self.bar.set_position(done as u64);
+        let mut last_line = self.last_line.lock().unwrap_or_else(PoisonError::into_inner);
+        if self.lines && (last_line.elapsed() >= A_LINE || done == self.all) {
+            *last_line = Instant::now();
+            tell(&format!("{done}/{}  {message}", self.all));
+        }
+    }
+
+    /// A message that stays, whatever is shown.
+    pub fn tell(&self, message: &str) {
+        self.bar.suspend(|| tell(message));
+    }
+
+    /// Removes the bar.
+    pub fn finish(&self) {
+        self.bar.finish_and_clear();
+    }
+}
+
+/// Seconds in words.
+fn time(seconds: f64) -> String {
+    let whole = seconds.round() as u64;
+    match (whole / 3600, whole / 60 % 60, whole % 60) {
+        (0, 0, s) => format!("{s} s"),
+        (0, m, s) => format!("{m} min {s:02} s"),
+        (h, m, _) => format!("{h} h {m:02} min"),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn times_in_words() {
+        assert_eq!([0.4, 59.6, 3599.0, 7384.0].map(time), ["0 s", "1 min 00 s", "59 min 59 s", "2 h 03 min"]);
+    }
+}

@@ -1,0 +1,41 @@
+//! Progress: a bar on a terminal, a line for each piece of work elsewhere, both on stderr.
+
+use super::print::tell;
+use super::text::plain;
+use indicatif::{ProgressBar, ProgressFinish, ProgressStyle};
+
+/// How far a run is.
+pub struct Progress {
+    bar: ProgressBar,
+    lines: bool,
+}
+
+impl Progress {
+    /// Of so many pieces; nothing is shown if `quiet`.
+    pub fn new(pieces: usize, quiet: bool) -> Self {
+        let bar = if quiet { ProgressBar::hidden() } else { ProgressBar::new(pieces as u64) };
+        let style = ProgressStyle::with_template("{bar:24} {pos}/{len}  {wide_msg}");
+        let bar = bar.with_finish(ProgressFinish::AndClear).with_style(style.unwrap_or(ProgressStyle::default_bar()));
+        let lines = bar.is_hidden() && !quiet;
+        Self { bar, lines }
+    }
+
+    /// A piece begins.
+    pub fn begin(&self, label: &str) {
+        self.bar.set_message(plain(label));
+    }
+
+    /// The piece is done, and `told` is what came of it.
+    pub fn done(&self, told: &str) {
+        self.bar.inc(1);
+        if self.lines {
+            let (done, all) = (self.bar.position(), self.bar.length().unwrap_or_default());
+            tell(&format!("{done}/{all}  {told}"));
+        }
+    }
+
+    /// A message that stays, whatever is shown.
+    pub fn tell(&self, message: &str) {
+        self.bar.suspend(|| tell(message));
+    }
+}

@@ -1,0 +1,57 @@
+//! Warnings: notes that a result is doubtful. Each is printed once, on stderr, and listed in `--json`.
+
+use super::print::tell;
+use super::text::one_line;
+use std::sync::{Mutex, PoisonError};
+
+static ALL: Warnings = Warnings(Mutex::new(Vec::new()));
+
+/// Says in one line why a result is doubtful and what to do; without the word `note`.
+pub fn warn(text: &str) {
+    warn_by(text, tell);
+}
+
+/// The same where something else is on the screen, and `tell` knows how to print beside it.
+pub fn warn_by(text: &str, tell: impl FnOnce(&str)) {
+    if let Some(text) = ALL.add(text) {
+        tell(&format!("note: {text}"));
+    }
+}
+
+/// All of this run so far.
+pub fn all() -> Vec<String> {
+    ALL.all()
+}
+
+struct Warnings(Mutex<Vec<String>>);
+
+impl Warnings {
+    /// The line, unless it is there already.
+    fn add(&self, text: &str) -> Option<String> {
+        let text = one_line(text);
+        let mut all = self.0.lock().unwrap_or_else(PoisonError::into_inner);
+        if all.contains(&text) {
+            return None;
+        }
+        all.push(text.clone());
+        Some(text)
+    }
+
+    fn all(&self) -> Vec<String> {
+        self.0.lock().unwrap_or_else(PoisonError::into_inner).clone()
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn each_is_there_once_and_in_one_line() {
+        let warnings = Warnings(Mutex::new(Vec::new()));
+        assert_eq!(warnings.add("a\nb").as_deref(), Some("a b"));
+        assert_eq!(warnings.add("c").as_deref(), Some("c"));
+        assert_eq!(warnings.add("a b"), None);
+        assert_eq!(warnings.all(), ["a b", "c"]);
+    }
+}
