@@ -1,4 +1,4 @@
-use super::{BlockStatistics, Content, Features, Images, Plane, Views, Volume};
+use crate::reference::{BlockStatistics, Content, Features, Images, Plane, Views, Volume};
 use crate::{ConfidenceMap, DepthMap, DisparityMap, Image, Pixels, StageTime};
 #[cfg(not(all(target_family = "wasm", target_os = "unknown")))]
 use std::time::Instant;

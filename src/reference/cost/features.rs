@@ -1,5 +1,5 @@
 use crate::reference::images::prefilter::sobel;
-use crate::reference::{Plane, images::gray::narrow, window_sum};
+use crate::reference::{Images, Plane, images::gray::narrow, window_sum};
 use crate::{Census, Cost, Params};
 
 /// What the matching cost compares of each pixel: `planes` bytes, `data[(y * width + x) * planes + p]`.
@@ -21,6 +21,13 @@ impl Features {
         let x = x.clamp(0, self.width as i64 - 1) as usize;
         let y = y.clamp(0, self.height as i64 - 1) as usize;
         &self.data[(y * self.width + x) * self.planes..][..self.planes]
+    }
+}
+
+impl Images {
+    /// What the cost compares of them.
+    pub fn features(&self, params: &Params) -> Features {
+        features(&self.channels, self.unit, params)
     }
 }
 

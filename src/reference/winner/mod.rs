@@ -3,4 +3,5 @@
 pub(crate) mod block_match;
 pub(crate) mod block_statistics;
 pub(crate) mod mirror;
+#[allow(clippy::module_inception)] // the stage has the name of its folder
 pub(crate) mod winner;

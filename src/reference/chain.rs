@@ -1,0 +1,228 @@
+//! The order of the stages.
+
+use crate::reference::trace::{Receiver, Trace};
+use crate::reference::{
+    Channel, Content, Features, Plane, Views, Volume, block_match, block_statistics, block_sums, confidence,
+    cost_columns, depth, fill, gray, halve, images, lr_check, matching_cost, median, mi_histogram, mi_table, mirror,
+    mirrored, penalties, rectify, rounds, sgm_aggregate, speckle, texture, validity, weighted_median, winner, wls,
+};
+use crate::{Cost, DisparityMap, Error, Fill, Image, Matched, Method, Params, Prefilter, StageTime};
+
+/// The whole chain on the CPU: what [`crate::StereoMatcher`] computes, from the definition.
+///
+/// # Errors
+/// As [`Params::validate`], and [`Error::Image`] if the two sizes differ.
+pub fn compute(left: &Image, right: &Image, params: &Params) -> Result<DisparityMap, Error> {
+    Ok(compute_all(left, right, params)?.map)
+}
+
+/// As [`compute`], with all else that the settings ask for.
+///
+/// # Errors
+/// As [`compute`].
+pub fn compute_all(left: &Image, right: &Image, params: &Params) -> Result<Matched, Error> {
+    Ok(compute_timed(left, right, params)?.0)
+}
+
+/// As [`compute_all`], with the time of each stage.
+///
+/// # Errors
+/// As [`compute`].
+pub fn compute_timed(left: &Image, right: &Image, params: &Params) -> Result<(Matched, Vec<StageTime>), Error> {
+    follow(left, right, params, None)
+}
+
+/// As [`compute_all`], and calls `receive` with the name and the bytes of the result of each stage, in the order in which
+/// they are computed: a second match and each round of [`rounds`] repeat the names of their stages. docs/VECTORS.md
+/// describes the bytes of each stage.
+///
+/// ```
+/// use gpu_stereo::{Image, Params, Pixels, reference};
+///
+/// let image = Image::new(32, 8, Pixels::Gray8((0..=255).collect()))?;
+/// let mut stages = Vec::new();
+/// let mut receive = |stage: &str, bytes: &[u8]| stages.push((stage.to_string(), bytes.len()));
+/// reference::compute_traced(&image, &image, &Params::sgm(16), &mut receive)?;
+/// assert!(stages.contains(&("matching_cost".into(), 32 * 8 * 16)));
+/// # Ok::<(), gpu_stereo::Error>(())
+/// ```
+///
+/// # Errors
+/// As [`compute`].
+pub fn compute_traced(
+    left: &Image,
+    right: &Image,
+    params: &Params,
+    receive: &mut dyn FnMut(&str, &[u8]),
+) -> Result<Matched, Error> {
+    Ok(follow(left, right, params, Some(receive))?.0)
+}
+
+/// The whole chain.
+fn follow(
+    left: &Image,
+    right: &Image,
+    params: &Params,
+    receiver: Option<Receiver<'_>>,
+) -> Result<(Matched, Vec<StageTime>), Error> {
+    params.validate()?;
+    crate::gpu::matcher::check_pair(left, right)?;
+    params.accepts(left.width(), left.height())?;
+    let content = Content::new(params, left.width(), left.height());
+    let content = content.as_ref();
+    let mut trace = Trace::new(receiver);
+    let rectified = match &params.rectify {
+        Some(rectification) => {
+            let pair = [rectify(left, rectification, 0)?, rectify(right, rectification, 1)?];
+            Some(trace.stage("rectify", pair))
+        }
+        None => None,
+    };
+    if let Some(content) = content {
+        trace.show("content", || content);
+    }
+    let [left, right] = rectified.as_ref().map_or([left, right], |[left, right]| [left, right]);
+    let matched = match params.second_match() {
+        Some(second) => {
+            let content = content.map(Content::mirrored);
+            let [left, right] = [mirrored(right)?, mirrored(left)?];
+            let luma = gray(&left, Channel::Luma);
+            Some(views(&left, &right, &luma, content.as_ref(), &second, &mut trace).left)
+        }
+        None => None,
+    };
+    let luma = gray(left, Channel::Luma);
+    let Views { left, mut right, margins } = views(left, right, &luma, content, params, &mut trace);
+    if let Some(matched) = matched {
+        right = trace.stage("mirror", mirror(&matched));
+    }
+    if params.reads_right_view() {
+        right = trace.valid(right, content, 1);
+    }
+    let mut map = trace.valid(left, content, 0);
+    if params.texture > 0 {
+        map = trace.stage("texture", texture(&map, &luma, params));
+    }
+    if let Some(max_difference) = params.lr_check {
+        map = trace.stage("lr_check", lr_check(&map, &right, max_difference));
+    }
+    if params.speckle_window > 0 {
+        map = trace.stage("speckle", speckle(&map, params.speckle_window, params.speckle_range));
+    }
+    if let Some(side) = params.median.side() {
+        map = trace.stage("median", median(&map, side));
+        map = trace.valid(map, content, 0);
+    }
+    if params.fill != Fill::None {
+        map = trace.stage("fill", fill(&map, &right, params));
+        map = trace.valid(map, content, 0);
+    }
+    if let Some(radius) = params.weighted_median {
+        map = trace.stage("weighted_median", weighted_median(&map, &luma, radius, params));
+        map = trace.valid(map, content, 0);
+    }
+    if let Some(settings) = &params.wls {
+        map = trace.stage("wls", wls(&map, &luma, settings, params));
+        map = trace.valid(map, content, 0);
+    }
+    let confidence = params.confidence.then(|| trace.stage("confidence", confidence(&map, &margins)));
+    let depth = params.depth.as_ref().map(|camera| trace.stage("depth", depth(&map, camera)));
+    Ok((Matched { map, right: params.right_map.then_some(right), confidence, depth }, trace.times))
+}
+
+/// From the images, of which `luma` is that of the left one, to the winner of both views.
+fn views(
+    left: &Image,
+    right: &Image,
+    luma: &Plane<u8>,
+    content: Option<&Content>,
+    params: &Params,
+    trace: &mut Trace<'_>,
+) -> Views {
+    let adaptive = params.adaptive_p2 && params.method == Method::Sgm;
+    let ([left, right], _) = trace.stage("gray", ([left, right].map(|image| images(image, params)), luma));
+    let penalties = adaptive.then(|| trace.stage("penalties", penalties(luma, params)));
+    if params.prefilter == Prefilter::Normalized {
+        trace.show("window_sums", || [&left, &right].map(|images| images.window_sums(params.prefilter_window)));
+    }
+    let [left, right] = trace.stage("prefilter", [left.prefiltered(params), right.prefiltered(params)]);
+    if params.cost == Cost::ZeroMeanSad {
+        trace.show("window_sums", || [&left, &right].map(|images| images.window_sums(params.block)));
+    }
+    let sides = trace.stage("features", [left.features(params), right.features(params)]);
+    let table = trace.table(&sides, content, params);
+    trace.winner(&sides, &table, penalties.as_ref(), params)
+}
+
+/// What matches cost in the last round of [`rounds`], for a cost that has a table; else nothing. `content`: where the pair
+/// has it, `None` for everywhere.
+pub fn cost_table(sides: &[Features; 2], content: Option<&Content>, params: &Params) -> Vec<u8> {
+    Trace::new(None).table(sides, content, params)
+}
+
+impl Trace<'_> {
+    /// [`cost_table`].
+    fn table(&mut self, sides: &[Features; 2], content: Option<&Content>, params: &Params) -> Vec<u8> {
+        if params.cost != Cost::MutualInformation {
+            return Vec::new();
+        }
+        let rounds = rounds(sides[0].width as u32, sides[0].height as u32, params);
+        let mut pyramid = vec![sides.clone()];
+        for _ in 0..rounds[0].halvings {
+            let halved = pyramid[pyramid.len() - 1].each_ref().map(halve);
+            pyramid.push(self.stage("halve", halved));
+        }
+        let mut table = self.round(&pyramid[rounds[0].halvings as usize], None, 0);
+        for (before, here) in rounds.iter().zip(&rounds[1..]) {
+            let views = self.winner(&pyramid[before.halvings as usize], &table, None, &before.params);
+            let content = content.map(|content| content.halved(before.halvings));
+            let right = self.valid(views.right, content.as_ref(), 1);
+            let mut map = self.valid(views.left, content.as_ref(), 0);
+            if let Some(max_difference) = before.params.lr_check {
+                map = self.stage("lr_check", lr_check(&map, &right, max_difference));
+            }
+            table = self.round(&pyramid[here.halvings as usize], Some(&map), before.halvings - here.halvings);
+        }
+        table
+    }
+
+    /// The table of a round, by the map of the round before.
+    fn round(&mut self, [left, right]: &[Features; 2], map: Option<&DisparityMap>, halvings: u32) -> Vec<u8> {
+        let counts = self.stage("mi_histogram", mi_histogram(left, right, map, halvings));
+        self.stage("mi_table", mi_table(&counts, (left.width * left.height) as u64))
+    }
+
+    /// From what the cost compares to the winner of both views.
+    fn winner(
+        &mut self,
+        [left, right]: &[Features; 2],
+        table: &[u8],
+        penalties: Option<&Volume<u8>>,
+        params: &Params,
+    ) -> Views {
+        let columns = self.stage("cost_columns", cost_columns(left, right, table, params));
+        self.show("block_sums", || (0..columns.height).map(|y| block_sums(&columns, y, params)).collect::<Vec<_>>());
+        match params.method {
+            Method::Bm => {
+                let correlates = params.cost == Cost::Ncc;
+                let statistics =
+                    correlates.then(|| self.stage("block_statistics", block_statistics(left, right, params)));
+                self.stage("block_match", block_match(&columns, statistics.as_ref(), params))
+            }
+            Method::Sgm => {
+                let cost = self.stage("matching_cost", matching_cost(&columns, params));
+                drop(columns);
+                let sum = self.stage("sgm_aggregate", sgm_aggregate(&cost, penalties, params));
+                self.stage("winner", winner(&sum, params))
+            }
+        }
+    }
+
+    /// Stage `validity`, where not all pixels have content.
+    fn valid(&mut self, map: DisparityMap, content: Option<&Content>, side: usize) -> DisparityMap {
+        match content {
+            Some(content) => self.stage("validity", validity(&map, content, side)),
+            None => map,
+        }
+    }
+}
