@@ -7,27 +7,11 @@ use egui::{Align2, Color32, FontId, Pos2, Rect, Response, RichText, Sense, Strok
 use egui_wgpu::Renderer;
 use gpu_stereo::{turbo, wgpu};
 
-use crate::Options;
 use crate::files::{self, Camera, Paths};
 use crate::live::{Live, Wanted};
+use crate::options::{Options, Tab};
 use crate::panel::Settings;
 use crate::points::{Orbit, Points, Scene};
-
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub enum Tab {
-    Images,
-    Points,
-}
-
-impl Tab {
-    pub fn named(name: &str) -> Option<Self> {
-        match name {
-            "images" => Some(Self::Images),
-            "points" => Some(Self::Points),
-            _ => None,
-        }
-    }
-}
 
 /// The ids under which egui draws the textures, and of which change of `Live` they are.
 struct Ids {

@@ -9,7 +9,7 @@ use std::time::Instant;
 use gpu_stereo::{Error, Inputs, Matched, Outputs, Params, Reading, StereoMatcher, wgpu};
 
 use crate::files::{self, Pair, Paths};
-use crate::points;
+use crate::textures::Textures;
 
 /// What is to be matched.
 #[derive(Clone, PartialEq)]
@@ -27,17 +27,6 @@ pub struct Shown {
     pub frame_ms: f64,
     /// Milliseconds that the matcher took to take on its settings: the compilation of kernels that were new.
     pub prepare_ms: f64,
-}
-
-/// The pair and its map as they are drawn, all of one size.
-pub struct Textures {
-    pub left: wgpu::TextureView,
-    pub right: wgpu::TextureView,
-    /// The map in the library's colours.
-    pub colours: wgpu::TextureView,
-    /// The map in pixels.
-    pub disparity: wgpu::TextureView,
-    size: (u32, u32),
 }
 
 /// What the thread makes.
@@ -213,26 +202,4 @@ fn fit(
         _ => *matcher = Some(StereoMatcher::new(device, queue, width, height, format, params)?),
     }
     Ok(())
-}
-
-impl Textures {
-    fn new(device: &wgpu::Device, width: u32, height: u32) -> Result<Self, Error> {
-        let most = device.limits().max_texture_dimension_2d;
-        if width.max(height) > most {
-            let told =
-                format!("the images are {width}x{height}, but the device shows at most {most}x{most}; scale them");
-            return Err(Error::Image(told));
-        }
-        let texture = |label, format, more| {
-            points::texture(device, label, [width, height], format, wgpu::TextureUsages::TEXTURE_BINDING | more)
-        };
-        use wgpu::{TextureFormat as Format, TextureUsages as Usage};
-        Ok(Self {
-            left: texture("viewer.left", Format::Rgba8Unorm, Usage::COPY_DST),
-            right: texture("viewer.right", Format::Rgba8Unorm, Usage::COPY_DST),
-            colours: texture("viewer.colours", Format::Rgba8Unorm, Usage::STORAGE_BINDING),
-            disparity: texture("viewer.disparity", Format::R32Float, Usage::STORAGE_BINDING),
-            size: (width, height),
-        })
-    }
 }

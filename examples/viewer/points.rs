@@ -5,7 +5,7 @@ use std::num::NonZeroU64;
 use gpu_stereo::wgpu;
 
 use crate::files::Camera;
-use crate::live::Textures;
+use crate::textures::{Textures, viewed};
 
 /// Bytes of `View` in points.wgsl: a matrix, four vectors of four and one of two, padded.
 const VIEW_BYTES: u64 = 64 + 3 * 16 + 16;
@@ -116,7 +116,7 @@ impl Points {
         let (colour, depth) = self.target.get_or_insert_with(|| {
             use wgpu::{TextureFormat as Format, TextureUsages as Usage};
             let target =
-                |format, more| texture(device, "viewer.points", scene.picture, format, Usage::RENDER_ATTACHMENT | more);
+                |format, more| viewed(device, "viewer.points", scene.picture, format, Usage::RENDER_ATTACHMENT | more);
             (target(Format::Rgba8Unorm, Usage::TEXTURE_BINDING), target(DEPTH, Usage::empty()))
         });
         if again {
@@ -166,27 +166,6 @@ impl Points {
         }
         (colour, new)
     }
-}
-
-/// A view of a texture of the viewer's own.
-pub fn texture(
-    device: &wgpu::Device,
-    label: &str,
-    [width, height]: [u32; 2],
-    format: wgpu::TextureFormat,
-    usage: wgpu::TextureUsages,
-) -> wgpu::TextureView {
-    let texture = device.create_texture(&wgpu::TextureDescriptor {
-        label: Some(label),
-        size: wgpu::Extent3d { width, height, depth_or_array_layers: 1 },
-        mip_level_count: 1,
-        sample_count: 1,
-        dimension: wgpu::TextureDimension::D2,
-        format,
-        usage,
-        view_formats: &[],
-    });
-    texture.create_view(&wgpu::TextureViewDescriptor::default())
 }
 
 /// `View` of points.wgsl.

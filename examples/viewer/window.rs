@@ -10,8 +10,8 @@ use winit::event::WindowEvent;
 use winit::event_loop::{ActiveEventLoop, ControlFlow, EventLoop};
 use winit::window::{Window, WindowId};
 
-use crate::Options;
 use crate::app::App;
+use crate::options::Options;
 
 /// What the device objects to outside of a frame.
 type Failure = Arc<Mutex<Option<String>>>;
