@@ -2,7 +2,7 @@
 //!
 //!     --small              two small sizes: does it work?
 //!     --sizes WxHxD,..     default 741x500x64,1242x375x128,1920x1080x128,3840x2160x256; on CPU adapters the first two
-//!     --schedule NAME      auto, lines or lanes
+//!     --schedule NAME      auto, per-thread or per-subgroup
 //!     --frames N           frames a case, default 20
 //!     --json FILE          everything measured, each stage's time among it
 //!
@@ -57,9 +57,9 @@ fn options() -> Result<Options, String> {
             "--schedule" => {
                 options.schedule = match value()?.as_str() {
                     "auto" => Schedule::Auto,
-                    "lines" => Schedule::Lines,
-                    "lanes" => Schedule::Lanes,
-                    other => return Err(format!("--schedule is auto, lines or lanes, not {other}")),
+                    "per-thread" => Schedule::PerThread,
+                    "per-subgroup" => Schedule::PerSubgroup,
+                    other => return Err(format!("--schedule is auto, per-thread or per-subgroup, not {other}")),
                 }
             }
             other => return Err(format!("there is no option {other}: see the head of benches/device.rs")),

@@ -7,7 +7,7 @@
 //!    bits.
 //! 2. `prefilter`: the horizontal Sobel derivative, the gradient magnitude, the difference from the mean of a window,
 //!    or the gray image itself ([`Prefilter`]).
-//! 3. `features`: the bytes of a pixel that the cost compares ([`Cost`]): a value, derivatives, a census string
+//! 3. `descriptors`: the bytes of a pixel that the cost compares ([`Cost`]): a value, derivatives, a census string
 //!    ([`Census`]) and others.
 //! 4. `cost_columns`, `matching_cost`: the sum of the costs of pixels over a block for each disparity, quantised to
 //!    0..=89.

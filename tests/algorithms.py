@@ -277,7 +277,7 @@ class Chain:
             found.append(last + (sum(bit(dx, 0) << (7 + dx) for dx in range(-4, 0)) if symmetric else 0))
         return found
 
-    def features(self, channels, u):
+    def descriptors(self, channels, u):
         cost, n = self.case["cost"], self.block**2
 
         def of_channel(f, sums, x, y):
@@ -769,9 +769,9 @@ class Chain:
             yield "deep_gray_" + side, "H", channels
             channels = [self.prefilter(g, unit) for g in channels]
             yield "prefilter_" + side, "H", channels
-            features = self.features(channels, unit if self.case["prefilter"] == "none" else 1)
-            yield "features_" + side, "B", features
-            sides.append(features)
+            descriptors = self.descriptors(channels, unit if self.case["prefilter"] == "none" else 1)
+            yield "descriptors_" + side, "B", descriptors
+            sides.append(descriptors)
             grays.append(gray)
         if self.case["cost"] == "mi":
             self.table = self.last_table(*sides)
@@ -902,7 +902,7 @@ def example():
     show("lr_check", stages["lr_check"])
     show("median", stages["median"])
     others = Chain(dict(EXAMPLE, cost="census"))
-    show("features of the left image with the cost census, 5x5", others.features([[EXAMPLE_PAIR[0]]], 1)[0], name="i")
+    show("descriptors of the left image with the cost census, 5x5", others.descriptors([[EXAMPLE_PAIR[0]]], 1)[0], name="i")
 
 
 if __name__ == "__main__":

@@ -158,9 +158,9 @@ fn stages(left: &Image, right: &Image, params: &Params) -> Vec<(&'static str, us
     let gray = [left, right].map(|image| reference::gray(image, reference::Channel::Luma));
     let deep = [left, right].map(|image| reference::images(image, params));
     let prefiltered = [0, 1].map(|side: usize| deep[side].prefiltered(params));
-    let features = [0, 1].map(|side: usize| prefiltered[side].features(params));
-    let table = reference::cost_table(&features, content.as_ref(), params);
-    let columns = reference::cost_columns(&features[0], &features[1], &table, params);
+    let descriptors = [0, 1].map(|side: usize| prefiltered[side].descriptors(params));
+    let table = reference::cost_table(&descriptors, content.as_ref(), params);
+    let columns = reference::cost_columns(&descriptors[0], &descriptors[1], &table, params);
     let rows = 0..columns.height;
     let sums = rows.flat_map(|y| reference::block_sums(&columns, y, params)).flat_map(u32::to_le_bytes).collect();
     let bytes16s = |images: &reference::Images| images.channels.iter().flat_map(|c| bytes16(&c.data)).collect();
@@ -180,8 +180,8 @@ fn stages(left: &Image, right: &Image, params: &Params) -> Vec<(&'static str, us
         ("deep_gray_right", 2, bytes16s(&deep[1])),
         ("prefilter_left", 2, bytes16s(&prefiltered[0])),
         ("prefilter_right", 2, bytes16s(&prefiltered[1])),
-        ("features_left", 1, features[0].data.clone()),
-        ("features_right", 1, features[1].data.clone()),
+        ("descriptors_left", 1, descriptors[0].data.clone()),
+        ("descriptors_right", 1, descriptors[1].data.clone()),
         ("cost_columns", 4, columns.data.iter().flat_map(|v| v.to_le_bytes()).collect()),
         ("block_sums", 4, sums),
     ]);
@@ -202,7 +202,7 @@ fn stages(left: &Image, right: &Image, params: &Params) -> Vec<(&'static str, us
         reference::winner(&aggregate, params)
     } else {
         let statistics = (params.cost == Cost::Ncc).then(|| {
-            let statistics = reference::block_statistics(&features[0], &features[1], params);
+            let statistics = reference::block_statistics(&descriptors[0], &descriptors[1], params);
             for (name, side) in [("block_statistics_left", &statistics[0]), ("block_statistics_right", &statistics[1])]
             {
                 stages.push((name, 4, side.data.iter().flatten().flat_map(|v| v.to_le_bytes()).collect()));

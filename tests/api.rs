@@ -344,8 +344,8 @@ fn a_destroyed_device_is_an_error() {
 fn expected_values(left: &Image, right: &Image, params: &Params) -> impl Fn(&str, u32, u32, Option<u32>) -> i64 {
     let gray = reference::gray(left, reference::Channel::Luma);
     let prefiltered = [left, right].map(|image| reference::images(image, params).prefiltered(params));
-    let features = [0, 1].map(|side: usize| prefiltered[side].features(params));
-    let columns = reference::cost_columns(&features[0], &features[1], &[], params);
+    let descriptors = [0, 1].map(|side: usize| prefiltered[side].descriptors(params));
+    let columns = reference::cost_columns(&descriptors[0], &descriptors[1], &[], params);
     let cost = reference::matching_cost(&columns, params);
     let paths = [0, 1].map(|i| reference::aggregate_direction(&cost, None, Direction::all(params.paths)[i], params));
     let sum = reference::sgm_aggregate(&cost, None, params);
@@ -363,7 +363,7 @@ fn expected_values(left: &Image, right: &Image, params: &Params) -> impl Fn(&str
         let map = |map: &DisparityMap| i64::from(map.data[(y * map.width + x) as usize]);
         match stage {
             "gray" => gray.clamped(i64::from(x) - 16, y.into()).into(),
-            "prefilter" => features[0].clamped(i64::from(x) - radius, y.into())[0].into(),
+            "prefilter" => descriptors[0].clamped(i64::from(x) - radius, y.into())[0].into(),
             "cost_columns" => volume(&columns, x, y, d),
             "matching_cost" => volume(&cost, x, y, d),
             // The device keeps L - C, of two directions together.

@@ -301,7 +301,7 @@ fn what_is_there_is_kept_if_it_is_of_the_same_pair_and_settings() {
         |more: &[&str]| counts(&told(&succeeds(folder.path(), &batch(&[&["--resume", "--json"], more].concat()))));
     assert_eq!(resume(&[]), [4, 4, 0, 0]);
     let all = maps(&folder);
-    assert_eq!(resume(&["--schedule", "lanes"]), [4, 0, 0, 4]); // this changes no bit
+    assert_eq!(resume(&["--schedule", "per-subgroup"]), [4, 0, 0, 4]); // this changes no bit
     fs::remove_file(at("maps/p/0.png")).unwrap();
     fs::write(at("maps/p/1.png"), "").unwrap();
     assert_eq!(resume(&[]), [4, 2, 0, 2]);

@@ -528,7 +528,7 @@ fn bad_parameters() {
         (&["--disp", "16", "--wls-sigma", "1,5"], &["--wls-sigma is 1,5,", "a number or off"]),
         (&["--disp", "16", "--shader-checks", "maybe"], &["--shader-checks is maybe,", "on, off"]),
         (&["--disp", "16", "--memory-check", "maybe"], &["--memory-check is maybe,", "on, off"]),
-        (&["--disp", "16", "--schedule", "late"], &["--schedule is late,", "auto, lines, lanes"]),
+        (&["--disp", "16", "--schedule", "late"], &["--schedule is late,", "auto, per-thread, per-subgroup"]),
         (&["--disp", "16", "--uniqueness", "100"], &["--uniqueness is 100,", "99"]),
         (&["--disp", "16", "--lr-check", "-1"], &["--lr-check is -1,", "off"]),
         (&["--disp", "16", "--lr-check", "on"], &["on", "--lr-check", "off"]),
@@ -931,7 +931,9 @@ fn every_option_reaches_the_matcher() {
     ] {
         assert!(map(changed) != plain, "{changed}");
     }
-    for same in ["--uniqueness 10", "--subpixel on", "--schedule lines", "--schedule lanes", "--shader-checks on"] {
+    for same in
+        ["--uniqueness 10", "--subpixel on", "--schedule per-thread", "--schedule per-subgroup", "--shader-checks on"]
+    {
         assert!(map(same) == plain, "{same}");
     }
     assert!(map("--uniqueness off") == map("--uniqueness 0"));

@@ -33,7 +33,9 @@ fn awkward_sizes() {
     let (Some(full), Some(bare)) = (support::device(), support::bare_device()) else { return };
     for (seed, (width, height)) in (0..).zip(SIZES) {
         let (left, right) = support::pair(width, height, seed);
-        for (setup, schedule) in [&full, &bare].into_iter().flat_map(|s| [(s, Schedule::Lines), (s, Schedule::Lanes)]) {
+        for (setup, schedule) in
+            [&full, &bare].into_iter().flat_map(|s| [(s, Schedule::PerThread), (s, Schedule::PerSubgroup)])
+        {
             for (i, paths) in PATHS.into_iter().enumerate() {
                 let mut params = Params::sgm(40);
                 (params.paths, params.schedule) = (paths, schedule);
@@ -56,7 +58,9 @@ fn shared_disparities() {
     let (Some(full), Some(bare)) = (support::device(), support::bare_device()) else { return };
     for (seed, disparities) in (0..).zip([97, 128, 193, 300]) {
         let (left, right) = support::pair(131, 9, seed);
-        for (setup, schedule) in [(&full, Schedule::Lines), (&full, Schedule::Lanes), (&bare, Schedule::Lanes)] {
+        for (setup, schedule) in
+            [(&full, Schedule::PerThread), (&full, Schedule::PerSubgroup), (&bare, Schedule::PerSubgroup)]
+        {
             let block = if disparities == 193 { 17 } else { 5 };
             let mut params = if disparities == 128 { Params::bm(disparities) } else { Params::sgm(disparities) };
             (params.schedule, params.block, params.min_disparity) = (schedule, block, -70);
@@ -71,7 +75,7 @@ fn a_long_row_of_many_disparities_is_finished() {
     let Some(setup) = support::bare_device() else { return };
     let (left, right) = support::pair(400, 2, 3);
     for mut params in [Params::sgm(530), Params::bm(530)] {
-        params.schedule = Schedule::Lines;
+        params.schedule = Schedule::PerThread;
         check(&setup, &left, &right, &params, 3);
     }
 }
@@ -122,7 +126,7 @@ fn mutual_information() {
     for (seed, (width, height)) in (0..).zip(sizes) {
         let (left, right) = support::pair(width, height, seed);
         for (i, setup, schedule) in
-            [(0, &full, Schedule::Lines), (1, &full, Schedule::Lanes), (2, &bare, Schedule::Auto)]
+            [(0, &full, Schedule::PerThread), (1, &full, Schedule::PerSubgroup), (2, &bare, Schedule::Auto)]
         {
             let mut params = if i == 1 { Params::bm(21) } else { Params::sgm(21) };
             (params.cost, params.schedule) = (Cost::MutualInformation, schedule);
@@ -220,7 +224,9 @@ fn longest_rows() {
     // An adaptive P2 is loaded now and then, and that must take no round of its own.
     for (seed, (width, height)) in (10..).zip([(60_000, 3), (58_257, 1), (3, 60_000)]) {
         let (left, right) = support::pair(width, height, seed);
-        for (schedule, min_disparity) in [(Schedule::Lines, 0), (Schedule::Lines, 2000), (Schedule::Lanes, -2047)] {
+        for (schedule, min_disparity) in
+            [(Schedule::PerThread, 0), (Schedule::PerThread, 2000), (Schedule::PerSubgroup, -2047)]
+        {
             let mut params = Params::sgm(6);
             (params.adaptive_p2, params.schedule, params.min_disparity) = (true, schedule, min_disparity);
             check(&setup, &left, &right, &params, seed);
@@ -232,14 +238,14 @@ fn longest_rows() {
     assert!(refused.to_string().contains("60000"), "{refused}");
     // With checks some loops stay loops: what would not be finished is refused, what is taken is right.
     for (width, mut params, schedule, taken) in [
-        (13_000, Params::sgm(33), Schedule::Lines, true),
-        (1638, Params::sgm(128), Schedule::Lines, true),
-        (13_000, Params::sgm(17), Schedule::Lanes, true),
-        (1638, Params::sgm(2000), Schedule::Lines, false),
-        (2184, Params::bm(90), Schedule::Lines, true),
-        (5000, ncc(64), Schedule::Lines, true),
-        (1560, ncc(90), Schedule::Lines, true),
-        (13_000, ncc(64), Schedule::Lanes, true),
+        (13_000, Params::sgm(33), Schedule::PerThread, true),
+        (1638, Params::sgm(128), Schedule::PerThread, true),
+        (13_000, Params::sgm(17), Schedule::PerSubgroup, true),
+        (1638, Params::sgm(2000), Schedule::PerThread, false),
+        (2184, Params::bm(90), Schedule::PerThread, true),
+        (5000, ncc(64), Schedule::PerThread, true),
+        (1560, ncc(90), Schedule::PerThread, true),
+        (13_000, ncc(64), Schedule::PerSubgroup, true),
     ] {
         (params.shader_checks, params.schedule, params.block) = (true, schedule, 15);
         let (left, right) = support::pair(width, 2, 3);
@@ -264,7 +270,7 @@ fn bands() {
         for (i, paths) in PATHS.into_iter().chain([Paths::Eight, Paths::Sixteen]).enumerate() {
             let mut params = Params::sgm(35);
             params.paths = paths;
-            params.schedule = if i < PATHS.len() { Schedule::Lines } else { Schedule::Lanes };
+            params.schedule = if i < PATHS.len() { Schedule::PerThread } else { Schedule::PerSubgroup };
             params.adaptive_p2 = i.is_multiple_of(2);
             params.min_disparity = -3;
             check(&setup, &left, &right, &params, seed);
@@ -287,7 +293,7 @@ fn images_beyond_a_binding() {
             let format = (seed as u32 + i as u32) % 4;
             let [left, right] = [&left, &right].map(|image| support::as_format(image, format));
             let mut params = Params::preset(preset, 20);
-            params.schedule = [Schedule::Lines, Schedule::Lanes][(seed as usize + i) % 2];
+            params.schedule = [Schedule::PerThread, Schedule::PerSubgroup][(seed as usize + i) % 2];
             params.wls = (i % 2 == 0).then(Wls::default);
             params.depth = (i % 2 == 1).then_some(camera);
             params.texture = if i == 3 { 40 } else { 0 };
@@ -296,7 +302,7 @@ fn images_beyond_a_binding() {
             (params.right_map, params.min_disparity) = (i == 0, [0, -3, 2, 0][i]);
             check(&setup, &left, &right, &params, seed);
         }
-        for (block, schedule) in [(9, Schedule::Lines), (9, Schedule::Lanes), (17, Schedule::Lines)] {
+        for (block, schedule) in [(9, Schedule::PerThread), (9, Schedule::PerSubgroup), (17, Schedule::PerThread)] {
             let mut params = Params::bm(20);
             (params.block, params.schedule, params.fill) = (block, schedule, Fill::Rays);
             check(&setup, &left, &right, &params, seed);
@@ -361,10 +367,10 @@ fn masked() {
         let (left, right) = support::pair(width, height, seed);
         let [left, right] = [&left, &right].map(|image| support::as_format(image, seed as u32 % 4));
         let choices = [
-            (Preset::Dense, &full, Schedule::Lines, Cost::CensusSobel, seed % 2 == 0),
-            (Preset::Balanced, &bare, Schedule::Lanes, Cost::Sad, false),
+            (Preset::Dense, &full, Schedule::PerThread, Cost::CensusSobel, seed % 2 == 0),
+            (Preset::Balanced, &bare, Schedule::PerSubgroup, Cost::Sad, false),
             (Preset::Classic, &small, Schedule::Auto, Cost::Sad, seed % 2 == 1),
-            (Preset::Strict, &full, Schedule::Lanes, Cost::MutualInformation, false),
+            (Preset::Strict, &full, Schedule::PerSubgroup, Cost::MutualInformation, false),
         ];
         for (preset, setup, schedule, cost, rectifies) in choices {
             let mut params = Params::preset(preset, 24);

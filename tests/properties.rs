@@ -138,8 +138,9 @@ fn upside_down_pairs_have_upside_down_maps() {
 
 /// The column sums of a pair: what both methods start from.
 fn column_sums(left: &Image, right: &Image, params: &Params) -> reference::Volume<u32> {
-    let features = [left, right].map(|image| reference::images(image, params).prefiltered(params).features(params));
-    reference::cost_columns(&features[0], &features[1], &[], params)
+    let descriptors =
+        [left, right].map(|image| reference::images(image, params).prefiltered(params).descriptors(params));
+    reference::cost_columns(&descriptors[0], &descriptors[1], &[], params)
 }
 
 /// Mirrored and swapped, a pair's left view is the mirror image of the original's right view.

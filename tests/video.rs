@@ -268,7 +268,7 @@ fn what_is_there_is_kept_only_if_it_was_made_with_the_same_settings() {
     fs::remove_file(at("maps/f2.png")).unwrap();
     fs::write(at("maps/f3.png"), "").unwrap();
     fs::write(at("maps/f10.png"), "another").unwrap();
-    assert_eq!(counts(&told(&["--schedule", "lanes", "--shader-checks", "on"])), [4, 3, 1]); // those change no bit
+    assert_eq!(counts(&told(&["--schedule", "per-subgroup", "--shader-checks", "on"])), [4, 3, 1]); // those change no bit
     fs::copy(at("maps/f1.png"), at("f1.png")).unwrap();
     let nothing = told(&[]);
     assert_eq!((counts(&nothing), &nothing["adapter"]), ([4, 0, 4], &Value::Null));

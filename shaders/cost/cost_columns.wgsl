@@ -1,5 +1,5 @@
 // cost_columns: sums over |j| <= r of the pixel costs between left(x, y + j) and right(x - min_disparity - d, y + j).
-// left, right (planes of features) -> columns (u16 or u32, [y][x + r][d], width + 2 r columns, only the band's rows)
+// left, right (planes of descriptors) -> columns (u16 or u32, [y][x + r][d], width + 2 r columns, only the band's rows)
 // One invocation: VECTORS x 16 disparities of one column, SEGMENT rows downwards; a row enters the sum as another leaves
 //   it. Neighbouring invocations: the disparities of one column, then the next column.
 // Border: rows are clamped into the image, columns by the planes.
@@ -13,13 +13,13 @@ alias AllSums = array<Sums, VECTORS>;
 
 // Of the planes.
 fn clamped_row(y: i32) -> u32 {
-    return u32(clamp(y, 0, i32(frame.height) - 1)) - pass_.planes_row;
+    return u32(clamp(y, 0, i32(frame.height) - 1)) - dispatch.planes_row;
 }
 
 fn left_at(column: u32, row: u32) -> Pixel {
     var pixel: Pixel;
     for (var p = 0u; p < PLANES; p++) {
-        let word = left[(p * pass_.planes_rows + row) * frame.left_stride + (column >> 2u)];
+        let word = left[(p * dispatch.planes_rows + row) * frame.left_stride + (column >> 2u)];
         pixel[p] = extractBits(word, (column & 3u) * 8u, 8u) * 0x01010101u;
     }
     return pixel;
@@ -31,7 +31,7 @@ fn windows(column: u32, q: u32, row: u32) -> array<Window, VECTORS> {
     let shift = (j & 3u) * 8u;
     var found: array<Window, VECTORS>;
     for (var p = 0u; p < PLANES; p++) {
-        let start = (p * pass_.planes_rows + row) * frame.right_stride + (j >> 2u) + 4u * q;
+        let start = (p * dispatch.planes_rows + row) * frame.right_stride + (j >> 2u) + 4u * q;
         var last = right[start];
         for (var v = 0u; v < VECTORS; v++) {
             let at = start + 4u * v;
@@ -60,11 +60,11 @@ fn main(@builtin(global_invocation_id) id: vec3<u32>) {
     let first = id.x % (QUADS / VECTORS) * VECTORS;
     let count = frame.width + 2u * frame.block_radius;
     let begin = id.y * SEGMENT;
-    if column >= count || begin >= pass_.rows {
+    if column >= count || begin >= dispatch.rows {
         return;
     }
     let r = i32(frame.block_radius);
-    let y = i32(pass_.first_row + begin);
+    let y = i32(dispatch.first_row + begin);
     var sums: AllSums;
     for (var j = -r; j <= r; j++) {
         var enters = row_sums(column, first, clamped_row(y - 1 + j));
@@ -74,9 +74,9 @@ fn main(@builtin(global_invocation_id) id: vec3<u32>) {
             }
         }
     }
-    let to = min(begin + SEGMENT, pass_.rows);
+    let to = min(begin + SEGMENT, dispatch.rows);
     for (var line = begin; line < to; line++) {
-        let here = i32(pass_.first_row + line);
+        let here = i32(dispatch.first_row + line);
         var enters = row_sums(column, first, clamped_row(here + r));
         var leaves = row_sums(column, first, clamped_row(here - 1 - r));
         let at = ((line * count + column) * QUADS + first) * PARTS_OF_SUMS;

@@ -13,7 +13,7 @@ fn main(@builtin(global_invocation_id) id: vec3<u32>) {
     let row = id.x / QUADS;
     let q = id.x % QUADS;
     let begin = id.y * SPAN;
-    if row >= pass_.rows || begin >= frame.width {
+    if row >= dispatch.rows || begin >= frame.width {
         return;
     }
     let reach = 2u * frame.block_radius;
@@ -30,7 +30,7 @@ fn main(@builtin(global_invocation_id) id: vec3<u32>) {
         for (var part = 0u; part < 4u; part++) {
             sums[part] += enters[part];
         }
-        cost[((pass_.volume_row + row) * frame.volume_stride + x) * QUADS + q] =
+        cost[((dispatch.volume_row + row) * frame.volume_stride + x) * QUADS + q] =
             vec4(quantised(sums[0]), quantised(sums[1]), quantised(sums[2]), quantised(sums[3]));
         let leaves = column_at(first + x * QUADS);
         for (var part = 0u; part < 4u; part++) {

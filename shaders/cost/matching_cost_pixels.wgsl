@@ -1,5 +1,5 @@
 // matching_cost_pixels: matching_cost for single pixels, without a block, on planes that fit a texture.
-// left, right (planes of features as textures, four pixels a texel) -> cost (u8, [y][x][d], four disparities a word)
+// left, right (planes of descriptors as textures, four pixels a texel) -> cost (u8, [y][x][d], four disparities a word)
 // One invocation: sixteen disparities of a row, from left to right, four columns a step. The right pixels that they are
 //   compared with stay in registers and move up by four disparities a step. Neighbouring invocations: the disparities of
 //   one pixel.
@@ -29,23 +29,23 @@ fn column_costs(k: u32, values: ptr<function, Pixel>, entering: ptr<function, Pi
 fn main(@builtin(global_invocation_id) id: vec3<u32>) {
     let row = id.x / QUADS;
     let q = id.x % QUADS;
-    if row >= pass_.rows {
+    if row >= dispatch.rows {
         return;
     }
-    let y = pass_.first_row - pass_.planes_row + row; // of the planes
+    let y = dispatch.first_row - dispatch.planes_row + row; // of the planes
     let start = frame.width - 1u + 16u * q;
     var seen: Window;
     for (var p = 0u; p < PLANES; p++) {
-        seen[p] = window(start + 1u, p * pass_.planes_rows + y);
+        seen[p] = window(start + 1u, p * dispatch.planes_rows + y);
     }
     for (var x = 0u; x < frame.width; x += 4u) {
         var values = Pixel();
         var entering = Pixel();
         for (var p = 0u; p < PLANES; p++) {
-            values[p] = textureLoad(left, vec2(x >> 2u, p * pass_.planes_rows + y)).x;
-            entering[p] = entering_bytes(start - x, p * pass_.planes_rows + y);
+            values[p] = textureLoad(left, vec2(x >> 2u, p * dispatch.planes_rows + y)).x;
+            entering[p] = entering_bytes(start - x, p * dispatch.planes_rows + y);
         }
-        let at = ((pass_.volume_row + row) * frame.volume_stride + x) * QUADS + q;
+        let at = ((dispatch.volume_row + row) * frame.volume_stride + x) * QUADS + q;
         let inside = frame.width - x;
         let a = column_costs(0u, &values, &entering, &seen);
         let b = column_costs(1u, &values, &entering, &seen);

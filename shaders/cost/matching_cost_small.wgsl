@@ -1,5 +1,5 @@
 // matching_cost_small: matching_cost for small blocks on planes that fit a texture, without column sums in memory.
-// left, right (planes of features as textures, four pixels a texel) -> cost (u8, [y][x][d], four disparities a word)
+// left, right (planes of descriptors as textures, four pixels a texel) -> cost (u8, [y][x][d], four disparities a word)
 // One invocation: sixteen disparities of two neighbouring rows, from left to right. The right pixels that they are
 //   compared with stay in registers and move up by one disparity a step; the last BLOCK column sums are kept, so that a
 //   column leaves the block without being computed again. Neighbouring invocations: the disparities of one pixel.
@@ -18,24 +18,24 @@ alias Sums = array<vec4<u32>, 4>;
 
 // Of the planes.
 fn row_at(first: i32, row: u32) -> u32 {
-    return u32(clamp(first + i32(row), 0, i32(frame.height) - 1)) - pass_.planes_row;
+    return u32(clamp(first + i32(row), 0, i32(frame.height) - 1)) - dispatch.planes_row;
 }
 
 @compute @workgroup_size(LANES)
 fn main(@builtin(global_invocation_id) id: vec3<u32>) {
     let row = 2u * (id.x / QUADS);
     let q = id.x % QUADS;
-    if row >= pass_.rows {
+    if row >= dispatch.rows {
         return;
     }
     let reach = 2u * frame.block_radius;
-    let first = i32(pass_.first_row + row) - i32(frame.block_radius);
+    let first = i32(dispatch.first_row + row) - i32(frame.block_radius);
     let start = frame.width - 1u + reach + 16u * q;
     let columns = frame.width + reach;
     var windows: array<Window, ROWS>;
     for (var j = 0u; j < ROWS; j++) {
         for (var p = 0u; p < PLANES; p++) {
-            windows[j][p] = window(start + 1u, p * pass_.planes_rows + row_at(first, j));
+            windows[j][p] = window(start + 1u, p * dispatch.planes_rows + row_at(first, j));
         }
     }
     var kept: array<Sums, BLOCK>; // the column sums of the block, the oldest first
@@ -46,7 +46,7 @@ fn main(@builtin(global_invocation_id) id: vec3<u32>) {
         var entering = array<Pixel, ROWS>();
         for (var j = 0u; j < ROWS; j++) {
             for (var p = 0u; p < PLANES; p++) {
-                let plane_row = p * pass_.planes_rows + row_at(first, j);
+                let plane_row = p * dispatch.planes_rows + row_at(first, j);
                 values[j][p] = textureLoad(left, vec2(four >> 2u, plane_row)).x;
                 entering[j][p] = entering_bytes(start - four, plane_row);
             }
@@ -92,9 +92,9 @@ fn main(@builtin(global_invocation_id) id: vec3<u32>) {
                 kept[BLOCK - 1u][part] = column[part];
             }
             if c >= reach && c < columns {
-                let at = ((pass_.volume_row + row) * frame.volume_stride + c - reach) * QUADS + q;
+                let at = ((dispatch.volume_row + row) * frame.volume_stride + c - reach) * QUADS + q;
                 cost[at] = quantised_block(sums[0], sums[1]);
-                if row + 1u < pass_.rows {
+                if row + 1u < dispatch.rows {
                     cost[at + frame.volume_stride * QUADS] = quantised_block(sums[2], sums[3]);
                 }
             }

@@ -14,9 +14,9 @@ fn main(@builtin(global_invocation_id) id: vec3<u32>) {
     if id.x >= frame.width || id.y >= frame.height {
         return;
     }
-    let column = id.x >> pass_.halvings;
-    let value = map_value(map[(id.y >> pass_.halvings) * pass_.stride + (column >> 1u)], column);
-    let seen = i32(id.x) - ((value * i32(1u << pass_.halvings) + 8) >> 4u);
+    let column = id.x >> dispatch.halvings;
+    let value = map_value(map[(id.y >> dispatch.halvings) * dispatch.stride + (column >> 1u)], column);
+    let seen = i32(id.x) - ((value * i32(1u << dispatch.halvings) + 8) >> 4u);
     if value == INVALID || seen < 0 || seen >= i32(frame.width) {
         return;
     }

@@ -14,10 +14,10 @@ fn logarithms(v: vec4<u32>) -> vec4<u32> {
 }
 
 fn four_at(row: i32, four: i32) -> vec4<u32> {
-    let line = u32(clamp(row, 0, i32(pass_.rows) - 1));
-    let values = entries[line * 64u + u32(clamp(four, 0, 63))] >> vec4(pass_.narrowing);
+    let line = u32(clamp(row, 0, i32(dispatch.rows) - 1));
+    let values = entries[line * 64u + u32(clamp(four, 0, 63))] >> vec4(dispatch.narrowing);
     let continued = select(select(values, vec4(values.x), four < 0), vec4(values.w), four > 63);
-    if pass_.logarithms == 1u {
+    if dispatch.logarithms == 1u {
         return logarithms(continued);
     }
     return continued;
@@ -27,14 +27,14 @@ fn four_at(row: i32, four: i32) -> vec4<u32> {
 fn main(@builtin(global_invocation_id) id: vec3<u32>) {
     let row = i32(id.x / 64u);
     let four = i32(id.x % 64u);
-    if row >= i32(pass_.rows) {
+    if row >= i32(dispatch.rows) {
         return;
     }
     let b = four_at(row, four);
     var outer: vec4<u32>;
     var middle: vec4<u32>;
     var inner: vec4<u32>;
-    if pass_.dy == 1 {
+    if dispatch.dy == 1 {
         outer = four_at(row - 3, four) + four_at(row + 3, four);
         middle = four_at(row - 2, four) + four_at(row + 2, four);
         inner = four_at(row - 1, four) + four_at(row + 1, four);
@@ -45,5 +45,5 @@ fn main(@builtin(global_invocation_id) id: vec3<u32>) {
         middle = vec4(a.zw, b.xy) + vec4(b.zw, c.xy);
         inner = vec4(a.w, b.xyz) + vec4(b.yzw, c.x);
     }
-    smoothed[id.x] = outer + 6u * middle + 15u * inner + 20u * b + vec4(pass_.prior);
+    smoothed[id.x] = outer + 6u * middle + 15u * inner + 20u * b + vec4(dispatch.prior);
 }

@@ -23,7 +23,7 @@ fn quotients(divisors: vec4<u32>) -> vec4<u32> {
 @compute @workgroup_size(LANES)
 fn main(@builtin(global_invocation_id) id: vec3<u32>) {
     let stride = frame.map_stride / 2u;
-    if id.x >= stride || id.y >= pass_.rows {
+    if id.x >= stride || id.y >= dispatch.rows {
         return;
     }
     let at = id.y * stride + id.x;

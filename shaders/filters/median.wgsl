@@ -4,6 +4,8 @@
 // Border: coordinates are clamped into the image; a result that points outside the right image is invalid.
 // Reference: src/reference/filters/median.rs
 
+@group(0) @binding(3) var<storage, read_write> filtered: array<vec4<u32>>;
+
 // The values of columns x .. x + 7, the even and the odd ones, and of the columns x - 1 and x + 8.
 struct Values {
     before: i32,
@@ -54,10 +56,10 @@ fn median(a: Column, b: Column, c: Column) -> vec4<i32> {
 @compute @workgroup_size(LANES)
 fn main(@builtin(global_invocation_id) id: vec3<u32>) {
     let stride = frame.map_stride / 4u;
-    if id.x >= stride || id.y >= pass_.rows {
+    if id.x >= stride || id.y >= dispatch.rows {
         return;
     }
-    let y = pass_.first_row + id.y;
+    let y = dispatch.first_row + id.y;
     let a = values(max(y, 1u) - 1u, id.x);
     let b = values(y, id.x);
     let c = values(min(y + 1u, frame.height - 1u), id.x);
@@ -69,5 +71,5 @@ fn main(@builtin(global_invocation_id) id: vec3<u32>) {
     let e = median(left, even, odd);
     let o = median(even, odd, right);
     let x = vec4(0, 2, 4, 6) + vec4(i32(8u * id.x));
-    filtered[id.y * stride + id.x] = map_words(pointing(x, e), pointing(x + vec4(1), o));
+    filtered[id.y * stride + id.x] = pack_octet(invalidate_outside(x, e), invalidate_outside(x + vec4(1), o));
 }

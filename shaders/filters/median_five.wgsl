@@ -4,6 +4,8 @@
 // Border: coordinates are clamped into the image; a result that points outside the right image is invalid.
 // Reference: src/reference/filters/median.rs
 
+@group(0) @binding(3) var<storage, read_write> filtered: array<vec4<u32>>;
+
 // The values of columns x .. x + 7, the even and the odd ones, and of the two columns on either side: x - 2 and x - 1,
 // x + 8 and x + 9.
 struct Values {
@@ -93,10 +95,10 @@ fn median(a: Five, b: Five, c: Five, d: Five, e: Five) -> vec4<i32> {
 @compute @workgroup_size(LANES)
 fn main(@builtin(global_invocation_id) id: vec3<u32>) {
     let stride = frame.map_stride / 4u;
-    if id.x >= stride || id.y >= pass_.rows {
+    if id.x >= stride || id.y >= dispatch.rows {
         return;
     }
-    let y = i32(pass_.first_row + id.y);
+    let y = i32(dispatch.first_row + id.y);
     let a = values(y - 2, id.x);
     let b = values(y - 1, id.x);
     let c = values(y, id.x);
@@ -116,7 +118,7 @@ fn main(@builtin(global_invocation_id) id: vec3<u32>) {
     let right_odd = Five(vec4(odd.a.yzw, sides.a.w), vec4(odd.b.yzw, sides.b.w), vec4(odd.c.yzw, sides.c.w),
         vec4(odd.d.yzw, sides.d.w), vec4(odd.e.yzw, sides.e.w));
     let x = vec4(0, 2, 4, 6) + vec4(i32(8u * id.x));
-    filtered[id.y * stride + id.x] = map_words(
-        pointing(x, median(left_even, left_odd, even, odd, right_even)),
-        pointing(x + vec4(1), median(left_odd, even, odd, right_even, right_odd)));
+    filtered[id.y * stride + id.x] = pack_octet(
+        invalidate_outside(x, median(left_even, left_odd, even, odd, right_even)),
+        invalidate_outside(x + vec4(1), median(left_odd, even, odd, right_even, right_odd)));
 }

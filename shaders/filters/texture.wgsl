@@ -35,7 +35,7 @@ fn continued(values: vec4<u32>, x: vec4<i32>, left: u32, right: u32) -> vec4<u32
 @compute @workgroup_size(LANES)
 fn main(@builtin(global_invocation_id) id: vec3<u32>) {
     let stride = frame.map_stride / 4u;
-    if id.x >= stride || id.y >= pass_.rows {
+    if id.x >= stride || id.y >= dispatch.rows {
         return;
     }
     let row = id.y * stride;

@@ -63,8 +63,8 @@ fn ordered(even: vec2<u32>, odd: vec2<u32>) -> vec4<u32> {
 @compute @workgroup_size(LANES)
 fn main(@builtin(global_invocation_id) id: vec3<u32>) {
     let stride = frame.map_stride / 4u;
-    let first = i32(pass_.first_row + id.y * SEGMENT);
-    let behind = i32(pass_.first_row + pass_.rows);
+    let first = i32(dispatch.first_row + id.y * SEGMENT);
+    let behind = i32(dispatch.first_row + dispatch.rows);
     if 2u * id.x >= stride || first >= behind {
         return;
     }
@@ -80,7 +80,7 @@ fn main(@builtin(global_invocation_id) id: vec3<u32>) {
         let entering = derivatives(id.x, y + r);
         sum.even += entering.even;
         sum.odd += entering.odd;
-        let at = (u32(y) - pass_.first_row) * stride + 2u * id.x;
+        let at = (u32(y) - dispatch.first_row) * stride + 2u * id.x;
         columns[at] = ordered(sum.even.xy, sum.odd.xy);
         if 2u * id.x + 1u < stride {
             columns[at + 1u] = ordered(sum.even.zw, sum.odd.zw);

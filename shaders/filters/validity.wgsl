@@ -16,9 +16,9 @@ fn has_content(side: u32, x: i32, row: u32) -> bool {
 }
 
 fn check(value: i32, x: i32, row: u32) -> i32 {
-    let place = 16 * x + select(-value, value, pass_.side == 1u);
-    let other = 1u - pass_.side;
-    let stays = has_content(pass_.side, x, row) && has_content(other, place >> 4u, row)
+    let place = 16 * x + select(-value, value, dispatch.side == 1u);
+    let other = 1u - dispatch.side;
+    let stays = has_content(dispatch.side, x, row) && has_content(other, place >> 4u, row)
         && has_content(other, (place + 15) >> 4u, row);
     return select(INVALID, value, stays);
 }
@@ -30,13 +30,13 @@ fn check_word(word: u32, x: i32, row: u32) -> u32 {
 @compute @workgroup_size(LANES)
 fn main(@builtin(global_invocation_id) id: vec3<u32>) {
     let stride = frame.map_stride / 4u;
-    if id.x >= stride || id.y >= pass_.rows {
+    if id.x >= stride || id.y >= dispatch.rows {
         return;
     }
     let at = id.y * stride + id.x;
     let words = map[at];
     let x = i32(8u * id.x);
-    let row = pass_.first_row + id.y;
+    let row = dispatch.first_row + id.y;
     valid[at] = vec4(check_word(words.x, x, row), check_word(words.y, x + 2, row),
         check_word(words.z, x + 4, row), check_word(words.w, x + 6, row));
 }

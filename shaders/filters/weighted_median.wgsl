@@ -5,6 +5,7 @@
 // Border: what lies outside the image has no weight, nor has what is invalid; an invalid pixel stays so.
 // Reference: src/reference/filters/weighted_median.rs
 
+@group(0) @binding(3) var<storage, read_write> filtered: array<vec4<u32>>;
 @group(0) @binding(4) var gray: texture_storage_2d<rgba32uint, read>;
 
 // Vectors of eight pixels that are read on either side, and with the one between.
@@ -86,13 +87,13 @@ fn middle(keys: ptr<function, array<u32, 25>>) -> u32 {
 @compute @workgroup_size(LANES)
 fn main(@builtin(global_invocation_id) id: vec3<u32>) {
     let stride = frame.map_stride / 4u;
-    if id.x >= stride || id.y >= pass_.rows {
+    if id.x >= stride || id.y >= dispatch.rows {
         return;
     }
     var values: array<array<vec4<u32>, EIGHTS>, 5>;
     var grays: array<array<vec2<u32>, EIGHTS>, 5>;
     for (var j = 0u; j < 5u; j++) {
-        let y = i32(pass_.first_row + id.y + j * SPACING) - i32(2u * SPACING);
+        let y = i32(dispatch.first_row + id.y + j * SPACING) - i32(2u * SPACING);
         let row = u32(clamp(y, 0, i32(frame.height) - 1));
         // All columns of a row outside lie outside.
         let off = select(i32(frame.width + 8u * AROUND), 0, y == i32(row));

@@ -24,13 +24,13 @@ fn sixteen_pixels(p: u32) -> vec4<u32> {
 // The pixels of a row from a column on; of the mirrored image, if that is what the pass takes.
 fn pixels_from(row: u32, start: u32) -> vec4<u32> {
     let left = min(frame.width - start, 16u);
-    let first = select(start, frame.width - start - left, pass_.reversed == 1u);
+    let first = select(start, frame.width - start - left, dispatch.reversed == 1u);
     let pixels = sixteen_pixels(row + first);
     let reversed = vec4(turned(pixels.w), turned(pixels.z), turned(pixels.y), turned(pixels.x));
     // Of the last pixels of a mirrored row, others were read before them.
     let skip = 16u - left;
     let words = from_word(reversed, reversed, skip >> 2u);
-    return select(pixels, from_byte(words, words.x, skip), pass_.reversed == 1u);
+    return select(pixels, from_byte(words, words.x, skip), dispatch.reversed == 1u);
 }
 
 // The bytes of a word in the other order.
@@ -40,10 +40,10 @@ fn turned(word: u32) -> u32 {
 
 @compute @workgroup_size(LANES)
 fn main(@builtin(global_invocation_id) id: vec3<u32>) {
-    if id.x >= frame.gray_stride || id.y >= pass_.rows {
+    if id.x >= frame.gray_stride || id.y >= dispatch.rows {
         return;
     }
-    let row = (pass_.first_row + id.y) * frame.width;
+    let row = (dispatch.first_row + id.y) * frame.width;
     let x = 16 * i32(id.x) - 16;
     // Where no column or not all of them lie in the image, others are read in their place and not used.
     let start = clamp(x, 0, i32(frame.width) - 1);

@@ -8,8 +8,8 @@
 @group(0) @binding(3) var<storage, read_write> halved: array<u32>;
 
 fn value_at(x: u32, y: u32) -> u32 {
-    let column = min(x, pass_.lines - 1u);
-    return value_of(textureLoad(image, place_of(column, min(y, pass_.rows - 1u), pass_.stride)), column);
+    let column = min(x, dispatch.lines - 1u);
+    return value_of(textureLoad(image, place_of(column, min(y, dispatch.rows - 1u), dispatch.stride)), column);
 }
 
 fn mean(column: i32, y: u32) -> u32 {

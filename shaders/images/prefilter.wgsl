@@ -49,17 +49,17 @@ fn filtered(above: Pixels, here: Pixels, below: Pixels, i: u32, x: i32, y: i32) 
 
 @compute @workgroup_size(LANES)
 fn main(@builtin(global_invocation_id) id: vec3<u32>) {
-    let mirrored = pass_.mirrored == 1u;
-    let stride = pass_.stride / 4u;
-    if id.x >= stride || id.y >= pass_.rows {
+    let mirrored = dispatch.mirrored == 1u;
+    let stride = dispatch.stride / 4u;
+    if id.x >= stride || id.y >= dispatch.rows {
         return;
     }
     let x = lowest_column(id.x, mirrored);
-    let y = i32(pass_.first_row + id.y);
+    let y = i32(dispatch.first_row + id.y);
     let above = pixels_from(x - 1, y - 1);
     let here = pixels_from(x - 1, y);
     let below = pixels_from(x - 1, y + 1);
     let words = vec4(filtered(above, here, below, 0u, x, y), filtered(above, here, below, 1u, x, y),
         filtered(above, here, below, 2u, x, y), filtered(above, here, below, 3u, x, y));
-    plane[(pass_.first_plane * pass_.rows + id.y) * stride + id.x] = placed(words, x, mirrored);
+    plane[(dispatch.first_plane * dispatch.rows + id.y) * stride + id.x] = laid_out(words, x, mirrored);
 }

@@ -1,4 +1,4 @@
-// window_sums: sums over the pass_.window x pass_.window pixels around a pixel.
+// window_sums: sums over the dispatch.window x dispatch.window pixels around a pixel.
 // columns (u32, [y][x], the sums of columns) -> sums (u32, [y][x])
 // One invocation: SEGMENT pixels of a row, to the right; a column enters the sum as another leaves it.
 // Border: columns are clamped into the image.
@@ -19,7 +19,7 @@ fn main(@builtin(global_invocation_id) id: vec3<u32>) {
         return;
     }
     let row = y * frame.width;
-    let radius = i32(pass_.window / 2u);
+    let radius = i32(dispatch.window / 2u);
     let first = i32(begin);
     var sum = 0u;
     for (var dx = -radius - 1; dx < radius; dx++) {

@@ -16,11 +16,11 @@ fn main(@builtin(global_invocation_id) id: vec3<u32>) {
     if id.x >= frame.width {
         return;
     }
-    let rows = u32(pass_.dy);
+    let rows = u32(dispatch.dy);
     let width = i32(frame.width);
     // Of the pixel before the first one.
-    var y = i32(id.y / rows * 16u * rows + id.y % rows) - pass_.dy;
-    let moved = pass_.dx * (i32(id.y / rows * 16u) - 1);
+    var y = i32(id.y / rows * 16u * rows + id.y % rows) - dispatch.dy;
+    let moved = dispatch.dx * (i32(id.y / rows * 16u) - 1);
     let turn = u32(abs(moved)) % frame.width;
     var x = i32((id.x + select(turn, frame.width - turn, moved < 0)) % frame.width);
     var before = gray_of(u32(x), u32(max(y, 0)));
@@ -31,8 +31,8 @@ fn main(@builtin(global_invocation_id) id: vec3<u32>) {
         var outside = vec4(false);
         for (var j = 0u; j < 4u; j++) {
             let starts = y < 0;
-            y += pass_.dy;
-            x += pass_.dx;
+            y += dispatch.dy;
+            x += dispatch.dx;
             let leaves = x < 0 || x >= width;
             x -= select(0, select(-width, width, x >= width), leaves);
             last[j] = before;

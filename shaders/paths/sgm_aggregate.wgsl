@@ -15,22 +15,22 @@ const BACKWARDS: bool = false;
 
 @compute @workgroup_size(LANES)
 fn main(@builtin(global_invocation_id) id: vec3<u32>, @builtin(local_invocation_index) local: u32) {
-    let horizontal = pass_.dy == 0;
+    let horizontal = dispatch.dy == 0;
     let width = i32(frame.width);
     let group = join_group(id.x, local);
-    let works = group < pass_.lines;
+    let works = group < dispatch.lines;
     // src/gpu/kernels/mod.rs takes this out where barriers follow.
     if !works {
         return;
     }
-    let line = i32(pass_.first_line + min(group, pass_.lines - 1u));
-    let enters = i32((u32(line) + pass_.shift) % frame.width);
-    var x = select(enters, select(width - 1, 0, pass_.dx > 0), horizontal);
-    let y = select(pass_.entry, line, horizontal);
+    let line = i32(dispatch.first_line + min(group, dispatch.lines - 1u));
+    let enters = i32((u32(line) + dispatch.shift) % frame.width);
+    var x = select(enters, select(width - 1, 0, dispatch.dx > 0), horizontal);
+    let y = select(dispatch.entry, line, horizontal);
     var state: State;
-    let before = x - pass_.dx;
-    let first_carry = pass_.carry_from * frame.volume_stride;
-    if pass_.carried == 1u && before >= 0 && before < width {
+    let before = x - dispatch.dx;
+    let first_carry = dispatch.carry_from * frame.volume_stride;
+    if dispatch.carried == 1u && before >= 0 && before < width {
         for (var s = 0u; s < SLICES; s++) {
             if in_volume(s * WIDTH) {
                 state[s] = slice_of(carry_in[slice_at(first_carry + u32(before), s)]);
@@ -42,10 +42,10 @@ fn main(@builtin(global_invocation_id) id: vec3<u32>, @builtin(local_invocation_
     }
     let stride = i32(frame.volume_stride);
     var at = y * stride + x;
-    let turn = select(-width, width, pass_.dx > 0);
-    let steps = select(i32(pass_.rows), width, horizontal);
-    let forward = pass_.dy > 0 || (horizontal && pass_.dx > 0);
-    var place = pass_.place;
+    let turn = select(-width, width, dispatch.dx > 0);
+    let steps = select(i32(dispatch.rows), width, horizontal);
+    let forward = dispatch.dy > 0 || (horizontal && dispatch.dx > 0);
+    var place = dispatch.place;
     var known = penalties_from(place, u32(line));
     for (var i = 0; i < steps; i++) {
         if is_unknown(place, forward) {
@@ -53,8 +53,8 @@ fn main(@builtin(global_invocation_id) id: vec3<u32>, @builtin(local_invocation_
         }
         path_step(&state, u32(at), penalty(known, place), works || !BARRIERS);
         place += select(-1, 1, forward);
-        at += pass_.dy * stride + pass_.dx;
-        x += pass_.dx;
+        at += dispatch.dy * stride + dispatch.dx;
+        x += dispatch.dx;
         // A mask in place of a branch, which would copy the state.
         let leaves = !horizontal && (x < 0 || x >= width);
         let keep = vec4(select(0xffffffffu, 0u, leaves));
@@ -69,11 +69,11 @@ fn main(@builtin(global_invocation_id) id: vec3<u32>, @builtin(local_invocation_
     }
     if !horizontal && works {
         // The state belongs to the pixel before x. After a wrap the next row's path starts anew and needs none.
-        let last = x - pass_.dx;
+        let last = x - dispatch.dx;
         if last >= 0 && last < width {
             for (var s = 0u; s < SLICES; s++) {
                 if in_volume(s * WIDTH) {
-                    carry_out[slice_at(pass_.carry_to * frame.volume_stride + u32(last), s)] = stored_of(state[s]);
+                    carry_out[slice_at(dispatch.carry_to * frame.volume_stride + u32(last), s)] = stored_of(state[s]);
                 }
             }
         }
@@ -86,9 +86,9 @@ fn path_step(state: ptr<function, State>, pixel: u32, p2: u32, writes: bool) {
         var costs = Slice();
         var sums = Slice();
         if in_volume(s * WIDTH) {
-            costs = costs_at(slice_at(pixel + pass_.volume_row * frame.volume_stride, s));
-            if pass_.accumulate == 1u {
-                sums = slice_of(paths[slice_at(pixel + pass_.slot, s)]);
+            costs = costs_at(slice_at(pixel + dispatch.volume_row * frame.volume_stride, s));
+            if dispatch.accumulate == 1u {
+                sums = slice_of(paths[slice_at(pixel + dispatch.slot, s)]);
             }
         }
         let terms = path_slice(state, s, costs, p2, &around);
@@ -96,7 +96,7 @@ fn path_step(state: ptr<function, State>, pixel: u32, p2: u32, writes: bool) {
             sums[w] += terms[w];
         }
         if in_volume(s * WIDTH) && writes {
-            paths[slice_at(pixel + pass_.slot, s)] = stored_terms(sums);
+            paths[slice_at(pixel + dispatch.slot, s)] = stored_terms(sums);
         }
     }
 }

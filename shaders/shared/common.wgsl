@@ -28,7 +28,7 @@ struct Frame {
 }
 
 // What differs between dispatches.
-struct Pass {
+struct Dispatch {
     first_row: u32,       // in the image; where rows of buffers are bound, they begin with it
     rows: u32,            // that are worked on; of a path that crosses rows: those that it comes to
     volume_row: u32,      // where first_row lies in the volume's buffer
@@ -67,7 +67,7 @@ struct Pass {
 }
 
 @group(0) @binding(0) var<uniform> frame: Frame;
-@group(0) @binding(1) var<uniform> pass_: Pass;
+@group(0) @binding(1) var<uniform> dispatch: Dispatch;
 
 // Four bytes, the lowest first.
 fn unpack(word: u32) -> vec4<u32> {

@@ -15,12 +15,12 @@ const BACKWARDS: bool = true;
 @compute @workgroup_size(LANES)
 fn main(@builtin(global_invocation_id) id: vec3<u32>, @builtin(local_invocation_index) local: u32) {
     let line = join_group(id.x, local);
-    let works = line < pass_.rows;
+    let works = line < dispatch.rows;
     // src/gpu/kernels/mod.rs takes this out where barriers follow.
     if !works {
         return;
     }
-    let band_row = min(line, pass_.rows - 1u);
+    let band_row = min(line, dispatch.rows - 1u);
     let writes = member == 0u && (works || !BARRIERS);
     let reach = 2u * frame.block_radius;
     let first = band_row * (frame.width + reach) * QUADS;
@@ -41,7 +41,7 @@ fn main(@builtin(global_invocation_id) id: vec3<u32>, @builtin(local_invocation_
             block_costs(&costs, &sums, &seen, band_row, x);
             leave(&sums, at + reach * QUADS);
         }
-        choose(&costs, &diagonal, &kept, pass_.map_row + band_row, x, writes);
+        choose(&costs, &diagonal, &kept, dispatch.map_row + band_row, x, writes);
     }
 }
 

@@ -40,7 +40,7 @@ alias Unwritten = array<array<u32, 3>, OWN>;
 
 // Of the planes.
 fn row_at(top: i32, row: u32) -> u32 {
-    return u32(clamp(top + i32(row), 0, i32(frame.height) - 1)) - pass_.planes_row;
+    return u32(clamp(top + i32(row), 0, i32(frame.height) - 1)) - dispatch.planes_row;
 }
 
 // The four bytes from byte `at` of a row on.
@@ -180,11 +180,11 @@ fn append(unwritten: ptr<function, Unwritten>, own: u32, value: i32) {
 
 @compute @workgroup_size(LANES)
 fn main(@builtin(global_invocation_id) id: vec3<u32>, @builtin(subgroup_invocation_id) lane: u32) {
-    // Neighbouring invocations of a workgroup are neighbours in a subgroup: see members_subgroup.wgsl.
+    // Neighbouring invocations of a workgroup are neighbours in a subgroup: see shared_path_subgroup.wgsl.
     let slice = id.x % PARTS;
     let first_lane = lane - slice;
     let row = id.x / PARTS * STRIP;
-    let top = i32(pass_.first_row + row) - i32(frame.block_radius);
+    let top = i32(dispatch.first_row + row) - i32(frame.block_radius);
     let width = i32(frame.width);
     let base = i32(slice * SLICE);
 
@@ -203,8 +203,8 @@ fn main(@builtin(global_invocation_id) id: vec3<u32>, @builtin(subgroup_invocati
         for (var word = max(width - frame.min_disparity, 0) >> 1u; word <= (width - 1) >> 1u; word++) {
             for (var own = 0u; own < OWN; own++) {
                 let at = row + own * PARTS + slice;
-                if at < pass_.rows {
-                    right_map[(pass_.map_row + at) * frame.map_stride + u32(word)] = 0x80008000u;
+                if at < dispatch.rows {
+                    right_map[(dispatch.map_row + at) * frame.map_stride + u32(word)] = 0x80008000u;
                 }
             }
         }
@@ -316,8 +316,8 @@ fn main(@builtin(global_invocation_id) id: vec3<u32>, @builtin(subgroup_invocati
             let right_word = (right4 + 1) >> 1u;
             for (var own = 0u; own < OWN; own++) {
                 let at = row + own * PARTS + slice;
-                let words = (pass_.map_row + at) * frame.map_stride;
-                let stride = select(0, i32(frame.map_stride), phase == 1u && at < pass_.rows);
+                let words = (dispatch.map_row + at) * frame.map_stride;
+                let stride = select(0, i32(frame.map_stride), phase == 1u && at < dispatch.rows);
                 for (var word = 0u; word < 2u; word++) {
                     let l = left_word + i32(word);
                     if l >= 0 && l < stride {

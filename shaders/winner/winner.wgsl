@@ -18,12 +18,12 @@ const BACKWARDS: bool = true;
 @compute @workgroup_size(LANES)
 fn main(@builtin(global_invocation_id) id: vec3<u32>, @builtin(local_invocation_index) local: u32) {
     let line = join_group(id.x, local);
-    let works = line < pass_.rows;
+    let works = line < dispatch.rows;
     // src/gpu/kernels/mod.rs takes this out where barriers follow.
     if !works {
         return;
     }
-    let strip_row = min(line, pass_.rows - 1u);
+    let strip_row = min(line, dispatch.rows - 1u);
     let writes = member == 0u && (works || !BARRIERS);
     var state: State;
     var costs: Costs;
@@ -40,13 +40,13 @@ fn main(@builtin(global_invocation_id) id: vec3<u32>, @builtin(local_invocation_
         if inside_row(x) {
             walk(&state, &costs, strip_row * frame.volume_stride + u32(x), penalty(known, x + 1));
         }
-        choose(&costs, &diagonal, &kept, pass_.map_row + strip_row, x, writes);
+        choose(&costs, &diagonal, &kept, dispatch.map_row + strip_row, x, writes);
     }
 }
 
 // One step of the leftward path, and S of the pixel.
 fn walk(state: ptr<function, State>, costs: ptr<function, Costs>, strip_pixel: u32, p2: u32) {
-    let pixel = pass_.volume_row * frame.volume_stride + strip_pixel;
+    let pixel = dispatch.volume_row * frame.volume_stride + strip_pixel;
     var around = surroundings(state);
     for (var s = 0u; s < SLICES; s++) {
         var c = Slice();
@@ -56,7 +56,7 @@ fn walk(state: ptr<function, State>, costs: ptr<function, Costs>, strip_pixel: u
             t[0] = slice_of(forward[slice_at(strip_pixel, s)]);
             t[1] = slice_of(paired0[slice_at(pixel, s)]);
             for (var i = 1u; i < PAIRED; i++) {
-                let at = slice_at(pixel + i / 3u * pass_.slot, s);
+                let at = slice_at(pixel + i / 3u * dispatch.slot, s);
                 switch i % 3u {
                     case 0u: { t[i + 1u] = slice_of(paired0[at]); }
                     case 1u: { t[i + 1u] = slice_of(paired1[at]); }

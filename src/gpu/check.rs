@@ -5,7 +5,7 @@ use crate::gpu::matcher::{confidence_of, depth_of, map_of};
 use crate::gpu::recording::{Level, Output, Step};
 use crate::gpu::{readback, scopes};
 use crate::reference::{
-    self, BlockStatistics, Channel, Content, Direction, Features, Images, Plane, Round, Views, Volume,
+    self, BlockStatistics, Channel, Content, Descriptors, Direction, Images, Plane, Round, Views, Volume,
 };
 use crate::{Cost, DisparityMap, Error, Image, Method, Params, StereoMatcher};
 
@@ -68,7 +68,7 @@ struct Expected {
     images: [Images; 2],
     prefiltered: [Images; 2],
     /// What the cost compares of both images, halved ever more often.
-    pyramid: Vec<[Features; 2]>,
+    pyramid: Vec<[Descriptors; 2]>,
     rounds: Vec<Round>,
     /// The round to which what follows belongs, and its settings.
     level: Option<usize>,
@@ -90,7 +90,7 @@ impl Expected {
         let luma = [left, right].map(|image| reference::gray(image, Channel::Luma));
         let images = [left, right].map(|image| reference::images(image, params));
         let prefiltered = [0, 1].map(|side: usize| images[side].prefiltered(params));
-        let mut pyramid = vec![[0, 1].map(|side: usize| prefiltered[side].features(params))];
+        let mut pyramid = vec![[0, 1].map(|side: usize| prefiltered[side].descriptors(params))];
         let rounds = reference::rounds(left.width(), left.height(), params);
         for _ in 0..rounds[0].halvings {
             pyramid.push(pyramid[pyramid.len() - 1].each_ref().map(reference::halve));
@@ -298,7 +298,7 @@ impl StereoMatcher {
                 Output::Cost { volume_row, .. } => *volume_row == 0,
                 Output::BlockStatistics { side, .. } => *side == 0,
                 Output::Part => false,
-                Output::Features { first, .. } => *first == 0,
+                Output::Descriptors { first, .. } => *first == 0,
                 _ => true,
             };
             let ((), verdict) = scopes::watched(&self.device, || {
@@ -371,7 +371,7 @@ impl StereoMatcher {
                 | Output::WindowSums { .. }
                 | Output::Prefiltered { .. }
                 | Output::Values { .. }
-                | Output::Features { .. }
+                | Output::Descriptors { .. }
         ) {
             expected.enter(step.level);
         }
@@ -412,8 +412,8 @@ impl StereoMatcher {
                 let plane = &expected.prefiltered[*side].channels[*channel];
                 compare_picture(stage, whole, &bytes, 16 * gray_stride, |x, y| plane.clamped(x, y));
             }
-            Output::Features { side, first, count, rows: held } => {
-                let (features, stride) =
+            Output::Descriptors { side, first, count, rows: held } => {
+                let (descriptors, stride) =
                     (&expected.pyramid[*halvings as usize][*side], 4 * [left_stride, right_stride][*side] as usize);
                 let reach = i64::from(block_radius);
                 let plane = held.count as usize;
@@ -425,7 +425,7 @@ impl StereoMatcher {
                             0 => j as i64 - reach,
                             _ => width as i64 - 1 + reach - i64::from(min_disparity) - j as i64,
                         };
-                        stage.compare(j, y, None, features.clamped(x, y as i64)[p].into(), got.into());
+                        stage.compare(j, y, None, descriptors.clamped(x, y as i64)[p].into(), got.into());
                     }
                 }
             }

@@ -14,8 +14,8 @@ pub(crate) enum Exchange {
 /// The schedule of a matcher: [`Schedule`] applied to a device and a number of disparities.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub(crate) struct Plan {
-    /// Whether this is [`Schedule::Lanes`].
-    pub(crate) lanes: bool,
+    /// Whether this is [`Schedule::PerSubgroup`].
+    pub(crate) per_subgroup: bool,
     /// Invocations that share the disparities of a pixel: a power of two.
     pub(crate) members: u32,
     pub(crate) exchange: Exchange,
@@ -33,11 +33,11 @@ pub(crate) struct Plan {
     pub(crate) part_bits: Option<u32>,
 }
 
-/// Vectors of 16 disparities that an invocation of [`Schedule::Lines`] owns, if others may take the rest. More of them
+/// Vectors of 16 disparities that an invocation of [`Schedule::PerThread`] owns, if others may take the rest. More of them
 /// make code that neither the registers nor the instruction cache of a CPU hold (docs/PERFORMANCE.md).
 const MOST_QUADS: u32 = 6;
 
-/// Invocations a workgroup of the kernels that walk paths, with the schedule `lines`.
+/// Invocations a workgroup of the kernels that walk paths, with the schedule `per-thread`.
 pub(crate) const STRIP_LANES: u32 = 8;
 
 /// Bytes of a volume that a strip of rows takes, if that keeps all threads busy: a few volumes of it fit a last-level
@@ -52,7 +52,7 @@ const MOST_STRIPS: u32 = 32;
 
 /// Trips of a loop that Mesa unrolls. A loop over more vectors stays a loop, and lavapipe leaves all loops of an
 /// invocation after 65,535 rounds, without a word: a long row would not be finished. Rather than that, invocations of
-/// [`Schedule::Lines`] share a path through workgroup memory, which is slow there.
+/// [`Schedule::PerThread`] share a path through workgroup memory, which is slow there.
 pub(crate) const MOST_TRIPS: u32 = 32;
 
 /// Invocations that may share a path through workgroup memory.
@@ -70,19 +70,19 @@ impl Plan {
 
     pub(crate) fn new(device: &wgpu::Device, params: &Params) -> Self {
         let info = device.adapter_info();
-        let lanes = match params.schedule {
+        let per_subgroup = match params.schedule {
             Schedule::Auto => info.device_type != wgpu::DeviceType::Cpu,
-            Schedule::Lines => false,
-            Schedule::Lanes => true,
+            Schedule::PerThread => false,
+            Schedule::PerSubgroup => true,
         };
         let features = device.features();
         let subgroup = if features.contains(wgpu::Features::SUBGROUP) { info.subgroup_min_size } else { 1 };
         let threads = std::thread::available_parallelism().map_or(1, |threads| threads.get() as u32);
-        let on_cpu = !lanes && info.device_type == wgpu::DeviceType::Cpu;
+        let on_cpu = !per_subgroup && info.device_type == wgpu::DeviceType::Cpu;
         Self {
             threads: on_cpu.then_some(threads),
             adaptive: params.adaptive_p2 && params.method == Method::Sgm,
-            ..Self::of(params.quads(), lanes, subgroup, features.contains(wgpu::Features::SHADER_INT64))
+            ..Self::of(params.quads(), per_subgroup, subgroup, features.contains(wgpu::Features::SHADER_INT64))
         }
     }
 
@@ -103,13 +103,13 @@ impl Plan {
 
     /// The plan for pixels of `quads` vectors, where `subgroup` neighbours can talk (at most 1: none can), with or
     /// without integers of 64 bits.
-    pub(crate) fn of(quads: u32, lanes: bool, subgroup: u32, int64: bool) -> Self {
+    pub(crate) fn of(quads: u32, per_subgroup: bool, subgroup: u32, int64: bool) -> Self {
         // Members lie in one workgroup.
-        let group = if lanes { GROUP_LANES } else { STRIP_LANES };
+        let group = if per_subgroup { GROUP_LANES } else { STRIP_LANES };
         let neighbours = subgroup.min(group);
         let exchange = match neighbours > 1 && quads.div_ceil(neighbours) <= MOST_TRIPS {
             true => Exchange::Subgroup,
-            false if lanes || quads > MOST_TRIPS => Exchange::Workgroup,
+            false if per_subgroup || quads > MOST_TRIPS => Exchange::Workgroup,
             false => Exchange::Alone,
         };
         let most_members = match exchange {
@@ -118,7 +118,7 @@ impl Plan {
             Exchange::Workgroup => MOST_MEMBERS.min(group),
         };
         let most_quads = match exchange {
-            _ if lanes => 1,
+            _ if per_subgroup => 1,
             Exchange::Workgroup => MOST_TRIPS,
             _ => MOST_QUADS,
         };
@@ -126,10 +126,10 @@ impl Plan {
         while quads.div_ceil(members) > most_quads && 2 * members <= most_members {
             members *= 2;
         }
-        let wide = int64 && !lanes && quads.is_multiple_of(2);
+        let wide = int64 && !per_subgroup && quads.is_multiple_of(2);
         let width = if wide { 2 } else { 1 };
         Self {
-            lanes,
+            per_subgroup,
             members,
             exchange: if members == 1 { Exchange::Alone } else { exchange },
             own_quads: quads.div_ceil(members).next_multiple_of(width),
@@ -151,9 +151,9 @@ mod tests {
     fn plans_fit_their_workgroups() {
         for quads in 1..=256 {
             for subgroup in [1, 4, 8, 16, 32, 64, 128] {
-                for (lanes, int64) in [(false, false), (false, true), (true, false), (true, true)] {
-                    let plan = Plan::of(quads, lanes, subgroup, int64);
-                    let group = if lanes { GROUP_LANES } else { STRIP_LANES };
+                for (per_subgroup, int64) in [(false, false), (false, true), (true, false), (true, true)] {
+                    let plan = Plan::of(quads, per_subgroup, subgroup, int64);
+                    let group = if per_subgroup { GROUP_LANES } else { STRIP_LANES };
                     assert!(group.is_multiple_of(plan.members), "{quads} {plan:?}");
                     assert!(plan.exchange != Exchange::Subgroup || plan.members <= subgroup, "{quads} {plan:?}");
                     assert!(plan.exchange != Exchange::Alone || plan.members == 1, "{quads} {plan:?}");

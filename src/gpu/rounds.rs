@@ -80,7 +80,7 @@ pub(crate) fn rounds(kernel: &str, params: &Params, [width, height]: [u32; 2], p
             };
             repeated((width + reach).div_ceil(4), checks * rows + repeated(4, checks * column))
         }
-        "matching_cost_lanes" => {
+        "matching_cost_parallel" => {
             let planes = repeated(params.planes().max(8), 0);
             let row = planes + repeated(block, 3 * planes);
             repeated(segment + reach, checks * (row + repeated(2, repeated(block, 0))))

@@ -104,8 +104,8 @@ names! {
     }
     Schedule {
         Auto "auto" "as the adapter is",
-        Lines "lines" "a path an invocation, for CPU adapters",
-        Lanes "lanes" "a path for several, for GPUs",
+        PerThread "per-thread" "a path an invocation, for CPU adapters",
+        PerSubgroup "per-subgroup" "a path for several, for GPUs",
     }
 }
 

@@ -6,15 +6,15 @@ use crate::{Camera, Error, Masks, Rectification};
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
 #[non_exhaustive]
 pub enum Schedule {
-    /// [`Schedule::Lines`] on CPU adapters, [`Schedule::Lanes`] on all others.
+    /// [`Schedule::PerThread`] on CPU adapters, [`Schedule::PerSubgroup`] on all others.
     #[default]
     Auto,
     /// A path an invocation: all its disparities stay in registers. Two or more invocations share a path of many
     /// disparities where the device has subgroups. For CPU adapters such as lavapipe.
-    Lines,
+    PerThread,
     /// A path for neighbouring invocations, 16 disparities each. They talk through the subgroup, or through workgroup
     /// memory where the device has no subgroups. For GPUs.
-    Lanes,
+    PerSubgroup,
 }
 
 /// The image on which the matching cost is computed (`prefilter` in docs/ALGORITHMS.md).
@@ -727,7 +727,7 @@ impl Params {
     }
 
     /// The largest value of those bytes, as far as they are compared as numbers.
-    pub(crate) fn feature_max(&self) -> u32 {
+    pub(crate) fn descriptor_max(&self) -> u32 {
         match self.cost {
             Cost::ZeroMeanSad => 127 + self.prefiltered_max().min(127),
             Cost::SadXy | Cost::CensusSobel => 2 * self.prefilter_cap,

@@ -2,7 +2,7 @@
 
 use crate::reference::trace::{Receiver, Trace};
 use crate::reference::{
-    Channel, Content, Features, Plane, Views, Volume, block_match, block_statistics, block_sums, confidence,
+    Channel, Content, Descriptors, Plane, Views, Volume, block_match, block_statistics, block_sums, confidence,
     cost_columns, depth, fill, gray, halve, images, lr_check, matching_cost, median, mi_histogram, mi_table, mirror,
     mirrored, penalties, rectify, rounds, sgm_aggregate, speckle, texture, validity, weighted_median, winner, wls,
 };
@@ -149,20 +149,20 @@ fn views(
     if params.cost == Cost::ZeroMeanSad {
         trace.show("window_sums", || [&left, &right].map(|images| images.window_sums(params.block)));
     }
-    let sides = trace.stage("features", [left.features(params), right.features(params)]);
+    let sides = trace.stage("descriptors", [left.descriptors(params), right.descriptors(params)]);
     let table = trace.table(&sides, content, params);
     trace.winner(&sides, &table, penalties.as_ref(), params)
 }
 
 /// What matches cost in the last round of [`rounds`], for a cost that has a table; else nothing. `content`: where the pair
 /// has it, `None` for everywhere.
-pub fn cost_table(sides: &[Features; 2], content: Option<&Content>, params: &Params) -> Vec<u8> {
+pub fn cost_table(sides: &[Descriptors; 2], content: Option<&Content>, params: &Params) -> Vec<u8> {
     Trace::new(None).table(sides, content, params)
 }
 
 impl Trace<'_> {
     /// [`cost_table`].
-    fn table(&mut self, sides: &[Features; 2], content: Option<&Content>, params: &Params) -> Vec<u8> {
+    fn table(&mut self, sides: &[Descriptors; 2], content: Option<&Content>, params: &Params) -> Vec<u8> {
         if params.cost != Cost::MutualInformation {
             return Vec::new();
         }
@@ -187,7 +187,7 @@ impl Trace<'_> {
     }
 
     /// The table of a round, by the map of the round before.
-    fn round(&mut self, [left, right]: &[Features; 2], map: Option<&DisparityMap>, halvings: u32) -> Vec<u8> {
+    fn round(&mut self, [left, right]: &[Descriptors; 2], map: Option<&DisparityMap>, halvings: u32) -> Vec<u8> {
         let counts = self.stage("mi_histogram", mi_histogram(left, right, map, halvings));
         self.stage("mi_table", mi_table(&counts, (left.width * left.height) as u64))
     }
@@ -195,7 +195,7 @@ impl Trace<'_> {
     /// From what the cost compares to the winner of both views.
     fn winner(
         &mut self,
-        [left, right]: &[Features; 2],
+        [left, right]: &[Descriptors; 2],
         table: &[u8],
         penalties: Option<&Volume<u8>>,
         params: &Params,

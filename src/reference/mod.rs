@@ -33,7 +33,7 @@ mod winner;
 pub use chain::{compute, compute_all, compute_timed, compute_traced, cost_table};
 pub use channels::{Images, images};
 pub use cost::cost_columns::{cost_columns, pixel_cost};
-pub use cost::features::{Features, features};
+pub use cost::descriptors::{Descriptors, descriptors};
 pub use cost::matching_cost::{matching_cost, matching_cost_scale};
 pub use cost::mi_histogram::mi_histogram;
 pub use cost::mi_table::{logarithm, mi_narrowing, mi_prior, mi_table};

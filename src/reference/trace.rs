@@ -1,4 +1,4 @@
-use crate::reference::{BlockStatistics, Content, Features, Images, Plane, Views, Volume};
+use crate::reference::{BlockStatistics, Content, Descriptors, Images, Plane, Views, Volume};
 use crate::{ConfidenceMap, DepthMap, DisparityMap, Image, Pixels, StageTime};
 #[cfg(not(all(target_family = "wasm", target_os = "unknown")))]
 use std::time::Instant;
@@ -109,7 +109,7 @@ fields! {
     [T] Plane<T>: data;
     [T] Volume<T>: data;
     [] Images: channels;
-    [] Features: data;
+    [] Descriptors: data;
     [] BlockStatistics: data;
     [] Content: sides;
     [] DisparityMap: data;

@@ -137,7 +137,7 @@ pub fn random_params(random: &mut ChaCha8Rng) -> Params {
         (params.ad_weight, params.census_weight) = (random.random_range(1..=64), random.random_range(0..=64));
     }
     params.prefilter_window = 2 * random.random_range(1..=25) + 1;
-    params.schedule = [Schedule::Auto, Schedule::Lines, Schedule::Lanes][random.random_range(0..3)];
+    params.schedule = [Schedule::Auto, Schedule::PerThread, Schedule::PerSubgroup][random.random_range(0..3)];
     params.confidence = random.random();
     if random.random_bool(0.3) {
         params.texture = random.random_range(0..=params.block * params.block * params.prefilter_cap / 2);

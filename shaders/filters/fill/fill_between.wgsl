@@ -14,13 +14,13 @@ fn farther(a: vec4<i32>, b: vec4<i32>) -> vec4<i32> {
 @compute @workgroup_size(LANES)
 fn main(@builtin(global_invocation_id) id: vec3<u32>) {
     let stride = frame.map_stride / 4u;
-    if id.x >= stride || id.y >= pass_.rows {
+    if id.x >= stride || id.y >= dispatch.rows {
         return;
     }
-    let row = pass_.first_row + id.y;
-    let p = eight(row, id.x);
+    let row = dispatch.first_row + id.y;
+    let p = octet(row, id.x);
     var wanted = mask(p.even == vec4(INVALID), p.odd == vec4(INVALID));
-    if pass_.occlusions == 1u {
+    if dispatch.occlusions == 1u {
         wanted &= ~(seen[row * stride + (id.x >> 2u)] >> (8u * (id.x & 3u)));
     }
     var even = p.even;
@@ -35,5 +35,5 @@ fn main(@builtin(global_invocation_id) id: vec3<u32>) {
         even = select(even, e, (vec4(wanted) & vec4(1u, 4u, 16u, 64u)) != vec4(0u));
         odd = select(odd, o, (vec4(wanted) & vec4(2u, 8u, 32u, 128u)) != vec4(0u));
     }
-    filled[id.y * stride + id.x] = pack_eight(even, odd);
+    filled[id.y * stride + id.x] = pack_octet(even, odd);
 }

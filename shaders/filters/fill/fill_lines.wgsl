@@ -1,7 +1,7 @@
 // fill_lines: as fill_rows, on lines that go dx columns to the right from row to row: the nearest above, and below.
 // map (i16, in a texture) -> nearest (i16, [y][line, eight][above, below]; a line is named by its column in row 0)
 // carry (i16, [line, eight][down, up]): the nearest so far, from one lot of rows to the next in the direction.
-// One invocation: eight neighbouring lines, one way, from pass_.entry on: 0 down, 1 up.
+// One invocation: eight neighbouring lines, one way, from dispatch.entry on: 0 down, 1 up.
 // Reference: src/reference/filters/fill.rs
 
 @group(0) @binding(3) var<storage, read_write> nearest: array<vec4<u32>>;
@@ -9,48 +9,48 @@
 
 @compute @workgroup_size(LANES)
 fn main(@builtin(global_invocation_id) id: vec3<u32>) {
-    if id.x >= pass_.lines {
+    if id.x >= dispatch.lines {
         return;
     }
     let stride = i32(frame.map_stride / 4u);
     let width = i32(frame.width);
-    let group = i32(id.x) - i32(pass_.shift);
-    let way = id.y + u32(pass_.entry);
+    let group = i32(id.x) - i32(dispatch.shift);
+    let way = id.y + u32(dispatch.entry);
     // The rows in which one of the eight lies in the image.
-    let begin = i32(pass_.first_row);
+    let begin = i32(dispatch.first_row);
     var first = begin;
-    var last = begin + i32(pass_.rows) - 1;
-    if pass_.dx > 0 {
+    var last = begin + i32(dispatch.rows) - 1;
+    if dispatch.dx > 0 {
         first = max(first, -7 - 8 * group);
         last = min(last, width - 1 - 8 * group);
-    } else if pass_.dx < 0 {
+    } else if dispatch.dx < 0 {
         first = max(first, 8 * group - width + 1);
         last = min(last, 8 * group + 7);
     }
     var even = vec4(INVALID);
     var odd = vec4(INVALID);
-    if pass_.carried == 1u {
+    if dispatch.carried == 1u {
         let before = carry[2u * id.x + way];
-        even = bitcast<vec4<i32>>(before << vec4(16u)) >> vec4(16u);
-        odd = bitcast<vec4<i32>>(before) >> vec4(16u);
+        even = even_values(before);
+        odd = odd_values(before);
     }
     for (var n = 0; n <= last - first; n++) {
         let y = select(first + n, last - n, way == 1u);
-        let x = 8 * group + pass_.dx * y;
+        let x = 8 * group + dispatch.dx * y;
         let at = x >> 3u;
         let a = map_at(u32(y * stride + clamp(at, 0, stride - 1)));
         let b = map_at(u32(y * stride + clamp(at + 1, 0, stride - 1)));
         let offset = u32(x & 7);
         let words = from_byte(from_word(a, b, offset >> 1u), from_word(b, b, offset >> 1u).x, 2u * offset);
-        let low = bitcast<vec4<i32>>(words << vec4(16u)) >> vec4(16u);
-        let high = bitcast<vec4<i32>>(words) >> vec4(16u);
+        let low = even_values(words);
+        let high = odd_values(words);
         let columns = vec4(x) + vec4(0, 2, 4, 6);
         let e = select(vec4(INVALID), low, (columns >= vec4(0)) & (columns < vec4(width)));
         let o = select(vec4(INVALID), high, (columns >= vec4(-1)) & (columns < vec4(width - 1)));
         even = select(e, even, e == vec4(INVALID));
         odd = select(o, odd, o == vec4(INVALID));
-        let slot = (y - begin) * (stride + 1) + group - ((-pass_.dx * y) >> 3u);
-        nearest[2u * u32(slot) + way] = pack_eight(even, odd);
+        let slot = (y - begin) * (stride + 1) + group - ((-dispatch.dx * y) >> 3u);
+        nearest[2u * u32(slot) + way] = pack_octet(even, odd);
     }
-    carry[2u * id.x + way] = pack_eight(even, odd);
+    carry[2u * id.x + way] = pack_octet(even, odd);
 }

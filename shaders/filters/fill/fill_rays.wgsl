@@ -1,5 +1,5 @@
 // fill_rays: an invalid pixel takes the median of the nearest values on eight rays, the lower one of an even number; where
-//   pass_.occlusions is 1 and no right pixel leads to it, the second lowest.
+//   dispatch.occlusions is 1 and no right pixel leads to it, the second lowest.
 // map (i16, in a texture), nearest (i16, of fill_rows and fill_lines), seen (a bit a pixel) -> filled (i16)
 // One invocation: four words, eight pixels of a row.
 // Reference: src/reference/filters/fill.rs
@@ -14,7 +14,7 @@
 // The word of a pixel on a line that goes dx columns to the right from row to row, on its way down; on its way up, 4 on.
 fn place(x: i32, y: i32, dx: i32) -> u32 {
     let line = x - dx * y;
-    let slot = (y - i32(pass_.first_row)) * i32(frame.map_stride / 4u + 1u) + (line >> 3u) - ((-dx * y) >> 3u);
+    let slot = (y - i32(dispatch.first_row)) * i32(frame.map_stride / 4u + 1u) + (line >> 3u) - ((-dx * y) >> 3u);
     return 8u * u32(slot) + u32((line & 7) >> 1u);
 }
 
@@ -36,13 +36,13 @@ fn ranked(a: vec4<i32>, b: vec4<i32>, second: bool) -> i32 {
 @compute @workgroup_size(LANES)
 fn main(@builtin(global_invocation_id) id: vec3<u32>) {
     let stride = frame.map_stride / 4u;
-    if id.x >= stride || id.y >= pass_.rows {
+    if id.x >= stride || id.y >= dispatch.rows {
         return;
     }
-    let row = pass_.first_row + id.y;
-    let p = eight(row, id.x);
+    let row = dispatch.first_row + id.y;
+    let p = octet(row, id.x);
     let marks = seen[row * stride + (id.x >> 2u)] >> (8u * (id.x & 3u));
-    var words = pack_eight(p.even, p.odd);
+    var words = pack_octet(p.even, p.odd);
     var rest = mask(p.even == vec4(INVALID), p.odd == vec4(INVALID));
     let y = i32(row);
     while rest != 0u {
@@ -58,7 +58,7 @@ fn main(@builtin(global_invocation_id) id: vec3<u32>) {
                 map_value(falling[f], u32(x - y)), map_value(rising[g], u32(x + y)));
             let second = vec4(map_value(along[r + 4u], half), map_value(upright[r + 4u], half),
                 map_value(falling[f + 4u], u32(x - y)), map_value(rising[g + 4u], u32(x + y)));
-            let value = ranked(first, second, pass_.occlusions == 1u && ((marks >> j) & 1u) == 0u);
+            let value = ranked(first, second, dispatch.occlusions == 1u && ((marks >> j) & 1u) == 0u);
             let bits = (bitcast<u32>(value) & 0xffffu) << (16u * half);
             let kept = 0xffff0000u >> (16u * half);
             words = select(words, (words & vec4(kept)) | vec4(bits), vec4(j >> 1u) == vec4(0u, 1u, 2u, 3u));

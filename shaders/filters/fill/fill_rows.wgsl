@@ -13,18 +13,18 @@ fn after(before: i32, value: i32) -> i32 {
 
 @compute @workgroup_size(LANES)
 fn main(@builtin(global_invocation_id) id: vec3<u32>) {
-    if id.x >= pass_.rows {
+    if id.x >= dispatch.rows {
         return;
     }
     let stride = frame.map_stride / 4u;
-    let row = pass_.first_row + id.x;
+    let row = dispatch.first_row + id.x;
     var last = INVALID;
     for (var n = 0u; n < stride; n++) {
         if id.y == 0u {
             seen[row * stride + n] = 0u;
         }
         let i = select(n, stride - 1u - n, id.y == 1u);
-        let p = eight(row, i);
+        let p = octet(row, i);
         var even = p.even;
         var odd = p.odd;
         if id.y == 0u {
@@ -48,6 +48,6 @@ fn main(@builtin(global_invocation_id) id: vec3<u32>) {
             even.x = after(odd.x, even.x);
             last = even.x;
         }
-        nearest[2u * (id.x * (stride + 1u) + i) + id.y] = pack_eight(even, odd);
+        nearest[2u * (id.x * (stride + 1u) + i) + id.y] = pack_octet(even, odd);
     }
 }

@@ -21,10 +21,10 @@ fn mark(row: u32, first: i32, last: i32) {
 @compute @workgroup_size(LANES)
 fn main(@builtin(global_invocation_id) id: vec3<u32>) {
     let stride = frame.map_stride / 4u;
-    if id.x >= stride || id.y >= pass_.rows {
+    if id.x >= stride || id.y >= dispatch.rows {
         return;
     }
-    let row = pass_.first_row + id.y;
+    let row = dispatch.first_row + id.y;
     let words = right_map[id.y * stride + id.x];
     // What neighbours mark usually meets, and is marked at once.
     var first = 0;

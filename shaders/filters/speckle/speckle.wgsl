@@ -12,11 +12,11 @@ fn bits(mask: u32, even: vec4<u32>) -> vec4<bool> {
 @compute @workgroup_size(LANES)
 fn main(@builtin(global_invocation_id) id: vec3<u32>) {
     let stride = frame.map_stride / 4u;
-    if id.x >= stride || id.y >= pass_.rows {
+    if id.x >= stride || id.y >= dispatch.rows {
         return;
     }
-    let row = pass_.first_row + id.y;
-    let p = eight(row, id.x);
+    let row = dispatch.first_row + id.y;
+    let p = octet(row, id.x);
     let along = joined_along(p);
     let first = 8u * (row * stride + id.x);
     var starts = run_starts(p, along);
@@ -33,5 +33,5 @@ fn main(@builtin(global_invocation_id) id: vec3<u32>) {
     }
     let even = select(p.even, vec4(INVALID), bits(removed, vec4(1u, 4u, 16u, 64u)));
     let odd = select(p.odd, vec4(INVALID), bits(removed, vec4(2u, 8u, 32u, 128u)));
-    filtered[id.y * stride + id.x] = pack_eight(even, odd);
+    filtered[id.y * stride + id.x] = pack_octet(even, odd);
 }

@@ -9,7 +9,7 @@ fn main(@builtin(global_invocation_id) id: vec3<u32>) {
     if id.x >= stride || id.y >= frame.height {
         return;
     }
-    let p = eight(id.y, id.x);
+    let p = octet(id.y, id.x);
     let along = joined_along(p);
     let first = 8u * (id.y * stride + id.x);
     var starts = run_starts(p, along);

@@ -17,11 +17,11 @@ fn flatten(pixel: u32, root: u32) {
 
 @compute @workgroup_size(LANES)
 fn main(@builtin(global_invocation_id) id: vec3<u32>) {
-    if id.x >= pass_.lines {
+    if id.x >= dispatch.lines {
         return;
     }
-    let i = pass_.first_line + id.x;
-    let row = pass_.first_row + id.y * pass_.row_step;
+    let i = dispatch.first_line + id.x;
+    let row = dispatch.first_row + id.y * dispatch.row_step;
     let first = 2u * row * frame.map_stride + 8u * i;
     var rest = joined_down(row, i);
     while rest != 0u {

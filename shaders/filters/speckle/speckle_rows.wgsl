@@ -9,14 +9,14 @@ const ROOT: u32 = 1u << 31u;
 
 @compute @workgroup_size(LANES)
 fn main(@builtin(global_invocation_id) id: vec3<u32>) {
-    if id.x >= pass_.rows {
+    if id.x >= dispatch.rows {
         return;
     }
     let stride = frame.map_stride / 4u;
-    let row = pass_.first_row + id.x;
+    let row = dispatch.first_row + id.x;
     var start = 0u;
     for (var i = 0u; i < stride; i++) {
-        let along = joined_along(eight(row, i));
+        let along = joined_along(octet(row, i));
         for (var half = 0u; half < 2u; half++) {
             let first = 8u * (row * stride + i) + 4u * half;
             let joined = (vec4(along >> (4u * half)) & vec4(1u, 2u, 4u, 8u)) != vec4(0u);

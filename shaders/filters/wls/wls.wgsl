@@ -32,7 +32,7 @@ fn at(x: u32, y: u32) -> i32 {
 
 @compute @workgroup_size(LANES)
 fn main(@builtin(global_invocation_id) id: vec3<u32>) {
-    if id.x >= frame.map_stride || id.y >= pass_.rows {
+    if id.x >= frame.map_stride || id.y >= dispatch.rows {
         return;
     }
     filtered[id.y * frame.map_stride + id.x] = map_word(at(2u * id.x, id.y), at(2u * id.x + 1u, id.y));

@@ -6,12 +6,12 @@
 
 @compute @workgroup_size(LANES)
 fn main(@builtin(global_invocation_id) id: vec3<u32>) {
-    if id.x >= pass_.lines {
+    if id.x >= dispatch.lines {
         return;
     }
-    var mean = select(vec2(0u), carry[id.x].xy, pass_.carried == 1u);
-    for (var i = 0u; i < pass_.rows; i++) {
-        let at = pixel(id.x, pass_.rows - 1u - i);
+    var mean = select(vec2(0u), carry[id.x].xy, dispatch.carried == 1u);
+    for (var i = 0u; i < dispatch.rows; i++) {
+        let at = pixel(id.x, dispatch.rows - 1u - i);
         mean = blend(values[at], mean, shares[at]);
         values[at] = mean;
     }

@@ -10,9 +10,9 @@
 
 // The image's rows begin with column -16.
 fn gray_at(line: u32, i: u32) -> i32 {
-    let along = pass_.row_step == 0u;
+    let along = dispatch.row_step == 0u;
     let x = select(line, i, along) + 16u;
-    let y = pass_.first_row + select(i, line, along);
+    let y = dispatch.first_row + select(i, line, along);
     let index = y * frame.gray_stride + x / 16u;
     let words = textureLoad(gray, vec2(index % TEXELS, index / TEXELS));
     let two = select(words.xy, words.zw, (x & 8u) != 0u);
@@ -29,21 +29,21 @@ fn quotient(a: u32, b: u32) -> u32 {
 
 @compute @workgroup_size(LANES)
 fn main(@builtin(global_invocation_id) id: vec3<u32>) {
-    if id.x >= pass_.lines {
+    if id.x >= dispatch.lines {
         return;
     }
-    let carried = pass_.carried == 1u;
+    let carried = dispatch.carried == 1u;
     var mean = select(vec2(0u), carry[id.x].xy, carried);
     // The weight of the pixels so far, in 1/64.
     var weight = select(64u, carry[id.x].z, carried);
     // Behind the last pixel of the line none is coupled; a lot of rows may end before it.
-    let end = select(frame.height - pass_.first_row, frame.width, pass_.row_step == 0u);
+    let end = select(frame.height - dispatch.first_row, frame.width, dispatch.row_step == 0u);
     var here = gray_at(id.x, 0u);
-    for (var i = 0u; i < pass_.rows; i++) {
+    for (var i = 0u; i < dispatch.rows; i++) {
         let at = pixel(id.x, i);
         mean = blend(values[at], mean, quotient(64u, weight));
         let next = gray_at(id.x, min(i + 1u, end - 1u));
-        let coupling = select(couplings[pass_.shift + u32(abs(next - here))], 0u, i + 1u == end);
+        let coupling = select(couplings[dispatch.shift + u32(abs(next - here))], 0u, i + 1u == end);
         let share = quotient(weight, weight + coupling);
         values[at] = mean;
         shares[at] = share;

@@ -18,10 +18,10 @@ fn value(word: u32, k: u32) -> vec2<u32> {
 @compute @workgroup_size(LANES)
 fn main(@builtin(global_invocation_id) id: vec3<u32>) {
     let stride = frame.map_stride / 4u;
-    if id.x >= stride || id.y >= pass_.rows {
+    if id.x >= stride || id.y >= dispatch.rows {
         return;
     }
-    let index = (pass_.first_row + id.y) * stride + id.x;
+    let index = (dispatch.first_row + id.y) * stride + id.x;
     let words = textureLoad(map, vec2(index % TEXELS, index / TEXELS));
     for (var k = 0u; k < 8u; k++) {
         let x = 8u * id.x + k;

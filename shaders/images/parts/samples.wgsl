@@ -7,7 +7,7 @@ fn luma(r: vec4<u32>, g: vec4<u32>, b: vec4<u32>) -> vec4<u32> {
 
 // Luma, or one of the colours.
 fn channel(r: vec4<u32>, g: vec4<u32>, b: vec4<u32>) -> vec4<u32> {
-    switch pass_.channel {
+    switch dispatch.channel {
         case 1u: {
             return r;
         }

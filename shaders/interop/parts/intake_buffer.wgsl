@@ -1,6 +1,6 @@
-// Appended to `intake` where the pixels are a buffer's: pass_.stride words a row.
+// Appended to `intake` where the pixels are a buffer's: dispatch.stride words a row.
 @group(0) @binding(3) var<storage, read> image: array<u32>;
 
 fn unit_at(x: u32, y: u32) -> u32 {
-    return extractBits(image[y * pass_.stride + x / IN_WORD], x % IN_WORD * BITS, BITS);
+    return extractBits(image[y * dispatch.stride + x / IN_WORD], x % IN_WORD * BITS, BITS);
 }

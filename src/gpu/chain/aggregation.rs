@@ -23,8 +23,8 @@ pub(super) fn winner(b: &mut Builder<'_>, planes: &mut Planes, views: &Views) {
     let row = u64::from(steepest) * b.sizes.volume_row;
     let carries: Vec<[wgpu::Buffer; 2]> =
         paired.iter().map(|_| [(); 2].map(|()| b.buffer("sgm_aggregate.carry", row))).collect();
-    // On `lines` the cost is computed into what is then the first pair's volume, and copied into a texture.
-    let computed = if b.plan.lanes { b.volumes("matching_cost", 1) } else { paired[0].clone() };
+    // On `per-thread` the cost is computed into what is then the first pair's volume, and copied into a texture.
+    let computed = if b.plan.per_subgroup { b.volumes("matching_cost", 1) } else { paired[0].clone() };
     let costs = cost::matching_cost(b, planes, &computed);
     for (i, pair) in pairs.iter().enumerate() {
         let (at, slot) = (i % PAIR_BUFFERS, (i / PAIR_BUFFERS) as u32);

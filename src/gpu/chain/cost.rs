@@ -27,11 +27,11 @@ impl Columns {
     fn compute(&self, b: &mut Builder<'_>, planes: &Planes, chunk: Rows, place: Pass) -> Pass {
         let pass = Pass { first_row: chunk.first, rows: chunk.count, ..place };
         let quads = b.params.quads();
-        let lanes = (b.sizes.frame.width + 2 * b.params.radius()) * (quads / kernels::vectors(quads, &b.plan));
+        let invocations = (b.sizes.frame.width + 2 * b.params.radius()) * (quads / kernels::vectors(quads, &b.plan));
         let segments = chunk.count.div_ceil(kernels::segment(&b.plan));
         let [left, right] = &planes.buffers;
         let storage = planes.with_table(&[Buffer(left), Buffer(right), Buffer(&self.buffer)]);
-        b.step("cost_columns", &storage, pass, lanes, segments, Output::Columns { chunk });
+        b.step("cost_columns", &storage, pass, invocations, segments, Output::Columns { chunk });
         pass
     }
 }
@@ -85,7 +85,7 @@ pub(super) fn matching_cost(b: &mut Builder<'_>, planes: &mut Planes, computed: 
                 b.step("matching_cost", &[Buffer(&columns.buffer), Buffer(cost)], pass, lines, spans, output);
             }
         }
-        costs.push(if b.plan.lanes {
+        costs.push(if b.plan.per_subgroup {
             Cost::Buffer(cost.clone())
         } else {
             let [bytes, room] = [rows, sizes.bands[0]].map(|rows| sizes.volume(rows.count));
@@ -100,11 +100,11 @@ fn small_cost(b: &mut Builder<'_>, planes: &Planes, piece: &Piece, place: Pass, 
     let (rows, quads) = (piece.rows, b.params.quads());
     let pass = Pass { first_row: rows.first, rows: rows.count, ..place };
     let output = Output::Cost { chunk: rows, volume_row: place.volume_row };
-    if b.plan.lanes {
+    if b.plan.per_subgroup {
         let [left, right] = &planes.buffers;
         let storage = planes.with_table(&[Buffer(left), Buffer(right), Buffer(cost)]);
         let segments = rows.count.div_ceil(kernels::segment(&b.plan));
-        b.step("matching_cost_lanes", &storage, pass, b.sizes.frame.width * quads, segments, output);
+        b.step("matching_cost_parallel", &storage, pass, b.sizes.frame.width * quads, segments, output);
         return;
     }
     let [left, right] = [0, 1].map(|side: usize| Texture(&planes.views[side]));

@@ -25,9 +25,9 @@ pub(super) struct Planes {
 
 impl Planes {
     fn new(b: &mut Builder<'_>, pictures: [Vec<Picture>; 2], grays: Vec<wgpu::TextureView>, scratch: Sums) -> Self {
-        let buffers = [b.buffer("features.left", b.sizes.left), b.buffer("features.right", b.sizes.right)];
+        let buffers = [b.buffer("descriptors.left", b.sizes.left), b.buffer("descriptors.right", b.sizes.right)];
         let (rows, places) = (b.params.planes() * b.sizes.planes_rows, [0, 1].map(|side| place_of(b, side)));
-        let in_textures = b.sizes.small_block && !b.plan.lanes;
+        let in_textures = b.sizes.small_block && !b.plan.per_subgroup;
         let texture = |place: Pass| b.texture("planes", [place.stride, rows], rows, wgpu::TextureFormat::R32Uint);
         let textures = if in_textures { places.map(texture).to_vec() } else { Vec::new() };
         let mut planes =
@@ -37,7 +37,7 @@ impl Planes {
         planes
     }
 
-    /// Stages `features`, or `prefilter` if that is what is compared, of the rows of a piece, unless it is done. Returns
+    /// Stages `descriptors`, or `prefilter` if that is what is compared, of the rows of a piece, unless it is done. Returns
     /// where the kernels that take the planes find the rows.
     pub(super) fn hold(&mut self, b: &mut Builder<'_>, piece: &Piece) -> Pass {
         let rows = piece.planes;
@@ -59,7 +59,7 @@ impl Planes {
         for (channel, picture) in (0..).zip(&self.pictures[side]) {
             let first_plane = channel * count;
             let pass = Pass { first_plane, first_row: rows.first, rows: rows.count, ..place_of(b, side) };
-            let output = Output::Features { side, first: first_plane as usize, count: count as usize, rows };
+            let output = Output::Descriptors { side, first: first_plane as usize, count: count as usize, rows };
             if b.params.compares_values() {
                 prefilter(b, picture, &self.scratch, Buffer(&self.buffers[side]), pass, output);
                 continue;
@@ -70,7 +70,7 @@ impl Planes {
                 self.scratch.compute(b, picture, window, sums);
             }
             let storage = [Texture(&picture.texels), Buffer(&self.scratch.sums), Buffer(&self.buffers[side])];
-            picture.step(b, "features", &storage, pass, [pass.stride / 4, rows.count], output);
+            picture.step(b, "descriptors", &storage, pass, [pass.stride / 4, rows.count], output);
         }
     }
 
@@ -137,7 +137,7 @@ pub(super) fn rectified(b: &mut Builder<'_>, sources: [wgpu::TextureView; 2]) ->
     })
 }
 
-/// Stages `gray`, `prefilter` and, of the first piece, `features` of both sides.
+/// Stages `gray`, `prefilter` and, of the first piece, `descriptors` of both sides.
 pub(super) fn planes(b: &mut Builder<'_>, sources: &[wgpu::TextureView; 2]) -> Planes {
     let scratch = Sums::new(b);
     let mut grays = Vec::new();

@@ -61,7 +61,7 @@ fn speckle(setup: &Setup, map: &DisparityMap, window: u32, range: u32) {
     let expected = reference::speckle(map, window, range);
     for shader_checks in [false, true] {
         // The other schedule takes no rows of that length with checks.
-        let base = Params { block: 1, shader_checks, schedule: Schedule::Lanes, ..Params::bm(1) };
+        let base = Params { block: 1, shader_checks, schedule: Schedule::PerSubgroup, ..Params::bm(1) };
         let params = Params { speckle_window: window, speckle_range: range, ..base };
         let got = run(setup, &params, "speckle", map, map);
         let wrong = got.data.iter().zip(&expected.data).filter(|(a, b)| a != b).count();
@@ -209,7 +209,7 @@ fn fill(setup: &Setup, left: &DisparityMap, right: &DisparityMap, lr_check: Opti
     for (fill, shader_checks) in
         [Fill::Background, Fill::Rays, Fill::Hirschmuller].into_iter().zip([false, true, false])
     {
-        let base = Params { block: 1, shader_checks, schedule: Schedule::Lanes, ..Params::bm(40) };
+        let base = Params { block: 1, shader_checks, schedule: Schedule::PerSubgroup, ..Params::bm(40) };
         let params = Params { fill, min_disparity: -3, ..base };
         let got = run(setup, &params, "fill", left, right);
         // `run` switches the check off, which means 1 px here.

@@ -30,7 +30,7 @@ use Access::{Costs, Penalties, Read, Table, Texels, Trees, Write};
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Choice {
     /// How invocations share the disparities of a pixel.
-    Members,
+    SharedPath,
     /// How many disparities a load or store moves, and where the cost is read.
     Volumes,
     /// Where P2 comes from.
@@ -72,7 +72,7 @@ macro_rules! wgsl {
     ($($file:literal),+) => { &[$(include_str!(concat!("../../../shaders/", $file, ".wgsl"))),+] };
 }
 
-const PATHS: &[Choice] = &[Choice::Members, Choice::Volumes, Choice::Penalty];
+const PATHS: &[Choice] = &[Choice::SharedPath, Choice::Volumes, Choice::Penalty];
 
 #[rustfmt::skip]
 pub(crate) const KERNELS: &[Kernel] = &[
@@ -81,8 +81,8 @@ pub(crate) const KERNELS: &[Kernel] = &[
     Kernel { name: "deep_gray", stage: "gray", lanes: 64, sources: wgsl!("images/deep_gray", "images/parts/samples", "shared/bytes", "shared/common"), choices: &[], storage: &[QUAD, Write] },
     Kernel { name: "window_columns", stage: "window_sums", lanes: 64, sources: wgsl!("images/window_columns", "images/parts/gray_pixels", "shared/bytes", "shared/common"), choices: &[], storage: &[QUAD, Write] },
     Kernel { name: "window_sums", stage: "window_sums", lanes: 64, sources: wgsl!("images/window_sums", "shared/common"), choices: &[], storage: &[Read, Write] },
-    Kernel { name: "prefilter", stage: "prefilter", lanes: 64, sources: wgsl!("images/prefilter", "shared/root", "images/parts/gray_pixels", "images/parts/placed", "shared/bytes", "shared/common"), choices: &[], storage: &[QUAD, Read, Write] },
-    Kernel { name: "features", stage: "features", lanes: 64, sources: wgsl!("cost/features", "images/parts/gray_pixels", "images/parts/placed", "shared/bytes", "shared/common"), choices: &[], storage: &[QUAD, Read, Write] },
+    Kernel { name: "prefilter", stage: "prefilter", lanes: 64, sources: wgsl!("images/prefilter", "shared/root", "images/parts/gray_pixels", "images/parts/plane_layout", "shared/bytes", "shared/common"), choices: &[], storage: &[QUAD, Read, Write] },
+    Kernel { name: "descriptors", stage: "descriptors", lanes: 64, sources: wgsl!("cost/descriptors", "images/parts/gray_pixels", "images/parts/plane_layout", "shared/bytes", "shared/common"), choices: &[], storage: &[QUAD, Read, Write] },
     Kernel { name: "penalties", stage: "penalties", lanes: 64, sources: wgsl!("paths/penalties", "paths/parts/intensity_steps", "shared/common"), choices: &[], storage: &[QUAD, Write] },
     Kernel { name: "penalties_lines", stage: "penalties", lanes: 64, sources: wgsl!("paths/penalties_lines", "paths/parts/intensity_steps", "shared/common"), choices: &[], storage: &[QUAD, Write] },
     Kernel { name: "halve", stage: "halve", lanes: 64, sources: wgsl!("images/halve", "images/parts/values", "shared/common"), choices: &[], storage: &[QUAD, Write] },
@@ -94,33 +94,33 @@ pub(crate) const KERNELS: &[Kernel] = &[
     Kernel { name: "cost_columns", stage: "cost_columns", lanes: 128, sources: wgsl!("cost/cost_columns", "cost/parts/differences", "shared/common"), choices: &[Choice::PixelPairs, Choice::Sums], storage: &[Read, Read, Write, Table] },
     Kernel { name: "matching_cost", stage: "matching_cost", lanes: 32, sources: wgsl!("cost/matching_cost", "cost/parts/column_sums", "cost/parts/differences", "cost/parts/quantise", "shared/common"), choices: &[Choice::Sums], storage: &[Read, Write] },
     Kernel { name: "matching_cost_pixels", stage: "matching_cost", lanes: 32, sources: wgsl!("cost/matching_cost_pixels", "cost/parts/right_bytes", "cost/parts/differences", "cost/parts/quantise", "shared/common"), choices: &[Choice::PixelCosts], storage: &[WORD, WORD, Write, Table] },
-    Kernel { name: "matching_cost_lanes", stage: "matching_cost", lanes: 128, sources: wgsl!("cost/matching_cost_lanes", "cost/parts/differences", "cost/parts/quantise", "shared/common"), choices: &[Choice::PixelCosts], storage: &[Read, Read, Write, Table] },
+    Kernel { name: "matching_cost_parallel", stage: "matching_cost", lanes: 128, sources: wgsl!("cost/matching_cost_parallel", "cost/parts/differences", "cost/parts/quantise", "shared/common"), choices: &[Choice::PixelCosts], storage: &[Read, Read, Write, Table] },
     Kernel { name: "matching_cost_small", stage: "matching_cost", lanes: 32, sources: wgsl!("cost/matching_cost_small", "cost/parts/right_bytes", "cost/parts/differences", "cost/parts/quantise", "shared/common"), choices: &[Choice::PixelCosts], storage: &[WORD, WORD, Write, Table] },
     Kernel { name: "sgm_aggregate", stage: "sgm_aggregate", lanes: STRIP_LANES, sources: wgsl!("paths/sgm_aggregate", "paths/parts/path_step", "shared/common"), choices: PATHS, storage: &[Costs, Write, Read, Write, Penalties] },
     Kernel { name: "winner", stage: "winner", lanes: STRIP_LANES, sources: wgsl!("winner/winner", "paths/parts/path_step", "winner/parts/winner_row", "winner/parts/refinement", "winner/parts/costs", "shared/common"), choices: PATHS, storage: &[Costs, Read, Read, Read, Read, Write, Write, Penalties] },
     Kernel { name: "block_statistics", stage: "block_statistics", lanes: 32, sources: wgsl!("winner/block_statistics", "shared/root", "shared/common"), choices: &[], storage: &[Read, Write] },
-    Kernel { name: "block_match", stage: "block_match", lanes: 32, sources: wgsl!("winner/block_match", "cost/parts/column_sums", "winner/parts/costs", "winner/parts/winner_row", "winner/parts/refinement", "shared/common"), choices: &[Choice::Members, Choice::Sums, Choice::BlockCosts], storage: &[Read, Write, Write, Read] },
+    Kernel { name: "block_match", stage: "block_match", lanes: 32, sources: wgsl!("winner/block_match", "cost/parts/column_sums", "winner/parts/costs", "winner/parts/winner_row", "winner/parts/refinement", "shared/common"), choices: &[Choice::SharedPath, Choice::Sums, Choice::BlockCosts], storage: &[Read, Write, Write, Read] },
     Kernel { name: "block_match_small", stage: "block_match", lanes: 8, sources: wgsl!("winner/block_match_small", "winner/parts/refinement", "shared/common"), choices: &[], storage: &[WORD, WORD, Write, Write] },
     Kernel { name: "texture_columns", stage: "texture", lanes: 32, sources: wgsl!("filters/texture_columns", "shared/common"), choices: &[], storage: &[QUAD, Write] },
     Kernel { name: "texture", stage: "texture", lanes: 64, sources: wgsl!("filters/texture", "shared/common"), choices: &[], storage: &[Read, Read, Write] },
     Kernel { name: "mirror", stage: "mirror", lanes: 32, sources: wgsl!("winner/mirror", "shared/common"), choices: &[], storage: &[Read, Write] },
     Kernel { name: "validity", stage: "validity", lanes: 32, sources: wgsl!("filters/validity", "shared/common"), choices: &[], storage: &[Read, Read, Write] },
     Kernel { name: "lr_check", stage: "lr_check", lanes: 32, sources: wgsl!("filters/lr_check", "shared/common"), choices: &[], storage: &[Read, Read, Write] },
-    Kernel { name: "speckle_rows", stage: "speckle", lanes: 8, sources: wgsl!("filters/speckle/speckle_rows", "filters/speckle/parts/speckle_joins", "filters/parts/eight", "shared/common"), choices: &[], storage: &[QUAD, Write] },
-    Kernel { name: "speckle_link", stage: "speckle", lanes: 32, sources: wgsl!("filters/speckle/speckle_link", "filters/speckle/parts/speckle_root", "filters/speckle/parts/speckle_joins", "filters/parts/eight", "shared/common"), choices: &[Choice::Trees], storage: &[QUAD, Trees] },
-    Kernel { name: "speckle_flatten", stage: "speckle", lanes: 32, sources: wgsl!("filters/speckle/speckle_flatten", "filters/speckle/parts/speckle_root", "filters/speckle/parts/speckle_joins", "filters/parts/eight", "shared/common"), choices: &[Choice::Trees], storage: &[QUAD, Trees] },
-    Kernel { name: "speckle_count", stage: "speckle", lanes: 32, sources: wgsl!("filters/speckle/speckle_count", "filters/speckle/parts/speckle_root", "filters/speckle/parts/speckle_joins", "filters/parts/eight", "shared/common"), choices: &[Choice::Trees], storage: &[QUAD, Trees] },
-    Kernel { name: "speckle", stage: "speckle", lanes: 32, sources: wgsl!("filters/speckle/speckle", "filters/speckle/parts/speckle_root", "filters/speckle/parts/speckle_joins", "filters/parts/eight", "shared/common"), choices: &[Choice::Trees], storage: &[QUAD, Trees, Write] },
-    Kernel { name: "fill_rows", stage: "fill", lanes: 8, sources: wgsl!("filters/fill/fill_rows", "filters/parts/eight", "shared/common"), choices: &[], storage: &[QUAD, Write, Write] },
-    Kernel { name: "fill_lines", stage: "fill", lanes: 8, sources: wgsl!("filters/fill/fill_lines", "shared/bytes", "filters/parts/eight", "shared/common"), choices: &[], storage: &[QUAD, Write, Write] },
+    Kernel { name: "speckle_rows", stage: "speckle", lanes: 8, sources: wgsl!("filters/speckle/speckle_rows", "filters/speckle/parts/speckle_joins", "filters/parts/map_octet", "shared/common"), choices: &[], storage: &[QUAD, Write] },
+    Kernel { name: "speckle_link", stage: "speckle", lanes: 32, sources: wgsl!("filters/speckle/speckle_link", "filters/speckle/parts/speckle_root", "filters/speckle/parts/speckle_joins", "filters/parts/map_octet", "shared/common"), choices: &[Choice::Trees], storage: &[QUAD, Trees] },
+    Kernel { name: "speckle_flatten", stage: "speckle", lanes: 32, sources: wgsl!("filters/speckle/speckle_flatten", "filters/speckle/parts/speckle_root", "filters/speckle/parts/speckle_joins", "filters/parts/map_octet", "shared/common"), choices: &[Choice::Trees], storage: &[QUAD, Trees] },
+    Kernel { name: "speckle_count", stage: "speckle", lanes: 32, sources: wgsl!("filters/speckle/speckle_count", "filters/speckle/parts/speckle_root", "filters/speckle/parts/speckle_joins", "filters/parts/map_octet", "shared/common"), choices: &[Choice::Trees], storage: &[QUAD, Trees] },
+    Kernel { name: "speckle", stage: "speckle", lanes: 32, sources: wgsl!("filters/speckle/speckle", "filters/speckle/parts/speckle_root", "filters/speckle/parts/speckle_joins", "filters/parts/map_octet", "shared/common"), choices: &[Choice::Trees], storage: &[QUAD, Trees, Write] },
+    Kernel { name: "fill_rows", stage: "fill", lanes: 8, sources: wgsl!("filters/fill/fill_rows", "filters/parts/map_octet", "shared/common"), choices: &[], storage: &[QUAD, Write, Write] },
+    Kernel { name: "fill_lines", stage: "fill", lanes: 8, sources: wgsl!("filters/fill/fill_lines", "shared/bytes", "filters/parts/map_octet", "shared/common"), choices: &[], storage: &[QUAD, Write, Write] },
     Kernel { name: "fill_seen", stage: "fill", lanes: 32, sources: wgsl!("filters/fill/fill_seen", "shared/common"), choices: &[], storage: &[Read, Write] },
-    Kernel { name: "fill_between", stage: "fill", lanes: 32, sources: wgsl!("filters/fill/fill_between", "filters/parts/eight", "shared/common"), choices: &[], storage: &[QUAD, Read, Read, Write] },
-    Kernel { name: "fill_rays", stage: "fill", lanes: 32, sources: wgsl!("filters/fill/fill_rays", "filters/parts/eight", "shared/common"), choices: &[], storage: &[QUAD, Read, Read, Read, Read, Read, Write] },
+    Kernel { name: "fill_between", stage: "fill", lanes: 32, sources: wgsl!("filters/fill/fill_between", "filters/parts/map_octet", "shared/common"), choices: &[], storage: &[QUAD, Read, Read, Write] },
+    Kernel { name: "fill_rays", stage: "fill", lanes: 32, sources: wgsl!("filters/fill/fill_rays", "filters/parts/map_octet", "shared/common"), choices: &[], storage: &[QUAD, Read, Read, Read, Read, Read, Write] },
     Kernel { name: "confidence", stage: "confidence", lanes: 64, sources: wgsl!("filters/confidence", "shared/common"), choices: &[], storage: &[Read, Read, Write] },
     Kernel { name: "depth", stage: "depth", lanes: 64, sources: wgsl!("filters/depth", "shared/common"), choices: &[], storage: &[Read, Write] },
-    Kernel { name: "median", stage: "median", lanes: 64, sources: wgsl!("filters/median", "filters/parts/map_texels", "filters/parts/pointing", "shared/common"), choices: &[], storage: &[QUAD, Write] },
-    Kernel { name: "median_five", stage: "median", lanes: 64, sources: wgsl!("filters/median_five", "filters/parts/map_texels", "filters/parts/pointing", "shared/common"), choices: &[], storage: &[QUAD, Write] },
-    Kernel { name: "weighted_median", stage: "weighted_median", lanes: 64, sources: wgsl!("filters/weighted_median", "filters/parts/map_texels", "shared/common"), choices: &[], storage: &[QUAD, Write, QUAD] },
+    Kernel { name: "median", stage: "median", lanes: 64, sources: wgsl!("filters/median", "filters/parts/map_octet", "filters/parts/invalidate_outside", "shared/common"), choices: &[], storage: &[QUAD, Write] },
+    Kernel { name: "median_five", stage: "median", lanes: 64, sources: wgsl!("filters/median_five", "filters/parts/map_octet", "filters/parts/invalidate_outside", "shared/common"), choices: &[], storage: &[QUAD, Write] },
+    Kernel { name: "weighted_median", stage: "weighted_median", lanes: 64, sources: wgsl!("filters/weighted_median", "filters/parts/map_octet", "shared/common"), choices: &[], storage: &[QUAD, Write, QUAD] },
     Kernel { name: "wls_start", stage: "wls", lanes: 64, sources: wgsl!("filters/wls/wls_start", "shared/common"), choices: &[], storage: &[QUAD, Write] },
     Kernel { name: "wls_forward", stage: "wls", lanes: 8, sources: wgsl!("filters/wls/wls_forward", "filters/wls/parts/wls_line", "shared/common"), choices: &[], storage: &[Write, Write, Write, QUAD, Read] },
     Kernel { name: "wls_backward", stage: "wls", lanes: 8, sources: wgsl!("filters/wls/wls_backward", "filters/wls/parts/wls_line", "shared/common"), choices: &[], storage: &[Write, Write, Write] },
@@ -130,17 +130,17 @@ pub(crate) const KERNELS: &[Kernel] = &[
 impl Kernel {
     /// Invocations a workgroup.
     pub(crate) fn lanes(&self, plan: &Plan) -> u32 {
-        if plan.lanes && self.choices.contains(&Choice::Members) { GROUP_LANES } else { self.lanes }
+        if plan.per_subgroup && self.choices.contains(&Choice::SharedPath) { GROUP_LANES } else { self.lanes }
     }
 
     /// Invocations that work on one line of the kernel.
     pub(crate) fn members(&self, plan: &Plan) -> u32 {
-        if self.choices.contains(&Choice::Members) { plan.members } else { 1 }
+        if self.choices.contains(&Choice::SharedPath) { plan.members } else { 1 }
     }
 
     pub(crate) fn storage(&self, params: &Params, plan: &Plan) -> Vec<Access> {
         let bound = |&access: &Access| match access {
-            Costs => vec![if plan.lanes { Read } else { QUAD }],
+            Costs => vec![if plan.per_subgroup { Read } else { QUAD }],
             Table if params.cost == Cost::MutualInformation => vec![WORD],
             Penalties if plan.adaptive => vec![Read],
             Table | Penalties => vec![],
@@ -163,12 +163,12 @@ impl Kernel {
         let mut fragments = self.sources.to_vec();
         for choice in self.choices {
             let chosen: &[&str] = match choice {
-                Choice::Members => match plan.exchange {
-                    Exchange::Alone => wgsl!("paths/parts/members_alone", "paths/parts/members"),
-                    Exchange::Subgroup => wgsl!("paths/parts/members_subgroup", "paths/parts/members"),
-                    Exchange::Workgroup => wgsl!("paths/parts/members_workgroup", "paths/parts/members"),
+                Choice::SharedPath => match plan.exchange {
+                    Exchange::Alone => wgsl!("paths/parts/shared_path_alone", "paths/parts/shared_path"),
+                    Exchange::Subgroup => wgsl!("paths/parts/shared_path_subgroup", "paths/parts/shared_path"),
+                    Exchange::Workgroup => wgsl!("paths/parts/shared_path_workgroup", "paths/parts/shared_path"),
                 },
-                Choice::Volumes => match (plan.lanes, plan.width) {
+                Choice::Volumes => match (plan.per_subgroup, plan.width) {
                     (true, _) => wgsl!("paths/parts/volume16", "paths/parts/cost_buffer"),
                     (false, 1) => wgsl!("paths/parts/volume16", "paths/parts/cost_texels"),
                     (false, _) => wgsl!("paths/parts/volume32", "paths/parts/cost_texels"),
@@ -197,22 +197,22 @@ impl Kernel {
     }
 }
 
-/// Rows that one invocation of `cost_columns` or `matching_cost_lanes` walks. What the rows before the first one cost is lost,
+/// Rows that one invocation of `cost_columns` or `matching_cost_parallel` walks. What the rows before the first one cost is lost,
 /// but a GPU wants many invocations.
 pub(crate) fn segment(plan: &Plan) -> u32 {
-    if plan.lanes { 32 } else { 128 }
+    if plan.per_subgroup { 32 } else { 128 }
 }
 
 /// Vectors of 16 disparities that one invocation of `cost_columns` owns: a divisor of all. More of them load a right pixel
 /// less often, but make code that grows with them.
 pub(crate) fn vectors(quads: u32, plan: &Plan) -> u32 {
-    let most = if plan.lanes { 1 } else { 4 };
+    let most = if plan.per_subgroup { 1 } else { 4 };
     (1..=most).rev().find(|&vectors| quads.is_multiple_of(vectors)).unwrap_or(1)
 }
 
 /// Columns that one invocation of `matching_cost` walks: for a CPU any row that may be.
 pub(crate) fn span(plan: &Plan) -> u32 {
-    if plan.lanes { 64 } else { 1 << 16 }
+    if plan.per_subgroup { 64 } else { 1 << 16 }
 }
 
 /// Invocations of `block_match_small` that share the disparities of a row, and rows that they walk.
@@ -271,7 +271,7 @@ pub(crate) fn constants(kernel: &Kernel, params: &Params, format: PixelFormat, p
         ("BEYOND", ("vec4<u32>", format!("vec4({})", beyond.join(", ")))),
         ("BLOCK", number(params.block)),
         ("BLOCK_WORDS", number((params.block + 6) / 4)),
-        ("SMALL_VALUES", number((params.feature_max() < 128).into())),
+        ("SMALL_VALUES", number((params.descriptor_max() < 128).into())),
         ("SUMMABLE", number((255 / params.pixel_max()).max(1))),
         ("NARROWING", number(params.narrowing())),
         ("SCALE_SHIFT", number(params.scale_shift())),
@@ -330,7 +330,7 @@ const EARLY_RETURN: &str = "    if !works {\n        return;\n    }\n";
 pub(crate) fn source(kernel: &Kernel, params: &Params, format: PixelFormat, plan: &Plan) -> String {
     let text = format!("{}\n{}\n", kernel.fragments(params, plan).join("\n"), constants(kernel, params, format, plan));
     // A barrier is for all invocations of a workgroup: there they walk the last line once more, and write nothing.
-    let barriers = plan.exchange == Exchange::Workgroup && kernel.choices.contains(&Choice::Members);
+    let barriers = plan.exchange == Exchange::Workgroup && kernel.choices.contains(&Choice::SharedPath);
     let text = if barriers { text.replacen(EARLY_RETURN, "", 1) } else { text };
     #[cfg(test)]
     let text = tests::edited(kernel.name, text);
@@ -417,7 +417,7 @@ fn shader_module(
     unsafe { device.create_shader_module_trusted(descriptor, checks) }
 }
 
-/// Bytes of workgroup memory of `members_workgroup` and of `mi_range`, which have most of it.
+/// Bytes of workgroup memory of `shared_path_workgroup` and of `mi_range`, which have most of it.
 pub(crate) const SHARED_BYTES: u32 = 2048;
 
 /// The limits that the kernels need, whatever the settings; all that the device lacks is named at once. The sizes of

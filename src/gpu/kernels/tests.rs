@@ -39,9 +39,9 @@ fn plans(params: &Params) -> BTreeSet<Plan> {
     let devices =
         [(false, 1, false), (false, 1, true), (false, 8, true), (true, 1, false), (true, 4, true), (true, 32, true)];
     let adaptive = params.adaptive_p2;
-    let of = |&(lanes, subgroup, int64)| {
+    let of = |&(per_subgroup, subgroup, int64)| {
         let part_bits = (subgroup == 8).then_some(20);
-        Plan { adaptive, part_bits, ..Plan::of(params.quads(), lanes, subgroup, int64) }
+        Plan { adaptive, part_bits, ..Plan::of(params.quads(), per_subgroup, subgroup, int64) }
     };
     devices.iter().map(of).collect()
 }
@@ -104,7 +104,7 @@ fn specialisations_of(kernel: &Kernel) -> impl Iterator<Item = (Params, PixelFor
     specialisations().into_iter().filter(move |(params, ..)| match name {
         "block_match_small" => params.block <= Params::SMALL_BLOCK && params.cost == Cost::Sad,
         "matching_cost_pixels" => params.sums_small_blocks() && params.block == 1,
-        "matching_cost_small" | "matching_cost_lanes" => params.sums_small_blocks(),
+        "matching_cost_small" | "matching_cost_parallel" => params.sums_small_blocks(),
         _ => true,
     })
 }
@@ -274,7 +274,7 @@ fn reflected(module: &naga::Module, name: &str) -> (Vec<(String, u32, String)>, 
 
 /// A plan for 64 disparities.
 const PLAN: Plan = Plan {
-    lanes: false,
+    per_subgroup: false,
     members: 1,
     exchange: Exchange::Alone,
     own_quads: 4,
@@ -358,7 +358,7 @@ fn uniform_blocks_are_laid_out_as_their_rust_twins() {
     for kernel in KERNELS {
         let module = parse(kernel, &source(kernel, &Params::sgm(64), PixelFormat::Gray8, &PLAN));
         assert_eq!(reflected(&module, "Frame"), frame_layout(), "Frame in WGSL (left) and Rust (right)");
-        assert_eq!(reflected(&module, "Pass"), pass_layout(), "Pass in WGSL (left) and Rust (right)");
+        assert_eq!(reflected(&module, "Dispatch"), pass_layout(), "Dispatch in WGSL (left) and Rust (right)");
     }
 }
 
@@ -409,7 +409,7 @@ fn bindings_agree_with_the_table() {
             bindings.sort();
             let written = |access| if access == Access::Trees { Access::Write } else { access };
             let storage = kernel.storage(&params, &plan).into_iter().map(|access| format!("{:?}", written(access)));
-            let expected = ["Frame".to_string(), "Pass".to_string()].into_iter().chain(storage);
+            let expected = ["Frame".to_string(), "Dispatch".to_string()].into_iter().chain(storage);
             let expected: Vec<(u32, String)> = (0..).zip(expected).collect();
             assert_eq!(bindings, expected, "{}: bindings in WGSL (left) and in the table (right)", kernel.name);
         }
@@ -569,7 +569,7 @@ fn pipelines_and_matchers_are_made_without_a_driver() {
     }
     for (params, format, plan) in specialisations().into_iter().step_by(7) {
         for (width, height) in [(1, 1), (2, 3), (301, 45)] {
-            let schedule = if plan.lanes { Schedule::Lanes } else { Schedule::Lines };
+            let schedule = if plan.per_subgroup { Schedule::PerSubgroup } else { Schedule::PerThread };
             let params = Params { schedule, ..params.clone() };
             let matcher = StereoMatcher::new(&device, &queue, width, height, format, &params);
             assert!(matcher.is_ok(), "{width}x{height} in {format:?}, {params:?}: {}", matcher.unwrap_err());
@@ -669,7 +669,7 @@ fn wls(params: &mut Params) {
     params.wls = Some(Wls { lambda: 50.0, sigma: 20.0 });
 }
 
-fn eight(params: &mut Params) {
+fn eight_paths(params: &mut Params) {
     params.paths = Paths::Eight;
 }
 
@@ -711,8 +711,8 @@ fn speckle(params: &mut Params) {
 }
 
 /// Invocations that share a pixel's disparities.
-fn lanes(params: &mut Params) {
-    (params.schedule, params.disparities) = (Schedule::Lanes, 50);
+fn per_subgroup(params: &mut Params) {
+    (params.schedule, params.disparities) = (Schedule::PerSubgroup, 50);
 }
 
 /// A cost that is looked up in a table, on images that are halved once.
@@ -730,7 +730,7 @@ const MUTANTS: &[Mutant] = &[
     mutant("prefilter", "low_bytes(-x)", "low_bytes(-x - 1)", |_| ()),
     mutant("prefilter", "low_bytes(last - x)", "low_bytes(last - x + 2)", |_| ()),
     mutant("prefilter", "frame.height) - 1)", "frame.height) - 2)", |_| ()),
-    mutant("prefilter", "pass_.lead", "(pass_.lead + 1)", |_| ()),
+    mutant("prefilter", "dispatch.lead", "(dispatch.lead + 1)", |_| ()),
     mutant("prefilter", "vec4(-128 * divisor)", "vec4(-12 * divisor)", |params| {
         params.prefilter = Prefilter::Normalized
     }),
@@ -741,22 +741,22 @@ const MUTANTS: &[Mutant] = &[
         params.prefilter = Prefilter::Normalized
     }),
     mutant("window_sums", "frame.width) - 1)", "frame.width) - 2)", |params| params.prefilter = Prefilter::Normalized),
-    mutant("features", "~(a ^ b) & low_bits", "low_bits", |params| {
+    mutant("descriptors", "~(a ^ b) & low_bits", "low_bits", |params| {
         (params.cost, params.prefilter) = (Cost::Census, Prefilter::None);
     }),
-    mutant("features", "moved(other, -towards)", "moved(other, towards)", |params| {
+    mutant("descriptors", "moved(other, -towards)", "moved(other, towards)", |params| {
         params.cost = Cost::Census;
         params.census = Census::CentreSymmetric;
     }),
-    mutant("features", "low_bytes(last - x)", "low_bytes(last - x + 2)", |params| params.cost = Cost::CensusSobel),
-    mutant("features", "vec4(half)", "vec4(0)", |params| params.cost = Cost::ZeroMeanSad),
-    mutant("features", "min(before, after)", "before", |params| params.cost = Cost::BirchfieldTomasi),
+    mutant("descriptors", "low_bytes(last - x)", "low_bytes(last - x + 2)", |params| params.cost = Cost::CensusSobel),
+    mutant("descriptors", "vec4(half)", "vec4(0)", |params| params.cost = Cost::ZeroMeanSad),
+    mutant("descriptors", "min(before, after)", "before", |params| params.cost = Cost::BirchfieldTomasi),
     mutant("prefilter", "2 * cap", "2 * cap - 1", |params| params.prefilter = Prefilter::Sobel),
     mutant("prefilter", "return root;", "return root + 1u;", |params| params.prefilter = Prefilter::Sobel),
     mutant("halve", "+ 2u) >> 2u", "+ 1u) >> 2u", mutual),
-    mutant("halve", "pass_.lines - 1u", "pass_.lines - 2u", mutual),
+    mutant("halve", "dispatch.lines - 1u", "dispatch.lines - 2u", mutual),
     mutant("mi_histogram", "+ 8) >> 4u", "+ 7) >> 4u", mutual),
-    mutant("mi_histogram", "value * i32(1u << pass_.halvings)", "value", mutual),
+    mutant("mi_histogram", "value * i32(1u << dispatch.halvings)", "value", mutual),
     mutant("mi_smooth", "6u * middle", "5u * middle", mutual),
     mutant("mi_smooth", "fraction) * 11u", "fraction) * 9u", mutual),
     mutant("mi_smooth", "vec4(values.x), four < 0", "values, four < 0", |params| {
@@ -773,9 +773,9 @@ const MUTANTS: &[Mutant] = &[
         wide(params);
     }),
     mutant("matching_cost_pixels", "vec4(3u)) * 8u", "vec4(1u)) * 8u", mutual),
-    mutant("matching_cost_lanes", "vec2(columns.w, l)", "vec2(columns.w, 0u)", |params| {
+    mutant("matching_cost_parallel", "vec2(columns.w, l)", "vec2(columns.w, 0u)", |params| {
         mutual(params);
-        lanes(params);
+        per_subgroup(params);
     }),
     mutant("cost_columns", "frame.height) - 1)", "frame.height))", wide),
     mutant("cost_columns", "here + r)", "here + r - 1)", wide),
@@ -785,7 +785,7 @@ const MUTANTS: &[Mutant] = &[
     mutant("matching_cost", "c < begin + reach", "c < begin + reach - 1u", wide),
     mutant("matching_cost", "min(begin + SPAN,", "min(begin + SPAN - 1u,", |params| {
         wide(params);
-        lanes(params);
+        per_subgroup(params);
     }),
     mutant("matching_cost_small", "1u << 23u", "1u << 22u", |_| ()),
     mutant("matching_cost_small", "frame.height) - 1)", "frame.height) - 2)", |_| ()),
@@ -808,31 +808,31 @@ const MUTANTS: &[Mutant] = &[
     mutant("matching_cost_small", "j % SUMMABLE == 0u", "j % (SUMMABLE + 3u) == 0u", |params| {
         params.prefilter_cap = 63
     }),
-    mutant("matching_cost_lanes", "1u << 23u", "1u << 22u", lanes),
-    mutant("matching_cost_lanes", "frame.height) - 1)", "frame.height) - 2)", lanes),
-    mutant("matching_cost_lanes", "- kept[0]", "- kept[1]", lanes),
-    mutant("matching_cost_lanes", "values[p][c >> 2u], (c & 3u)", "values[p][c >> 2u], (i & 3u)", lanes),
-    mutant("matching_cost_lanes", "% SUMMABLE == 0u", "% (SUMMABLE + 3u) == 0u", |params| {
-        lanes(params);
+    mutant("matching_cost_parallel", "1u << 23u", "1u << 22u", per_subgroup),
+    mutant("matching_cost_parallel", "frame.height) - 1)", "frame.height) - 2)", per_subgroup),
+    mutant("matching_cost_parallel", "- kept[0]", "- kept[1]", per_subgroup),
+    mutant("matching_cost_parallel", "values[p][c >> 2u], (c & 3u)", "values[p][c >> 2u], (i & 3u)", per_subgroup),
+    mutant("matching_cost_parallel", "% SUMMABLE == 0u", "% (SUMMABLE + 3u) == 0u", |params| {
+        per_subgroup(params);
         params.prefilter_cap = 63;
     }),
-    mutant("matching_cost_lanes", "+ REACH;", "+ REACH - 1u;", lanes),
+    mutant("matching_cost_parallel", "+ REACH;", "+ REACH - 1u;", per_subgroup),
     mutant("sgm_aggregate", "frame.p1", "frame.p2", |_| ()),
     mutant("sgm_aggregate", "frame.p2", "frame.p1", |_| ()),
-    mutant("sgm_aggregate", "frame.p2", "frame.p1", eight),
-    mutant("sgm_aggregate", "x >= width", "x > width", eight),
-    mutant("sgm_aggregate", "select(below, NONE, member == 0u)", "below", lanes),
-    mutant("sgm_aggregate", "subgroupShuffleXor(least_of_all, 1u << bit)", "least", lanes),
-    mutant("sgm_aggregate", "places[start + member_of(member + 1u)].y", "NONE", lanes),
-    mutant("sgm_aggregate", "places[start + i].x", "places[start].x", lanes),
+    mutant("sgm_aggregate", "frame.p2", "frame.p1", eight_paths),
+    mutant("sgm_aggregate", "x >= width", "x > width", eight_paths),
+    mutant("sgm_aggregate", "select(below, NONE, member == 0u)", "below", per_subgroup),
+    mutant("sgm_aggregate", "subgroupShuffleXor(least_of_all, 1u << bit)", "least", per_subgroup),
+    mutant("sgm_aggregate", "places[start + member_of(member + 1u)].y", "NONE", per_subgroup),
+    mutant("sgm_aggregate", "places[start + i].x", "places[start].x", per_subgroup),
     mutant("sgm_aggregate", "select(after, (*state)[s]", "select(0u, (*state)[s]", |params| params.disparities = 64),
     mutant("sgm_aggregate", "stored >> vec4(32u)", "stored >> vec4(31u)", |params| params.disparities = 64),
-    mutant("sgm_aggregate", "i32(pass_.first_line", "i32(0u * pass_.first_line", |_| ()),
-    mutant("sgm_aggregate", "var place = pass_.place", "var place = 0", adaptive),
+    mutant("sgm_aggregate", "i32(dispatch.first_line", "i32(0u * dispatch.first_line", |_| ()),
+    mutant("sgm_aggregate", "var place = dispatch.place", "var place = 0", adaptive),
     mutant("sgm_aggregate", "select(15, 0, forward)", "15", adaptive),
-    mutant("sgm_aggregate", "pass_.penalties_from +", "0u +", sixteen),
+    mutant("sgm_aggregate", "dispatch.penalties_from +", "0u +", sixteen),
     mutant("sgm_aggregate", "select(-width, width", "select(-width, width - 1", sixteen),
-    mutant("sgm_aggregate", "pass_.entry", "0", sixteen),
+    mutant("sgm_aggregate", "dispatch.entry", "0", sixteen),
     mutant("penalties", "vec4(10.0))", "vec4(12.0))", adaptive),
     mutant("penalties", "frame.p1 / 2u", "frame.p1 / 4u", adaptive),
     mutant("penalties", "+ 0.5)", "- 0.5)", adaptive),
@@ -840,11 +840,11 @@ const MUTANTS: &[Mutant] = &[
     mutant("penalties_lines", "starts || leaves", "starts", sixteen),
     mutant("penalties_lines", "id.y / rows * 16u * rows + id.y % rows", "id.y * 16u", sixteen),
     mutant("winner", "known, x + 1", "known, x", adaptive),
-    mutant("winner", "i / 3u * pass_.slot", "0u", sixteen),
-    mutant("winner", "pass_.volume_row * frame.volume_stride", "0u", |_| ()),
-    mutant("winner", "least_key(costs) + member * OWN", "least_key(costs)", lanes),
-    mutant("winner", "min(entering, COST_NONE << 12u)", "COST_NONE << 12u", lanes),
-    mutant("winner", "neighbours_and_rival(vec3(", "(vec3(", lanes),
+    mutant("winner", "i / 3u * dispatch.slot", "0u", sixteen),
+    mutant("winner", "dispatch.volume_row * frame.volume_stride", "0u", |_| ()),
+    mutant("winner", "least_key(costs) + member * OWN", "least_key(costs)", per_subgroup),
+    mutant("winner", "min(entering, COST_NONE << 12u)", "COST_NONE << 12u", per_subgroup),
+    mutant("winner", "neighbours_and_rival(vec3(", "(vec3(", per_subgroup),
     mutant("winner", "255u * (rival - here)", "256u * (rival - here)", confidence),
     mutant("winner", "is_before | is_after", "is_before", confidence),
     mutant("winner", "frame.p1", "frame.p2", |_| ()),
@@ -897,9 +897,9 @@ const MUTANTS: &[Mutant] = &[
     mutant("texture", "(last & 4u) != 0u", "(last & 4u) == 0u", texture),
     mutant("validity", "place >> 4u, row", "(place + 8) >> 4u, row", masked),
     mutant("validity", "(place + 15) >> 4u", "place >> 4u", masked),
-    mutant("validity", "has_content(pass_.side, x, row)", "true", masked),
-    mutant("validity", "select(-value, value, pass_.side == 1u)", "-value", masked),
-    mutant("validity", "1u - pass_.side", "pass_.side", masked),
+    mutant("validity", "has_content(dispatch.side, x, row)", "true", masked),
+    mutant("validity", "select(-value, value, dispatch.side == 1u)", "-value", masked),
+    mutant("validity", "1u - dispatch.side", "dispatch.side", masked),
     mutant("validity", "side * frame.height + row", "row", masked),
     mutant("validity", "column & 31u", "column & 30u", masked),
     mutant("validity", "i32(frame.width) - 1", "i32(frame.width) - 2", masked),
@@ -956,7 +956,7 @@ const MUTANTS: &[Mutant] = &[
     mutant("fill_between", "select(min(a, b), max(a, b)", "select(max(a, b), max(a, b)", |params| {
         params.fill = Fill::Background
     }),
-    mutant("fill_between", "pass_.occlusions == 1u", "false", rays),
+    mutant("fill_between", "dispatch.occlusions == 1u", "false", rays),
     mutant("fill_rays", "(valid - 1u) / 2u", "valid / 2u", rays),
     mutant("fill_rays", "min(valid - 1u, 1u)", "min(valid - 1u, 2u)", |params| {
         rays(params);
@@ -990,10 +990,10 @@ const MUTANTS: &[Mutant] = &[
     mutant("wls_start", "disparity == INVALID", "false", wls),
     mutant("wls_forward", "0u, i + 1u == end", "9u, i + 1u == end", wls),
     mutant("wls_forward", "- select(0u, 1u, rest < 0)", "- 1u", wls),
-    mutant("wls_forward", "pass_.shift +", "0u +", wls),
+    mutant("wls_forward", "dispatch.shift +", "0u +", wls),
     mutant("wls_forward", "65536u - share", "65535u - share", wls),
     mutant("wls_forward", "+ 16u;", "+ 15u;", wls),
-    mutant("wls_backward", "pass_.rows - 1u - i", "i", wls),
+    mutant("wls_backward", "dispatch.rows - 1u - i", "i", wls),
     mutant("wls", "(bits + 1u)", "bits", wls),
 ];
 

@@ -391,7 +391,7 @@ impl Sizes {
             Method::Sgm => true,
             // Not with the checks, which keep the loops over an invocation's state from being unrolled.
             Method::Bm => {
-                !plan.lanes
+                !plan.per_subgroup
                     && plan.subgroup >= 8
                     && !params.shader_checks
                     && params.disparities <= MOST_SLICED
@@ -401,9 +401,9 @@ impl Sizes {
                     && !params.confidence
             }
         };
-        let small_kernel = match (params.method, plan.lanes, params.block) {
+        let small_kernel = match (params.method, plan.per_subgroup, params.block) {
             (Method::Bm, ..) => "block_match_small",
-            (Method::Sgm, true, _) => "matching_cost_lanes",
+            (Method::Sgm, true, _) => "matching_cost_parallel",
             (Method::Sgm, false, 1) => "matching_cost_pixels",
             (Method::Sgm, false, _) => "matching_cost_small",
         };
@@ -419,7 +419,7 @@ impl Sizes {
         let (planes, margin) = (u64::from(params.planes()), params.radius() + 1);
         let planes_row = 4 * planes * u64::from(left_stride.max(right_stride));
         let mut planes_rows = (allowed / planes_row).min(height.into()) as u32;
-        if small_block && !plan.lanes {
+        if small_block && !plan.per_subgroup {
             planes_rows = planes_rows.min(limits.max_texture_dimension_2d / params.planes());
         }
         planes_rows = largest.map_or(planes_rows, |largest| planes_rows.min(largest.planes_rows));

@@ -35,8 +35,8 @@ pub(crate) enum Output {
         side: usize,
         channel: usize,
     },
-    /// `count` planes of features, from `first` on, of some rows of the image.
-    Features {
+    /// `count` planes of descriptors, from `first` on, of some rows of the image.
+    Descriptors {
         side: usize,
         first: usize,
         count: usize,

@@ -1,4 +1,4 @@
-use crate::reference::{Features, Volume};
+use crate::reference::{Descriptors, Volume};
 use crate::{Cost, Params};
 use rayon::prelude::*;
 
@@ -7,7 +7,7 @@ use rayon::prelude::*;
 /// With r = block / 2, entry (c, y, d) stands for the image column x = c - r, so that c runs over width + 2 r columns:
 /// the sum over |j| <= r of [`pixel_cost`] between left(x, y + j) and right(x - (min_disparity + d), y + j), both images
 /// continued by their borders. At most 51 * 65025.
-pub fn cost_columns(left: &Features, right: &Features, table: &[u8], params: &Params) -> Volume<u32> {
+pub fn cost_columns(left: &Descriptors, right: &Descriptors, table: &[u8], params: &Params) -> Volume<u32> {
     let radius = i64::from(params.radius());
     let disparities = params.disparities as usize;
     let mut columns = Volume::new(left.width + 2 * radius as usize, left.height, disparities);
@@ -28,7 +28,7 @@ pub fn cost_columns(left: &Features, right: &Features, table: &[u8], params: &Pa
     columns
 }
 
-/// How much two pixels differ, from their [`Features`]: the small function in which the costs differ.
+/// How much two pixels differ, from their [`Descriptors`]: the small function in which the costs differ.
 ///
 /// - `sad`, `zsad`: |l - r|; with three colours floor((floor((red + blue) / 2) + green) / 2) of their differences;
 /// - `ssd`: (l - r)^2; `ncc`: l r;

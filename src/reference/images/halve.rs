@@ -1,4 +1,4 @@
-use crate::reference::Features;
+use crate::reference::Descriptors;
 use crate::{Cost, Params};
 
 /// A pass through the chain for [`Cost::MutualInformation`], which begins on small images.
@@ -40,12 +40,12 @@ pub(crate) fn largest_with_fewer_rounds(width: u32, height: u32, params: &Params
 
 /// Stage `halve`: an image at half the size, rounded up: of the four pixels (2x, 2y) to (2x + 1, 2y + 1), the image
 /// continued by its border, floor((their sum + 2) / 4).
-pub fn halve(values: &Features) -> Features {
+pub fn halve(values: &Descriptors) -> Descriptors {
     let (width, height) = (values.width.div_ceil(2), values.height.div_ceil(2));
     let mean = |x: i64, y: i64| {
         let four = [(0, 0), (1, 0), (0, 1), (1, 1)].map(|(i, j)| u32::from(values.clamped(2 * x + i, 2 * y + j)[0]));
         ((four.iter().sum::<u32>() + 2) >> 2) as u8
     };
     let data = (0..width * height).map(|i| mean((i % width) as i64, (i / width) as i64)).collect();
-    Features { width, height, planes: 1, data }
+    Descriptors { width, height, planes: 1, data }
 }

@@ -1,5 +1,5 @@
 use crate::Params;
-use crate::reference::Features;
+use crate::reference::Descriptors;
 use rayon::prelude::*;
 use std::ops::Range;
 
@@ -22,21 +22,21 @@ impl BlockStatistics {
 }
 
 /// Stage `block_statistics`: of the left blocks, and of all right ones that they are compared with.
-pub fn block_statistics(left: &Features, right: &Features, params: &Params) -> [BlockStatistics; 2] {
+pub fn block_statistics(left: &Descriptors, right: &Descriptors, params: &Params) -> [BlockStatistics; 2] {
     let (width, smallest) = (left.width as i64, i64::from(params.min_disparity));
     let largest = smallest + i64::from(params.disparities) - 1;
     [of_blocks(left, 0..width, params), of_blocks(right, -largest..width - smallest, params)]
 }
 
-fn of_blocks(features: &Features, columns: Range<i64>, params: &Params) -> BlockStatistics {
+fn of_blocks(descriptors: &Descriptors, columns: Range<i64>, params: &Params) -> BlockStatistics {
     let (radius, n) = (i64::from(params.radius()), u64::from(params.block * params.block));
     let around = |i: i64| i - radius..=i + radius;
     let block = |x: i64, y: i64| {
-        let values = around(y).flat_map(|y| around(x).map(move |x| u64::from(features.clamped(x, y)[0])));
+        let values = around(y).flat_map(|y| around(x).map(move |x| u64::from(descriptors.clamped(x, y)[0])));
         let (sum, squares) = values.fold((0, 0), |(sum, squares), v| (sum + v, squares + v * v));
         [sum as u32, (n * squares - sum * sum).isqrt() as u32]
     };
     let row = |y: i64| columns.clone().map(|x| block(x, y)).collect::<Vec<_>>();
-    let data = (0..features.height as i64).into_par_iter().flat_map_iter(row).collect();
+    let data = (0..descriptors.height as i64).into_par_iter().flat_map_iter(row).collect();
     BlockStatistics { columns, data }
 }

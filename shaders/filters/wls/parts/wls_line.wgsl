@@ -15,7 +15,7 @@ fn blend(a: vec2<u32>, b: vec2<u32>, share: u32) -> vec2<u32> {
 // Of each line, from one lot of rows to the next: the mean, and the weight that belongs to it.
 @group(0) @binding(4) var<storage, read_write> carry: array<vec4<u32>>;
 
-// A line's pixels lie pass_.dx apart, the first ones of neighbouring lines pass_.dy.
+// A line's pixels lie dispatch.dx apart, the first ones of neighbouring lines dispatch.dy.
 fn pixel(line: u32, i: u32) -> u32 {
-    return line * u32(pass_.dy) + i * u32(pass_.dx);
+    return line * u32(dispatch.dy) + i * u32(dispatch.dx);
 }

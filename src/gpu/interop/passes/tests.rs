@@ -224,7 +224,7 @@ fn a_mutated_shader_is_caught() {
         ("intake_texture", "0.0031308", "0.031308"),
         ("intake_texture", "1.0 / 2.4", "1.0 / 2.2"),
         ("intake_texture", "deep.zw, vec2((x & 1u) == 1u)", "deep.xy, vec2((x & 1u) == 1u)"),
-        ("intake_buffer", "y * pass_.stride", "y * (pass_.stride - 1u)"),
+        ("intake_buffer", "y * dispatch.stride", "y * (dispatch.stride - 1u)"),
         ("surface_pixels", "at.x)) / 16.0", "at.x)) / 17.0"),
         ("surface_sixteenths", "at.x / 2u]", "at.x / 4u]"),
         ("surface_color", "value == INVALID", "false"),

@@ -597,8 +597,8 @@ mod mutants {
     fn doubtful_integers_are_found() {
         let kernel = |expression: &str| {
             format!(
-                "struct Pass {{ halvings: u32, other: u32 }}
-                @group(0) @binding(0) var<uniform> pass_: Pass;
+                "struct Dispatch {{ halvings: u32, other: u32 }}
+                @group(0) @binding(0) var<uniform> dispatch: Dispatch;
                 @group(0) @binding(1) var<storage, read_write> data: array<u32>;
                 fn shifted(v: u32, by: u32) -> u32 {{ return v >> by; }}
                 @compute @workgroup_size(1) fn main(@builtin(global_invocation_id) id: vec3<u32>) {{
@@ -615,7 +615,7 @@ mod mutants {
             ("u << (8u * (u & 3u))", 0),
             ("u << (31u - 8u * (u % 4u))", 0),
             ("(v << vec4(0u, 8u, 16u, 24u)).x", 0),
-            ("1u << pass_.halvings", 0),
+            ("1u << dispatch.halvings", 0),
             ("1u << min(u, 31u)", 0),
             ("shifted(u, 3u) + shifted(u, u & 31u)", 0),
             ("u >> select(4u, 8u, u > 3u)", 0),
@@ -626,7 +626,7 @@ mod mutants {
             ("u << u", 1),
             ("u << (32u - 8u * (u & 3u))", 1),
             ("u >> (8u * (u & 7u))", 1),
-            ("1u << pass_.other", 1),
+            ("1u << dispatch.other", 1),
             ("shifted(u, 3u) + shifted(u, u)", 1),
             ("(v >> vec4(u)).x", 1),
             ("u >> (u - 1u)", 1),

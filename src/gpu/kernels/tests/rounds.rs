@@ -86,9 +86,9 @@ fn cases() -> Vec<(bool, Params)> {
     let mut cases = Vec::new();
     for (i, disparities) in (0..).zip([8, 30, 48, 64, 96, 300]) {
         let adaptive = Params { adaptive_p2: true, min_disparity: -3, ..sgm(disparities) };
-        cases.push((i % 2 == 1, Params { schedule: Schedule::Lines, ..adaptive.clone() }));
+        cases.push((i % 2 == 1, Params { schedule: Schedule::PerThread, ..adaptive.clone() }));
         if i % 3 == 2 {
-            cases.push((i % 2 == 0, Params { schedule: Schedule::Lanes, paths: Paths::Eight, ..adaptive }));
+            cases.push((i % 2 == 0, Params { schedule: Schedule::PerSubgroup, paths: Paths::Eight, ..adaptive }));
             cases.push((i % 2 == 0, Params { min_disparity: 9, block: 2 * i + 3, ..Params::bm(disparities) }));
         }
     }
@@ -146,7 +146,7 @@ fn too_few_rounds_are_noticed() {
         ("block_match", &columns),
         ("block_match_small", &Params::bm(21)),
     ] {
-        let params = Params { schedule: Schedule::Lines, ..params.clone() };
+        let params = Params { schedule: Schedule::PerThread, ..params.clone() };
         let found = mismatches(&full, [160, 170], 0, &params, Some((kernel, 50)));
         let stage = KERNELS.iter().find(|row| row.name == kernel).unwrap().stage;
         assert!(found.iter().any(|(name, _)| name == stage), "{kernel} did with half of its rounds: {found:?}");

@@ -4,7 +4,7 @@ use crate::{Census, Cost, Params};
 
 /// What the matching cost compares of each pixel: `planes` bytes, `data[(y * width + x) * planes + p]`.
 #[derive(Clone, Debug, PartialEq, Eq)]
-pub struct Features {
+pub struct Descriptors {
     /// Pixels a row.
     pub width: usize,
     /// Rows.
@@ -15,7 +15,7 @@ pub struct Features {
     pub data: Vec<u8>,
 }
 
-impl Features {
+impl Descriptors {
     /// The bytes of the pixel nearest to (x, y) that lies in the image.
     pub fn clamped(&self, x: i64, y: i64) -> &[u8] {
         let x = x.clamp(0, self.width as i64 - 1) as usize;
@@ -26,12 +26,12 @@ impl Features {
 
 impl Images {
     /// What the cost compares of them.
-    pub fn features(&self, params: &Params) -> Features {
-        features(&self.channels, self.unit, params)
+    pub fn descriptors(&self, params: &Params) -> Descriptors {
+        descriptors(&self.channels, self.unit, params)
     }
 }
 
-/// Stage `features`: the bytes of each pixel that [`crate::reference::pixel_cost`] compares, from the prefiltered image, or for
+/// Stage `descriptors`: the bytes of each pixel that [`crate::reference::pixel_cost`] compares, from the prefiltered image, or for
 /// [`Params::color_cost`] from those of red, green and blue. `unit` is that of [`crate::reference::deep_gray`] if the prefilter is
 /// `none`, else 1. A value in 8 bits is that image, narrowed as in stage `gray`.
 ///
@@ -41,7 +41,7 @@ impl Images {
 /// - `sad-xy`: clamp(gx, -cap, cap) + cap and the same of gy;
 /// - `census`: the census string;
 /// - `census-sobel`: the census string, then as `sad-xy`; `ad-census`: the census string, then the value.
-pub fn features(images: &[Plane<u16>], unit: i32, params: &Params) -> Features {
+pub fn descriptors(images: &[Plane<u16>], unit: i32, params: &Params) -> Descriptors {
     let (width, height) = (images[0].width, images[0].height);
     let mut data = Vec::new();
     for y in 0..height as i64 {
@@ -83,7 +83,7 @@ pub fn features(images: &[Plane<u16>], unit: i32, params: &Params) -> Features {
             }
         }
     }
-    Features { width, height, planes: data.len() / (width * height), data }
+    Descriptors { width, height, planes: data.len() / (width * height), data }
 }
 
 /// The census string of a pixel, a byte a row of the window from the top: bit 4 + dx is 1 where the neighbour dx columns

@@ -1,11 +1,11 @@
-// features: the bytes of each pixel that the matching cost compares: census strings, derivatives, bounds between pixels,
+// descriptors: the bytes of each pixel that the matching cost compares: census strings, derivatives, bounds between pixels,
 //   values less the mean of the block.
 // image (u8 or u16, in a texture), sums (u32, [y][x], of the blocks) -> planes (u8, sixteen pixels a vector, from plane
 //   first_plane on; continued by the border)
 //   Byte j of a row is column j - lead, or if it is mirrored column lead - j.
 // One invocation: one vector, sixteen pixels of a row, in all planes. Border: rows are clamped into the image, columns
 //   are continued.
-// Reference: src/reference/cost/features.rs
+// Reference: src/reference/cost/descriptors.rs
 
 @group(0) @binding(3) var<storage, read> sums: array<u32>;
 @group(0) @binding(4) var<storage, read_write> planes: array<vec4<u32>>;
@@ -171,7 +171,7 @@ fn others(above: Pixels, here: Pixels, below: Pixels, i: u32, x: i32, y: i32) ->
 }
 
 // The bytes of the sixteen pixels from column x on, which is -15 or more.
-fn features(x: i32, y: i32) -> Words {
+fn descriptors(x: i32, y: i32) -> Words {
     var words: Words;
     if CENSUS_PLANES > 0u {
         words = census(x, y);
@@ -197,15 +197,15 @@ fn features(x: i32, y: i32) -> Words {
 
 @compute @workgroup_size(LANES)
 fn main(@builtin(global_invocation_id) id: vec3<u32>) {
-    let mirrored = pass_.mirrored == 1u;
-    let stride = pass_.stride / 4u;
-    if id.x >= stride || id.y >= pass_.rows {
+    let mirrored = dispatch.mirrored == 1u;
+    let stride = dispatch.stride / 4u;
+    if id.x >= stride || id.y >= dispatch.rows {
         return;
     }
     let x = lowest_column(id.x, mirrored);
-    var words = features(x, i32(pass_.first_row + id.y));
+    var words = descriptors(x, i32(dispatch.first_row + id.y));
     for (var p = 0u; p < IMAGE_PLANES; p++) {
-        let row = (pass_.first_plane + p) * pass_.rows + id.y;
-        planes[row * stride + id.x] = placed(words[p], x, mirrored);
+        let row = (dispatch.first_plane + p) * dispatch.rows + id.y;
+        planes[row * stride + id.x] = laid_out(words[p], x, mirrored);
     }
 }

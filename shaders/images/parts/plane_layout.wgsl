@@ -4,11 +4,11 @@
 // The lowest column of a vector of a row. At least one of its sixteen must lie in the image.
 fn lowest_column(vector: u32, mirrored: bool) -> i32 {
     let j = 16 * i32(vector);
-    return clamp(select(j - pass_.lead, pass_.lead - j - 15, mirrored), -15, i32(frame.width) - 1);
+    return clamp(select(j - dispatch.lead, dispatch.lead - j - 15, mirrored), -15, i32(frame.width) - 1);
 }
 
 // Sixteen pixels from column x on, as they are written.
-fn placed(pixels: vec4<u32>, x: i32, mirrored: bool) -> vec4<u32> {
+fn laid_out(pixels: vec4<u32>, x: i32, mirrored: bool) -> vec4<u32> {
     let last = i32(frame.width) - 1;
     var words = select_bits(pixels, byte_at(pixels, -x), low_bytes(-x));
     words = select_bits(byte_at(words, last - x), words, low_bytes(last - x));

@@ -1,5 +1,5 @@
-// matching_cost_lanes: matching_cost for small blocks, without column sums in memory, by as many invocations as can be.
-// left, right (planes of features) -> cost (u8, [y][x][d], four disparities a word)
+// matching_cost_parallel: matching_cost for small blocks, without column sums in memory, by as many invocations as can be.
+// left, right (planes of descriptors) -> cost (u8, [y][x][d], four disparities a word)
 // One invocation: sixteen disparities of one column of pixels, SEGMENT rows downwards; the last BLOCK row sums are kept,
 //   so that a row leaves the block without being computed again. Neighbouring invocations: the disparities of one pixel,
 //   then the next pixel, so that they write neighbouring words.
@@ -39,7 +39,7 @@ fn row_sums(column: u32, q: u32, row: u32) -> Sums {
     var window: Window;
     var beyond: Window;
     for (var p = 0u; p < PLANES; p++) {
-        let y = p * pass_.planes_rows + row;
+        let y = p * dispatch.planes_rows + row;
         values[p] = aligned(vec4(left_word(y, l), left_word(y, l + 1u), left_word(y, l + 2u), left_word(y, l + 3u)),
             left_word(y, l + 4u), (column & 3u) * 8u);
         let middle = vec4(right_word(y, r + 4u), right_word(y, r + 5u), right_word(y, r + 6u), right_word(y, r + 7u));
@@ -74,15 +74,15 @@ fn main(@builtin(global_invocation_id) id: vec3<u32>) {
     let x = id.x / QUADS;
     let q = id.x % QUADS;
     let begin = id.y * SEGMENT;
-    if x >= frame.width || begin >= pass_.rows {
+    if x >= frame.width || begin >= dispatch.rows {
         return;
     }
-    let first = i32(pass_.first_row + begin) - i32(frame.block_radius);
-    let rows = min(SEGMENT, pass_.rows - begin) + REACH;
+    let first = i32(dispatch.first_row + begin) - i32(frame.block_radius);
+    let rows = min(SEGMENT, dispatch.rows - begin) + REACH;
     var kept: array<Sums, BLOCK>; // the row sums of the block, the uppermost first
     var sums: Sums;
     for (var n = 0u; n < rows; n++) {
-        let row = row_sums(x, q, u32(clamp(first + i32(n), 0, i32(frame.height) - 1)) - pass_.planes_row);
+        let row = row_sums(x, q, u32(clamp(first + i32(n), 0, i32(frame.height) - 1)) - dispatch.planes_row);
         for (var part = 0u; part < 2u; part++) {
             sums[part] += row[part] - kept[0][part];
             for (var age = 0u; age < BLOCK; age++) {
@@ -91,7 +91,7 @@ fn main(@builtin(global_invocation_id) id: vec3<u32>) {
             kept[BLOCK - 1u][part] = row[part];
         }
         if n >= REACH {
-            let line = pass_.volume_row + begin + n - REACH;
+            let line = dispatch.volume_row + begin + n - REACH;
             cost[(line * frame.volume_stride + x) * QUADS + q] = quantised_block(sums[0], sums[1]);
         }
     }
