@@ -2,7 +2,7 @@
 
 use std::ops::RangeInclusive;
 
-use crate::{DisparityMap, Params};
+use crate::DisparityMap;
 
 /// The part of turbo that is used: towards its ends it becomes nearly black, which stands for no disparity.
 const FIRST: f64 = 0.08;
@@ -36,7 +36,7 @@ pub(crate) fn table(range: &RangeInclusive<i32>) -> Vec<[u8; 4]> {
 
 impl DisparityMap {
     /// A picture of the map: red, green, blue and 255 for each pixel, in the [`turbo`] colours of its place in the range
-    /// (mostly [`Params::searched`]), black where there is no disparity.
+    /// (mostly [`crate::Params::searched`]), black where there is no disparity.
     ///
     /// ```
     /// # use gpu_stereo::{DisparityMap, Params, turbo};
@@ -46,13 +46,6 @@ impl DisparityMap {
     /// ```
     pub fn color(&self, range: &RangeInclusive<i32>) -> Vec<u8> {
         self.data.iter().flat_map(|&value| color(value.into(), *range.start(), *range.end())).collect()
-    }
-}
-
-impl Params {
-    /// The disparities that are searched, in pixels.
-    pub fn searched(&self) -> RangeInclusive<i32> {
-        self.min_disparity..=self.min_disparity.saturating_add_unsigned(self.disparities).saturating_sub(1)
     }
 }
 

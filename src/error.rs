@@ -1,6 +1,6 @@
 //! Everything that can go wrong, each said once: the value given, the values allowed, the remedy.
 
-use crate::memory::{Left, Mebibytes};
+use std::fmt;
 
 /// Why a pair could not be matched.
 #[derive(Debug, thiserror::Error)]
@@ -76,4 +76,29 @@ pub enum Error {
     /// No adapter answered to the name, index or kind asked for.
     #[error("{0}")]
     Adapter(String),
+}
+
+/// The memory that is left to this process, and the limit that leaves no more ([`crate::memory`]).
+#[derive(Clone, Debug, PartialEq, Eq)]
+#[non_exhaustive]
+pub struct Left {
+    /// Bytes.
+    pub bytes: u64,
+    /// The limit that they come from, such as "the machine" or "the control group /jobs/7".
+    pub limit: String,
+}
+
+impl fmt::Display for Left {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        write!(f, "{} leaves {}", self.limit, Mebibytes(self.bytes))
+    }
+}
+
+/// Bytes in words.
+pub(crate) struct Mebibytes(pub(crate) u64);
+
+impl fmt::Display for Mebibytes {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        write!(f, "{} MiB", self.0.div_ceil(1 << 20))
+    }
 }

@@ -4,34 +4,9 @@
 //! allocation succeeds, and the process is killed when it is filled. So what is needed is compared with what is left before
 //! anything is made ([`Params::memory_check`](crate::Params::memory_check)).
 
-use crate::Error;
-use std::fmt;
+use crate::error::Error;
+pub use crate::error::Left;
 use std::path::Path;
-
-/// What is left, and what leaves no more.
-#[derive(Clone, Debug, PartialEq, Eq)]
-#[non_exhaustive]
-pub struct Left {
-    /// Bytes.
-    pub bytes: u64,
-    /// The limit that they come from, such as "the machine" or "the control group /jobs/7".
-    pub limit: String,
-}
-
-impl fmt::Display for Left {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        write!(f, "{} leaves {}", self.limit, Mebibytes(self.bytes))
-    }
-}
-
-/// Bytes in words.
-pub(crate) struct Mebibytes(pub(crate) u64);
-
-impl fmt::Display for Mebibytes {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        write!(f, "{} MiB", self.0.div_ceil(1 << 20))
-    }
-}
 
 /// The least that a limit leaves to this process: the memory and the swap that the machine has available, of each control
 /// group from this process's upwards its maximum less what is in use and cannot be reclaimed, and the address space.

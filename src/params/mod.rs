@@ -1,19 +1,25 @@
 //! What a user may ask for, and the checks that come before anything touches a device.
 
 mod camera;
+mod choices;
+mod costs;
+mod derived;
 mod lens;
 mod masks;
+mod names;
 mod options;
-mod parameters;
+#[allow(clippy::module_inception)] // the settings themselves
+mod params;
+mod presets;
 mod rectification;
+mod validate;
 
 pub use camera::Camera;
+pub use choices::{Census, Cost, Fill, Median, Method, Paths, Prefilter, Preset, RightView, Schedule, Subpixel, Wls};
 pub use lens::{Distortion, Lens};
 pub use masks::Masks;
 #[cfg(test)]
-pub(crate) use options::Named;
+pub(crate) use names::Named;
 pub use options::ParamOption;
-pub use parameters::{
-    Census, Cost, Fill, Median, Method, Params, Paths, Prefilter, Preset, RightView, Schedule, Subpixel, Wls,
-};
+pub use params::Params;
 pub use rectification::Rectification;

@@ -6,8 +6,7 @@ use rayon::prelude::*;
 /// as [`block_sums`] are), round(top * 2^14 / largest), where top is 1024 times the cost that the largest sum is to have
 /// (`Params::cost_top`). So P1 and P2 keep their meaning when the block or the cap changes.
 pub fn matching_cost_scale(params: &Params) -> u32 {
-    let largest = params.largest_sum() >> params.narrowing();
-    (params.cost_top() * (1 << 14) + largest / 2) / largest
+    params.cost_scale()
 }
 
 /// Stage `matching_cost`: the matching cost in 8 bits, (block sum * scale + 2^23) >> 24, from 0 to 89.

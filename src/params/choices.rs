@@ -1,0 +1,215 @@
+//! What a setting may be, where it is one of several.
+
+/// How the kernels are laid out on a device. The result is the same.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
+#[non_exhaustive]
+pub enum Schedule {
+    /// [`Schedule::PerThread`] on CPU adapters, [`Schedule::PerSubgroup`] on all others.
+    #[default]
+    Auto,
+    /// A path an invocation: all its disparities stay in registers. Two or more invocations share a path of many
+    /// disparities where the device has subgroups. For CPU adapters such as lavapipe.
+    PerThread,
+    /// A path for neighbouring invocations, 16 disparities each. They talk through the subgroup, or through workgroup
+    /// memory where the device has no subgroups. For GPUs.
+    PerSubgroup,
+}
+
+/// The image on which the matching cost is computed (`prefilter` in docs/ALGORITHMS.md).
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+#[non_exhaustive]
+pub enum Prefilter {
+    /// Horizontal Sobel derivative, clipped to [-cap, cap] and shifted by cap.
+    XSobel,
+    /// Sobel gradient magnitude, rounded down and clipped to [0, 2 cap].
+    Sobel,
+    /// Normalised response: the smoothed pixel less the mean of the window around it, clipped to [-cap, cap] and shifted
+    /// by cap.
+    Normalized,
+    /// The gray image itself.
+    None,
+}
+
+/// How alike two pixels are, summed over a block: the matching cost.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+#[non_exhaustive]
+pub enum Cost {
+    /// Absolute differences.
+    Sad,
+    /// Squared differences.
+    Ssd,
+    /// Absolute differences after the mean of the block around each pixel is subtracted from it.
+    ZeroMeanSad,
+    /// The difference that does not depend on sampling: Birchfield and Tomasi, "A Pixel Dissimilarity Measure That Is
+    /// Insensitive to Image Sampling", IEEE TPAMI 20(4), 1998.
+    BirchfieldTomasi,
+    /// Absolute differences of the horizontal and of the vertical Sobel derivative.
+    SadXy,
+    /// Hamming distance of census strings ([`Census`]): Zabih and Woodfill, "Non-parametric Local Transforms for
+    /// Computing Visual Correspondence", ECCV 1994.
+    Census,
+    /// Twice the Hamming distance of census strings, and the absolute differences of both Sobel derivatives.
+    CensusSobel,
+    /// Absolute differences and the Hamming distance of census strings, each with a weight.
+    AdCensus,
+    /// Normalised cross correlation; for [`Method::Bm`].
+    Ncc,
+    /// Mutual information: Hirschmüller, "Accurate and Efficient Stereo Processing by Semi-Global Matching and Mutual
+    /// Information", CVPR 2005.
+    MutualInformation,
+}
+
+/// The neighbours that a census string compares.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+#[non_exhaustive]
+pub enum Census {
+    /// 5 x 5 pixels with their centre: 24 bits.
+    Five,
+    /// 7 x 7 pixels with their centre: 48 bits.
+    Seven,
+    /// 9 columns x 7 rows with their centre: 62 bits.
+    NineBySeven,
+    /// The 31 pairs of 9 columns x 7 rows that lie opposite to each other: centre-symmetric, as in libSGM.
+    CentreSymmetric,
+}
+
+/// How the block cost becomes a disparity.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+#[non_exhaustive]
+pub enum Method {
+    /// Semi-global matching: Hirschmüller, "Stereo Processing by Semiglobal Matching and Mutual Information",
+    /// IEEE TPAMI 30(2), 2008, equation 14.
+    Sgm,
+    /// Block matching: the disparity of the smallest block cost.
+    Bm,
+}
+
+/// Directions along which semi-global matching aggregates.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+#[non_exhaustive]
+pub enum Paths {
+    /// Both horizontal directions and the downward one: what OpenCV's `MODE_SGBM_3WAY` takes.
+    Three,
+    /// Both horizontal and both vertical directions.
+    Four,
+    /// Both horizontal directions, the downward one and the two diagonal ones downwards: OpenCV's `MODE_SGBM`.
+    Five,
+    /// The four, and the four diagonal ones.
+    Eight,
+    /// The eight, and the eight that go two pixels one way and one the other.
+    Sixteen,
+}
+
+impl Paths {
+    /// The number of directions.
+    pub fn count(self) -> u32 {
+        match self {
+            Self::Three => 3,
+            Self::Four => 4,
+            Self::Five => 5,
+            Self::Eight => 8,
+            Self::Sixteen => 16,
+        }
+    }
+}
+
+/// Where the right view comes from that the left-right check compares with.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+#[non_exhaustive]
+pub enum RightView {
+    /// The costs of the left view, read along the diagonal: almost free.
+    Diagonal,
+    /// A full matching of its own, with the right image as the one that is matched: twice the time.
+    Match,
+}
+
+/// The part of a pixel by which a winner is refined.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+#[non_exhaustive]
+pub enum Subpixel {
+    /// Whole pixels.
+    Off,
+    /// The vertex of the parabola through the winner's cost and its neighbours'.
+    Parabola,
+    /// Where two lines of equal and opposite slope through those three costs meet.
+    Equiangular,
+}
+
+/// The median filter of the map.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+#[non_exhaustive]
+pub enum Median {
+    /// No filter.
+    Off,
+    /// Median of 3x3 pixels.
+    Three,
+    /// Median of 5x5 pixels.
+    Five,
+}
+
+impl Median {
+    /// The side of the window in pixels.
+    pub(crate) fn side(self) -> Option<usize> {
+        match self {
+            Self::Off => None,
+            Self::Three => Some(3),
+            Self::Five => Some(5),
+        }
+    }
+}
+
+/// How pixels without a disparity are given one.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+#[non_exhaustive]
+pub enum Fill {
+    /// They stay without.
+    None,
+    /// The farther of the two neighbours in the row, as the KITTI development kit does.
+    Background,
+    /// Occlusions by the farther neighbour in the row, then mismatches by the median along eight rays.
+    Rays,
+    /// Occlusions by the second lowest and mismatches by the median along eight rays: Hirschmüller 2008, section 2.6.
+    Hirschmuller,
+}
+
+/// Edge-preserving smoothing of the map, guided by the left image: Min et al., "Fast Global Image Smoothing Based on
+/// Weighted Least Squares", IEEE TIP 23(12), 2014.
+#[derive(Clone, Copy, Debug, PartialEq)]
+#[non_exhaustive]
+pub struct Wls {
+    /// Strength of the smoothing: 4 keeps the accuracy; 8000, as is usual with OpenCV, smooths for the eye and costs it.
+    pub lambda: f32,
+    /// Intensity step that stops it; 1 to 2 is usual.
+    pub sigma: f32,
+}
+
+impl Wls {
+    /// Smoothing of this strength, that stops at this intensity step.
+    #[must_use]
+    pub fn new(lambda: f32, sigma: f32) -> Self {
+        Self { lambda, sigma }
+    }
+}
+
+impl Default for Wls {
+    fn default() -> Self {
+        Self { lambda: 4.0, sigma: 1.5 }
+    }
+}
+
+/// Settings that go well together ([`Params::preset`]).
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
+#[non_exhaustive]
+pub enum Preset {
+    /// The plain chain, [`Params::sgm`], and the speckle filter.
+    Classic,
+    /// As balanced, along three directions.
+    Fast,
+    /// Census strings and gradients, four directions, P2 by the intensity step.
+    #[default]
+    Balanced,
+    /// As balanced, and only what a second match confirms.
+    Strict,
+    /// As balanced, with every hole filled.
+    Dense,
+}

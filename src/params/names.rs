@@ -1,0 +1,113 @@
+//! The names of the values of enumerations.
+
+use crate::params::{Census, Cost, Fill, Median, Method, Paths, Prefilter, Preset, RightView, Schedule, Subpixel};
+
+/// An enumeration whose values have names.
+pub(crate) trait Named: Copy + 'static {
+    /// Every value with its name and a few words.
+    const NAMES: &'static [(&'static str, &'static str)];
+    const VALUES: &'static [Self];
+
+    fn name(self) -> &'static str;
+
+    fn of(name: &str) -> Option<Self> {
+        Self::NAMES.iter().position(|(known, _)| *known == name).map(|i| Self::VALUES[i])
+    }
+}
+
+/// The names of enumerations, and that no value was forgotten.
+macro_rules! names {
+    ($($kind:ident { $($value:ident $name:literal $help:literal,)+ })+) => {$(
+        impl Named for $kind {
+            const NAMES: &'static [(&'static str, &'static str)] = &[$(($name, $help)),+];
+            const VALUES: &'static [Self] = &[$(Self::$value),+];
+
+            fn name(self) -> &'static str {
+                match self {
+                    $(Self::$value => $name,)+
+                }
+            }
+        }
+
+        impl std::fmt::Display for $kind {
+            fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+                f.pad(self.name())
+            }
+        }
+    )+};
+}
+
+names! {
+    Preset {
+        Classic "classic" "the plain chain and a speckle filter",
+        Fast "fast" "both derivatives, along three directions",
+        Balanced "balanced" "census and gradients, P2 by the intensity step",
+        Strict "strict" "balanced, and only what a second match confirms",
+        Dense "dense" "balanced, and every hole filled",
+    }
+    Method {
+        Sgm "sgm" "semi-global matching",
+        Bm "bm" "block matching",
+    }
+    Cost {
+        Sad "sad" "absolute differences",
+        Ssd "ssd" "squared differences",
+        ZeroMeanSad "zsad" "absolute differences less the block's mean",
+        BirchfieldTomasi "bt" "Birchfield-Tomasi: the same between two pixels as on them",
+        SadXy "sad-xy" "absolute differences of both Sobel derivatives",
+        Census "census" "differing bits of census strings",
+        CensusSobel "census-sobel" "census and sad-xy together",
+        AdCensus "ad-census" "absolute differences and census, each with a weight",
+        Ncc "ncc" "normalised cross correlation, for bm",
+        MutualInformation "mi" "mutual information",
+    }
+    Census {
+        Five "5x5" "24 bits",
+        Seven "7x7" "48 bits",
+        NineBySeven "9x7" "62 bits",
+        CentreSymmetric "cs9x7" "31 pairs of opposite pixels",
+    }
+    Prefilter {
+        XSobel "xsobel" "horizontal derivative, clipped",
+        Sobel "sobel" "gradient magnitude, clipped",
+        Normalized "normalized" "difference from the mean of a window, clipped",
+        None "none" "the gray image",
+    }
+    Paths {
+        Three "3" "horizontal and downwards",
+        Four "4" "horizontal and vertical",
+        Five "5" "horizontal, and all three downwards",
+        Eight "8" "diagonal, too",
+        Sixteen "16" "and between those",
+    }
+    RightView {
+        Diagonal "diagonal" "from the costs of the left view",
+        Match "match" "a second match: twice the time",
+    }
+    Subpixel {
+        Parabola "parabola" "through three costs; on is the same",
+        Equiangular "equiangular" "two lines of equal and opposite slope",
+        Off "off" "whole pixels",
+    }
+    Median {
+        Three "3" "3x3 pixels",
+        Five "5" "5x5 pixels",
+        Off "off" "no filter",
+    }
+    Fill {
+        None "none" "holes stay",
+        Background "background" "the farther neighbour in the row",
+        Rays "rays" "occlusions by the row, mismatches by the median of 8 rays",
+        Hirschmuller "hirschmuller" "second lowest and median of 8 rays",
+    }
+    Schedule {
+        Auto "auto" "as the adapter is",
+        PerThread "per-thread" "a path an invocation, for CPU adapters",
+        PerSubgroup "per-subgroup" "a path for several, for GPUs",
+    }
+}
+
+impl Preset {
+    /// Every preset by name, with a few words.
+    pub const NAMES: &'static [(&'static str, &'static str)] = <Self as Named>::NAMES;
+}

@@ -1,0 +1,146 @@
+use super::*;
+
+const PRESETS: &[Preset] = <Preset as Named>::VALUES;
+
+/// Values of an option: its words, or numbers at both ends of what it may hold.
+fn values(option: &ParamOption) -> Vec<&'static str> {
+    let words = option.values.iter().map(|(name, _)| *name);
+    let numbers: &[&str] = match option.name {
+        "min-disp" => &["-2047", "0", "12"],
+        "wls-lambda" | "wls-sigma" => &["0.1", "8000", "off"],
+        _ if !option.values.is_empty() => &[],
+        _ if option.placeholder.ends_with("|off") => &["1", "15", "off"],
+        _ => &["3", "51"],
+    };
+    words.chain(numbers.iter().copied()).collect()
+}
+
+#[test]
+fn every_option_gives_back_what_it_was_set_to() {
+    for option in Params::OPTIONS {
+        let values = values(option);
+        assert!(values.len() > 1 && !option.help.is_empty() && !option.heading.is_empty(), "{option:?}");
+        let mut got = Vec::new();
+        for value in &values {
+            let before = Params::sgm(64);
+            let mut params = before.clone();
+            params.set(option.name, value).unwrap();
+            assert_eq!(params.get(option.name), *value, "{}", option.name);
+            let others = Params::OPTIONS.iter().filter(|other| !other.name.starts_with("wls"));
+            for other in others.filter(|other| other.name != option.name) {
+                assert_eq!(other.get(&params), other.get(&before), "{} changes {}", option.name, other.name);
+            }
+            got.push(params);
+        }
+        assert!(got.windows(2).all(|pair| pair[0] != pair[1]), "{} changes nothing", option.name);
+    }
+}
+
+#[test]
+fn all_that_an_option_holds_makes_the_same_parameters_again() {
+    for &preset in PRESETS {
+        let params = Params::preset(preset, 48);
+        let told: Vec<_> = Params::OPTIONS.iter().map(|option| (option.name, option.get(&params))).collect();
+        let told = || told.iter().map(|(name, value)| (*name, value.as_str()));
+        let mut copy = Params::bm(1);
+        told().for_each(|(name, value)| copy.set(name, value).unwrap());
+        assert_eq!(copy, params);
+        assert_eq!(Params::from_options(1, told()).unwrap(), params);
+    }
+}
+
+#[test]
+fn names_are_known_once() {
+    for (i, option) in Params::OPTIONS.iter().enumerate() {
+        assert!(Params::OPTIONS[..i].iter().all(|other| other.name != option.name), "{}", option.name);
+        let words: Vec<_> = option.values.iter().map(|(name, _)| name).collect();
+        assert!(words.iter().enumerate().all(|(i, word)| !words[..i].contains(word)), "{words:?}");
+        assert!(!option.placeholder.is_empty(), "{}", option.name);
+        for params in PRESETS.iter().map(|&preset| Params::preset(preset, 8)).chain([Params::bm(8)]) {
+            assert_eq!((option.idle)(&params).is_some(), option.idle(&params).is_some(), "{}", option.name);
+        }
+    }
+}
+
+#[test]
+fn what_is_no_value_is_refused_with_what_is_one() {
+    for option in Params::OPTIONS {
+        for value in ["", " ", "magic", "1 2", "٣", "0x10", "--1", "+", "\n"] {
+            let mut params = Params::sgm(64);
+            let error = params.set(option.name, value).unwrap_err().to_string();
+            assert!(error.starts_with(&format!("{} is ", option.name)) && error.contains("must be "), "{error}");
+            assert!(option.values.iter().all(|(word, _)| error.contains(word)), "{error}");
+            assert_eq!((error.lines().count(), &params), (1, &Params::sgm(64)), "{error}");
+        }
+    }
+    let error = Params::sgm(64).set("frobnicate", "1").unwrap_err().to_string();
+    assert!(error.contains("\"frobnicate\"") && error.contains("min-disp, "), "{error}");
+}
+
+/// A number that no type holds is never taken for another one that is allowed.
+#[test]
+fn numbers_beyond_every_type_are_refused_as_they_were_given() {
+    let numbers = Params::OPTIONS.iter().filter(|option| option.values.is_empty());
+    for option in numbers.filter(|option| !option.name.starts_with("wls")) {
+        for value in ["99999999999999999999999", "-99999999999999999999999", "4294967296", "1e39", "nan"] {
+            let error = Params::from_options(64, [(option.name, value)]).unwrap_err().to_string();
+            assert!(error.starts_with(&format!("{} is {value}, but must be ", option.name)), "{error}");
+        }
+    }
+    for value in ["nan", "inf", "-inf", "-1", "1e99"] {
+        for (name, allowed) in [("wls-lambda", "from 0 to 1000000"), ("wls-sigma", "from 0.1 to 1000")] {
+            let error = Params::from_options(64, [(name, value)]).unwrap_err().to_string();
+            assert!(error.starts_with(&format!("{name} is {value}, but must be {allowed}")), "{error}");
+        }
+    }
+}
+
+#[test]
+fn presets_are_valid_and_options_override_them_in_any_order() {
+    let of = |options: &[(&'static str, &'static str)]| Params::from_options(64, options.iter().copied()).unwrap();
+    for &preset in PRESETS {
+        let name = preset.name();
+        assert_eq!(of(&[("preset", name)]), Params::preset(preset, 64));
+        let changed = Params { p2: 70, median: Median::Off, ..Params::preset(preset, 64) };
+        let (p2, median) = (("p2", "70"), ("median", "off"));
+        assert_eq!(of(&[("preset", name), p2, median]), changed);
+        assert_eq!(of(&[median, p2, ("preset", name)]), changed);
+        // Block matching has a cost and a block of its own, and the preset's filters.
+        let (bm, plain) = (of(&[("method", "bm"), ("preset", name)]), Params::bm(64));
+        assert_eq!((bm.method, bm.cost, bm.block, bm.uniqueness), (Method::Bm, Cost::Sad, 15, 15));
+        assert_eq!((bm.prefilter, bm.fill), (plain.prefilter, changed.fill));
+        assert_eq!(of(&[("block", "7"), ("method", "bm"), ("preset", name)]).block, 7);
+    }
+    assert_eq!(of(&[]), Params::preset(Preset::default(), 64));
+    assert_eq!(of(&[("p2", "70"), ("p2", "80")]).p2, 80);
+}
+
+#[test]
+fn a_cost_brings_its_usual_prefilter_unless_another_is_given() {
+    let of = |options: &[(&'static str, &'static str)]| Params::from_options(64, options.iter().copied()).unwrap();
+    for &cost in Cost::VALUES {
+        let method = if cost == Cost::Ncc { "bm" } else { "sgm" };
+        for preset in ["classic", "balanced"] {
+            let given = [("method", method), ("cost", cost.name()), ("preset", preset)];
+            let usual = of(&given);
+            assert_eq!((usual.cost, usual.method.name()), (cost, method));
+            let sobel = of(&[&[("prefilter", "sobel"), ("block", "9")], &given[..]].concat());
+            assert_eq!(sobel, Params { prefilter: Prefilter::Sobel, block: 9, ..usual });
+        }
+    }
+    assert_eq!(of(&[("cost", "sad"), ("preset", "balanced")]).prefilter, Prefilter::XSobel);
+    assert_eq!(of(&[("cost", "census"), ("preset", "classic")]).prefilter, Prefilter::None);
+    // The preset's own cost stays as the preset has it.
+    let balanced = Params::preset(Preset::Balanced, 64);
+    assert_eq!(of(&[("cost", "census-sobel"), ("preset", "balanced")]), balanced);
+}
+
+#[test]
+fn the_numbers_of_wls_switch_it_on_and_off_has_the_last_word() {
+    let of = |options: &[(&'static str, &'static str)]| Params::from_options(64, options.iter().copied()).unwrap();
+    let wls = Wls { lambda: 500.0, ..Wls::default() };
+    assert_eq!(of(&[("wls-lambda", "500")]).wls, Some(wls));
+    assert_eq!(of(&[("wls-lambda", "5e2"), ("wls", "on")]).wls, Some(wls));
+    assert_eq!(of(&[("wls", "on")]).wls, Some(Wls::default()));
+    assert_eq!(of(&[("wls", "off"), ("wls-lambda", "500")]).wls, None);
+}

@@ -1,0 +1,163 @@
+//! The settings, and those to start from.
+
+use crate::params::{
+    Camera, Census, Cost, Fill, Masks, Median, Method, Paths, Prefilter, Rectification, RightView, Schedule, Subpixel,
+    Wls,
+};
+
+/// What a user may ask for. Start from [`Params::preset`], [`Params::sgm`] or [`Params::bm`] and change what differs, or
+/// set it by name ([`Params::set`], [`Params::from_options`]).
+///
+/// ```
+/// use gpu_stereo::{Params, Paths};
+/// let mut params = Params::sgm(64);
+/// params.paths = Paths::Eight;
+/// params.uniqueness = 15;
+/// assert!(params.validate().is_ok());
+/// ```
+#[derive(Clone, Debug, PartialEq)]
+#[non_exhaustive]
+pub struct Params {
+    /// Smallest disparity in pixels, negative allowed.
+    pub min_disparity: i32,
+    /// Number of disparities searched: `min_disparity ..= min_disparity + disparities - 1`.
+    pub disparities: u32,
+    /// How the winner is found.
+    pub method: Method,
+    /// The matching cost.
+    pub cost: Cost,
+    /// The window of the costs with a census.
+    pub census: Census,
+    /// Weight of an absolute difference in [`Cost::AdCensus`], in sixteenths.
+    pub ad_weight: u32,
+    /// Weight of a differing bit in [`Cost::AdCensus`], in sixteenths.
+    pub census_weight: u32,
+    /// Compare red, green and blue rather than luma: [`Cost::Sad`] and [`Cost::BirchfieldTomasi`].
+    pub color_cost: bool,
+    /// Side of the square block in pixels: odd, 1 to 51.
+    pub block: u32,
+    /// The image on which costs are computed.
+    pub prefilter: Prefilter,
+    /// Clip of the prefilter, 1 to 127.
+    pub prefilter_cap: u32,
+    /// Side of the window of [`Prefilter::Normalized`] in pixels: odd, 3 to 51.
+    pub prefilter_window: u32,
+    /// Directions of [`Method::Sgm`].
+    pub paths: Paths,
+    /// Penalty of a disparity step of 1 between neighbours on a path, in units of the quantised cost (0 to 89), 0 to P2.
+    pub p1: u32,
+    /// Penalty of a larger disparity step, in the same units, P1 to 127.
+    pub p2: u32,
+    /// Lower P2 where the intensity changes along the path.
+    pub adaptive_p2: bool,
+    /// Texture that a block needs: the sum over it of the clipped horizontal derivative; 0 switches the test off.
+    pub texture: u32,
+    /// Uniqueness in per cent, 0 to 99; 0 switches the test off.
+    pub uniqueness: u32,
+    /// How the winner is refined to 1/16 pixel.
+    pub subpixel: Subpixel,
+    /// Largest difference in pixels between the left and the right view's disparity; `None` switches the check off.
+    pub lr_check: Option<u32>,
+    /// The right view that the check compares with.
+    pub right_view: RightView,
+    /// Regions of at most so many pixels are removed; 0 switches the filter off.
+    pub speckle_window: u32,
+    /// Largest disparity step in pixels between neighbours of a region.
+    pub speckle_range: u32,
+    /// Median filter.
+    pub median: Median,
+    /// How holes are filled.
+    pub fill: Fill,
+    /// Radius in pixels of the median weighted by the left image, 1 to 15; `None` switches it off.
+    pub weighted_median: Option<u32>,
+    /// Intensity step at which a weight of that median halves, 1 to 255.
+    pub weighted_median_sigma: u32,
+    /// Smoothing by weighted least squares.
+    pub wls: Option<Wls>,
+    /// Compute a confidence for each pixel, too.
+    pub confidence: bool,
+    /// Give the right view's map, too: as [`Params::right_view`] makes it, in whole pixels, before any check or filter but
+    /// `validity`.
+    pub right_map: bool,
+    /// Compute the depth of each pixel, too, seen by these cameras.
+    pub depth: Option<Camera>,
+    /// Rectify the pair first. All else is then of the rectified pair. Pixels that show what lies outside the given image
+    /// have no disparity, nor have those that lead to one.
+    pub rectify: Option<Rectification>,
+    /// Which pixels of the given images have content. Those that have none have no disparity, nor have those that lead to
+    /// one.
+    pub masks: Option<Masks>,
+    /// Compile the kernels with checks of every index and loop: slower, the same result. For a device that misbehaves.
+    pub shader_checks: bool,
+    /// How the kernels are laid out on the device; the same result.
+    pub schedule: Schedule,
+    /// On a CPU adapter, compare what is needed with the memory that is left ([`crate::memory`]) before anything is made.
+    pub memory_check: bool,
+}
+
+impl Params {
+    /// The largest disparity, and minus the smallest, that can be asked for: 1/16 pixel of it fit an `i16`.
+    pub const MAX_ABS_DISPARITY: i32 = 2047;
+    /// The largest block side.
+    pub const MAX_BLOCK: u32 = 51;
+    /// The largest block that is summed without column sums in memory: 15 * 15 * 255 fits 16 bits, and 15 * 15 * 127 fits
+    /// 15.
+    pub(crate) const SMALL_BLOCK: u32 = 15;
+    /// The largest clip of a prefilter: twice it fits a byte.
+    pub const MAX_CAP: u32 = 127;
+    /// The largest weight of [`Cost::AdCensus`]: four times what it counts.
+    pub const MAX_WEIGHT: u32 = 64;
+    /// The largest texture: every pixel of the largest block at the largest clip.
+    pub const MAX_TEXTURE: u32 = Self::MAX_BLOCK * Self::MAX_BLOCK * Self::MAX_CAP;
+    /// The largest P2: a forward and a backward path without their costs, at most P2 each, sum in a byte.
+    pub const MAX_P2: u32 = 127;
+
+    /// The classic chain with semi-global matching over `disparities` disparities from 0.
+    #[must_use]
+    pub fn sgm(disparities: u32) -> Self {
+        Self {
+            min_disparity: 0,
+            disparities,
+            method: Method::Sgm,
+            cost: Cost::Sad,
+            census: Census::NineBySeven,
+            ad_weight: 8,
+            census_weight: 32,
+            color_cost: false,
+            block: 5,
+            prefilter: Prefilter::XSobel,
+            prefilter_cap: 31,
+            prefilter_window: 9,
+            paths: Paths::Four,
+            p1: 16,
+            p2: 96,
+            adaptive_p2: false,
+            texture: 0,
+            uniqueness: 10,
+            subpixel: Subpixel::Parabola,
+            lr_check: Some(1),
+            right_view: RightView::Diagonal,
+            speckle_window: 0,
+            speckle_range: 2,
+            median: Median::Three,
+            fill: Fill::None,
+            weighted_median: None,
+            weighted_median_sigma: 20,
+            wls: None,
+            confidence: false,
+            right_map: false,
+            depth: None,
+            rectify: None,
+            masks: None,
+            shader_checks: false,
+            schedule: Schedule::Auto,
+            memory_check: true,
+        }
+    }
+
+    /// The classic chain with block matching over `disparities` disparities from 0.
+    #[must_use]
+    pub fn bm(disparities: u32) -> Self {
+        Self { method: Method::Bm, block: 15, uniqueness: 15, ..Self::sgm(disparities) }
+    }
+}

@@ -1,0 +1,64 @@
+//! Settings that go well together.
+
+use crate::params::{Census, Cost, Fill, Method, Params, Paths, Prefilter, Preset, RightView, Subpixel};
+
+impl Params {
+    /// A preset over `disparities` disparities from 0.
+    ///
+    /// ```
+    /// use gpu_stereo::{Params, Preset, Wls};
+    /// let mut params = Params::preset(Preset::Strict, 128);
+    /// params.min_disparity = -16; // -16 to 111
+    /// params.wls = Some(Wls::default());
+    /// ```
+    #[must_use]
+    pub fn preset(preset: Preset, disparities: u32) -> Self {
+        let classic = Self { speckle_window: 100, ..Self::sgm(disparities) };
+        let balanced = Self {
+            cost: Cost::CensusSobel,
+            block: 1,
+            census: Census::Seven,
+            prefilter: Prefilter::None,
+            prefilter_cap: 24,
+            p1: 21,
+            p2: 90,
+            adaptive_p2: true,
+            uniqueness: 6,
+            subpixel: Subpixel::Equiangular,
+            speckle_range: 1,
+            ..classic.clone()
+        };
+        match preset {
+            Preset::Classic => classic,
+            Preset::Fast => {
+                let derivatives = Self { cost: Cost::SadXy, prefilter: Prefilter::None, ..classic };
+                Self { paths: Paths::Three, p1: 22, p2: 127, ..derivatives }
+            }
+            Preset::Balanced => balanced,
+            Preset::Strict => Self { right_view: RightView::Match, uniqueness: 10, speckle_window: 200, ..balanced },
+            Preset::Dense => {
+                let matched = Self { p1: 28, p2: 110, uniqueness: 0, right_view: RightView::Match, ..balanced };
+                Self { speckle_range: 2, fill: Fill::Rays, weighted_median: Some(5), ..matched }
+            }
+        }
+    }
+
+    /// The same with block matching: its own cost, block and uniqueness, the same filters.
+    pub(crate) fn with_bm(self) -> Self {
+        let Self { method, cost, block, prefilter, uniqueness, .. } = Self::bm(self.disparities);
+        Self { method, cost, block, prefilter, uniqueness, ..self }
+    }
+
+    /// The prefilter and the block that are usual for the cost.
+    pub(crate) fn take_usual(&mut self) {
+        let (prefilter, block) = match self.cost {
+            Cost::Sad | Cost::Ssd | Cost::BirchfieldTomasi => (Prefilter::XSobel, 5),
+            Cost::ZeroMeanSad | Cost::SadXy | Cost::Ncc => (Prefilter::None, 5),
+            Cost::Census | Cost::CensusSobel | Cost::AdCensus | Cost::MutualInformation => (Prefilter::None, 1),
+        };
+        self.prefilter = prefilter;
+        if self.method == Method::Sgm {
+            self.block = block;
+        }
+    }
+}
