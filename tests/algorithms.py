@@ -1,7 +1,9 @@
 """docs/ALGORITHMS.md once more, in plain Python: following that page alone, to show that it is enough.
 
-    python3 algorithms.py FOLDER    for each case in FOLDER (case.json, left.raw, right.raw), write STAGE.raw beside it
-    python3 algorithms.py --example print the worked example of the page
+    python3 algorithms.py FOLDER           for each case in FOLDER (case.json, left.raw, right.raw), write the result of
+                                           the n-th stage as NNN_STAGE.raw beside it
+    python3 algorithms.py --example        print the worked example of the page
+    python3 algorithms.py --vectors FILE   compute docs/vectors.json again, and fail at the first stage that differs
 
 Needs nothing but Python 3.8. Raw files are little endian; tests/algorithms.rs writes the cases and compares the stages.
 """
@@ -12,6 +14,7 @@ import json
 import math
 import os
 import sys
+import zlib
 
 INVALID = -32768
 # A census: columns to either side, rows from the centre, bits, bytes.
@@ -154,8 +157,8 @@ class Chain:
 
         return self.over_pixels(lambda x, y: of(float(x), float(y)))
 
-    def rectify(self, lens, samples):
-        count = SAMPLES[self.case["format"]][1]
+    def rectify(self, lens, kind, samples):
+        count = SAMPLES[kind][1]
 
         def at(x, y, i):
             inside = self.inside(x) and 0 <= y < self.height
@@ -384,7 +387,7 @@ class Chain:
         return [[(255 * (most - n) + span // 2) // span for n in row] for row in shared]
 
     def last_table(self, left, right):
-        """The table of the last round."""
+        """The rounds of mutual information: their stages; returns the table of the last round."""
         most = max(h for h in range(5) if h == 0 or min(self.width, self.height) >> h >= 16)
         pyramid = [(self, left, right)]
         for _ in range(most):
@@ -393,23 +396,24 @@ class Chain:
             if chain.contents is not None:
                 half.contents = [chain.halved_content(content) for content in chain.contents]
             pyramid.append((half, chain.halve(left), chain.halve(right)))
+            yield "halve", [("B", pyramid[-1][1]), ("B", pyramid[-1][2])]
         before, last = None, self.smallest + self.count - 1
         rounds = [most] * 2 + list(range(most, -1, -1))
         for i, h in enumerate(rounds):
             size, left, right = pyramid[h]
             smallest, largest = self.smallest >> h, -(-last >> h)
-            chain = Chain(
-                dict(size.case, min_disparity=smallest, disparities=largest - smallest + 1, lr_check=1, adaptive_p2="off")
-            )
+            chain = Chain(dict(size.case, min_disparity=smallest, disparities=largest - smallest + 1, lr_check=1))
             chain.contents = size.contents
-            halved = rounds[i - 1] - h if i > 0 else 0
-            chain.table = chain.mi_table(chain.mi_histogram(left, right, before, halved))
+            counts = chain.mi_histogram(left, right, before, rounds[i - 1] - h if i > 0 else 0)
+            yield "mi_histogram", [("I", counts)]
+            chain.table = chain.mi_table(counts)
+            yield "mi_table", [("B", chain.table)]
             if i + 1 < len(rounds):
-                cost = chain.block_sums(chain.cost_columns(left, right))
-                if self.case["method"] == "sgm":
-                    cost = chain.sgm_aggregate(chain.matching_cost(cost), None)
-                views = chain.winner(cost)[:2]
-                before = chain.lr_check(*(chain.validity(view, side) for side, view in enumerate(views)))
+                view, other, _ = yield from chain.winner_stages(left, right, None)
+                other = yield from chain.valid(other, 1)
+                view = yield from chain.valid(view, 0)
+                before = chain.lr_check(view, other)
+                yield "lr_check", [("h", before)]
         return chain.table
 
     def cost_columns(self, left, right):
@@ -733,141 +737,219 @@ class Chain:
             disparities = step(disparities, EIGHT, lambda *a: median(*a) if mismatch(*a[:2]) else second(*a))
         return step(step(disparities, row, smallest), column, smallest)
 
-    def mirrored(self, samples):
+    def mirrored(self, kind, samples):
         """An image with its rows reversed."""
-        count = SAMPLES[self.case["format"]][1]
+        count = SAMPLES[kind][1]
         pixels = [samples[i : i + count] for i in range(0, len(samples), count)]
         rows = [pixels[y * self.width : (y + 1) * self.width] for y in range(self.height)]
-        return [sample for row in rows for pixel in reversed(row) for sample in pixel]
+        return kind, [sample for row in rows for pixel in reversed(row) for sample in pixel]
 
-    def matched_right_view(self, left, right):
-        later = {"weighted_median": "off", "wls": "off", "fill": "none", "speckle_window": 0, "right_view": "diagonal"}
-        second = Chain({**self.case, "subpixel": "off", "uniqueness": 0, "texture": 0, **later})
-        if self.contents is not None:
-            second.contents = [[row[::-1] for row in content] for content in reversed(self.contents)]
-        stages = {name: values for name, _, values in second.run(self.mirrored(right), self.mirrored(left))}
-        return [row[::-1] for row in stages["winner_left"]]
+    def valid(self, disparities, side):
+        """The stage validity, where not all pixels have content; returns what it leaves."""
+        if self.contents is None:
+            return disparities
+        disparities = self.validity(disparities, side)
+        yield "validity", [("h", disparities)]
+        return disparities
+
+    def views(self, left, right):
+        """The stages from the images to the winner; returns both views and the margins. An image is (kind, samples)."""
+        case = self.case
+        channels = [self.deep_gray(*image) for image in (left, right)]
+        gray = self.gray(*left)
+        yield "gray", [("H", channels[0]), ("H", channels[1]), ("B", gray)]
+        penalties = None
+        if case["adaptive_p2"] == "on" and case["method"] == "sgm":
+            penalties = self.penalties(gray)
+            yield "penalties", [("B", penalties)]
+        if case["prefilter"] == "normalized":
+            w = case["prefilter_window"]
+            yield "window_sums", [("I", self.window_sums(g, w)) for side in channels for g in side]
+        units = [unit_of(image[0]) for image in (left, right)]
+        channels = [[self.prefilter(g, unit) for g in side] for side, unit in zip(channels, units)]
+        yield "prefilter", [("H", side) for side in channels]
+        if case["cost"] == "zsad":
+            yield "window_sums", [("I", self.window_sums(f, self.block)) for side in channels for f in side]
+        units = units if case["prefilter"] == "none" else [1, 1]
+        sides = [self.descriptors(side, unit) for side, unit in zip(channels, units)]
+        yield "descriptors", [("B", side) for side in sides]
+        if case["cost"] == "mi":
+            self.table = yield from self.last_table(*sides)
+        return (yield from self.winner_stages(sides[0], sides[1], penalties))
+
+    def winner_stages(self, left, right, penalties):
+        """The stages from the descriptors to the winner; returns both views and the margins."""
+        columns = self.cost_columns(left, right)
+        yield "cost_columns", [("I", columns)]
+        cost = self.block_sums(columns)
+        yield "block_sums", [("I", cost)]
+        if self.case["method"] == "sgm":
+            name, cost = "winner", self.matching_cost(cost)
+            yield "matching_cost", [("B", cost)]
+            cost = self.sgm_aggregate(cost, penalties)
+            yield "sgm_aggregate", [("H", cost)]
+        else:
+            name = "block_match"
+            if self.case["cost"] == "ncc":
+                left_blocks = self.block_statistics(left, range(self.width))
+                right_columns = range(-(self.smallest + self.count - 1), self.width - self.smallest)
+                right_blocks = self.block_statistics(right, right_columns)
+                yield "block_statistics", [("I", left_blocks), ("I", right_blocks)]
+                cost = self.correlation_costs(cost, left_blocks, right_blocks)
+        view, other, margins = self.winner(cost)
+        yield name, [("h", view), ("h", other), ("B", margins)]
+        return view, other, margins
 
     def run(self, left, right):
-        """All stages in the order of the chain: (name, C type, values)."""
-        sides, grays = [], []
-        masks = self.case.pop("masks", None)
-        if masks or "rectify" in self.case:
-            self.contents = [self.content(*of) for of in zip(masks or [None] * 2, self.case.get("rectify", [None] * 2))]
-            yield "content", "B", [[[int(has) for has in row] for row in content] for content in self.contents]
-        if "rectify" in self.case:
-            left, right = (self.rectify(lens, image) for lens, image in zip(self.case["rectify"], (left, right)))
-            self.case = {name: value for name, value in self.case.items() if name != "rectify"}
-            code = SAMPLES[self.case["format"]][0]
-            yield "rectify_left", code, left
-            yield "rectify_right", code, right
-        for side, samples in (("left", left), ("right", right)):
-            kind = self.case["format"]
-            gray = self.gray(kind, samples)
-            yield "gray_" + side, "B", gray
-            channels, unit = self.deep_gray(kind, samples), unit_of(kind)
-            yield "deep_gray_" + side, "H", channels
-            channels = [self.prefilter(g, unit) for g in channels]
-            yield "prefilter_" + side, "H", channels
-            descriptors = self.descriptors(channels, unit if self.case["prefilter"] == "none" else 1)
-            yield "descriptors_" + side, "B", descriptors
-            sides.append(descriptors)
-            grays.append(gray)
-        if self.case["cost"] == "mi":
-            self.table = self.last_table(*sides)
-            yield "mi_table", "B", self.table
-        columns = self.cost_columns(*sides)
-        yield "cost_columns", "I", columns
-        cost = self.block_sums(columns)
-        yield "block_sums", "I", cost
-        if self.case["method"] == "sgm":
-            cost = self.matching_cost(cost)
-            yield "matching_cost_scale", "I", [self.scale()]
-            yield "matching_cost", "B", cost
-            penalties = None
-            if self.case["adaptive_p2"] == "on":
-                penalties = self.penalties(grays[0])
-                yield "penalties", "B", penalties
-            cost = self.sgm_aggregate(cost, penalties)
-            yield "sgm_aggregate", "H", cost
-        elif self.case["cost"] == "ncc":
-            left_blocks = self.block_statistics(sides[0], range(self.width))
-            right_columns = range(-(self.smallest + self.count - 1), self.width - self.smallest)
-            right_blocks = self.block_statistics(sides[1], right_columns)
-            yield "block_statistics_left", "I", left_blocks
-            yield "block_statistics_right", "I", right_blocks
-            cost = self.correlation_costs(cost, left_blocks, right_blocks)
-        view, other, margins = self.winner(cost)
-        yield "winner_left", "h", view
-        yield "winner_right", "h", other
-        yield "margins", "B", margins
-        reads = self.case["lr_check"] != "off" or self.case["fill"] in ("rays", "hirschmuller")
-        if self.case["right_view"] == "match" and reads:
-            other = self.matched_right_view(left, right)
-            yield "mirror", "h", other
-        other = self.validity(other, 1)
-        yield "validity_right", "h", other
-        view = self.validity(view, 0)
-        yield "validity", "h", view
-        view = self.texture(view, grays[0])
-        yield "texture", "h", view
-        view = self.lr_check(view, other)
-        yield "lr_check", "h", view
-        view = self.speckle(view)
-        yield "speckle", "h", view
-        view = self.median(view)
-        yield "median", "h", view
-        view = self.validity(view, 0)
-        view = self.fill(view, other)
-        yield "fill", "h", view
-        view = self.validity(view, 0)
-        view = self.weighted_median(view, grays[0])
-        yield "weighted_median", "h", view
-        view = self.validity(view, 0)
-        view = self.wls(view, grays[0])
-        yield "wls", "h", view
-        view = self.validity(view, 0)
-        yield "map", "h", view
-        yield "confidence", "B", self.confidence(view, margins)
-        if self.case.get("depth", "off") != "off":
-            yield "depth", "I", self.depth(view)
+        """All stages in the order of the chain: (name, parts), a part being (C type, values)."""
+        case = self.case
+        lenses = case.get("rectify", [None, None])
+        contents = [self.content(mask, lens) for mask, lens in zip(case.get("masks", [None, None]), lenses)]
+        if "rectify" in case:
+            pair = zip(lenses, (left, right))
+            left, right = [(kind, self.rectify(lens, kind, samples)) for lens, (kind, samples) in pair]
+            yield "rectify", [(SAMPLES[kind][0], list(samples)) for kind, samples in (left, right)]
+        if not all(has for content in contents for row in content for has in row):
+            self.contents = contents
+            yield "content", [("B", [[int(has) for has in row] for row in content]) for content in contents]
+        reads = case["right_map"] == "on" or case["lr_check"] != "off" or case["fill"] in ("rays", "hirschmuller")
+        matched = None
+        if case["right_view"] == "match" and reads:
+            second = Chain({**case, "subpixel": "off", "uniqueness": 0})
+            if self.contents is not None:
+                second.contents = [[row[::-1] for row in content] for content in reversed(self.contents)]
+            matched, _, _ = yield from second.views(self.mirrored(*right), self.mirrored(*left))
+        view, other, margins = yield from self.views(left, right)
+        if matched is not None:
+            other = [row[::-1] for row in matched]
+            yield "mirror", [("h", other)]
+        if reads:
+            other = yield from self.valid(other, 1)
+        view = yield from self.valid(view, 0)
+        gray = self.gray(*left)
+        for name, off, again, stage in (
+            ("texture", 0, False, lambda: self.texture(view, gray)),
+            ("lr_check", "off", False, lambda: self.lr_check(view, other)),
+            ("speckle_window", 0, False, lambda: self.speckle(view)),
+            ("median", "off", True, lambda: self.median(view)),
+            ("fill", "none", True, lambda: self.fill(view, other)),
+            ("weighted_median", "off", True, lambda: self.weighted_median(view, gray)),
+            ("wls", "off", True, lambda: self.wls(view, gray)),
+        ):
+            if case[name] != off:
+                view = stage()
+                yield name.replace("_window", ""), [("h", view)]
+                if again:
+                    view = yield from self.valid(view, 0)
+        if case["confidence"] == "on":
+            yield "confidence", [("B", self.confidence(view, margins))]
+        if case["depth"] != "off":
+            yield "depth", [("I", self.depth(view))]
 
 
 def flat(values):
     return [v for value in values for v in flat(value)] if isinstance(values, list) else [values]
 
 
-def read(path, code):
-    samples = array.array(code)
-    with open(path, "rb") as file:
-        samples.frombytes(file.read())
+def little_endian(samples):
     if sys.byteorder == "big":
         samples.byteswap()
     return samples
 
 
-def write(path, code, values):
-    samples = array.array(code, flat(values))  # raises OverflowError where a value does not fit the width of the page
-    if sys.byteorder == "big":
-        samples.byteswap()
-    with open(path, "wb") as file:
-        file.write(samples.tobytes())
+def read(path, code):
+    samples = array.array(code)
+    with open(path, "rb") as file:
+        samples.frombytes(file.read())
+    return little_endian(samples)
+
+
+def as_bytes(parts):
+    # An array raises OverflowError where a value does not fit the width of the page.
+    return b"".join(little_endian(array.array(code, flat(values))).tobytes() for code, values in parts)
 
 
 def run_case(folder):
     with open(os.path.join(folder, "case.json"), encoding="utf-8") as file:
         case = json.load(file)
-    code = SAMPLES[case["format"]][0]
-    images = [read(os.path.join(folder, side + ".raw"), code) for side in ("left", "right")]
-    for name, code, values in Chain(case).run(*images):
-        write(os.path.join(folder, name + ".raw"), code, values)
+    names = (os.path.join(folder, side + ".raw") for side in ("left", "right"))
+    images = [(kind, read(name, SAMPLES[kind][0])) for kind, name in zip(case["formats"], names)]
+    for n, (stage, parts) in enumerate(Chain(case).run(*images)):
+        with open(os.path.join(folder, "%03d_%s.raw" % (n, stage)), "wb") as file:
+            file.write(as_bytes(parts))
+
+
+# The pair of docs/VECTORS.md.
+
+
+def mixed(x, y, c):
+    h = (374761393 * x + 668265263 * y + 2246822519 * c) % 2**32
+    h = (h ^ (h >> 15)) * 2654435761 % 2**32
+    h = (h ^ (h >> 13)) * 3266489917 % 2**32
+    return (h ^ (h >> 16)) % 2**16
+
+
+def paint(x, y, c):
+    if y >= 27 and x < 24:
+        return 40000
+    grain = sum(mixed(x + i, y + j, c) for i in (0, 1) for j in (0, 1)) >> 2
+    return clamp(2 * grain - 32768, 0, 65535)
+
+
+def seen_right(x, y, c):
+    if 7 <= y <= 20 and 9 <= x <= 22:
+        v = paint(x + 11, y, c)
+    elif 30 <= x <= 36 and 22 <= y <= 26:
+        v = mixed(x, y, c + 4)
+    else:
+        v = paint(x + 5, y, c)
+    return min(v + (mixed(x, y, c + 8) >> 7), 65535)
+
+
+def vector_image(case, formula, kind):
+    code, channels = SAMPLES[kind]
+    shift = 8 if code == "B" else 0
+    size = case["width"], case["height"]
+    return kind, [formula(x, y, c) >> shift for y in range(size[1]) for x in range(size[0]) for c in range(channels)]
+
+
+def vector_masks(case):
+    def has_left(x, y):
+        return not (3 <= x <= 9 and 13 <= y <= 17) and x < case["width"] - 2
+
+    def has_right(x, y):
+        return (x - 28) ** 2 + (y - 9) ** 2 > 10
+
+    pixels = [(x, y) for y in range(case["height"]) for x in range(case["width"])]
+    return [[1 + x + y if has(x, y) else 0 for x, y in pixels] for has in (has_left, has_right)]
+
+
+def vectors(path):
+    with open(path, encoding="utf-8") as file:
+        known = json.load(file)["vectors"]
+    count = 0
+    for vector in known:
+        case = vector["case"]
+        case["masks"] = vector_masks(case) if case["masks"] == "on" else [None, None]
+        images = [vector_image(case, *of) for of in zip((paint, seen_right), case["formats"])]
+        found = [(stage, as_bytes(parts)) for stage, parts in Chain(case).run(*images)]
+        found = [[stage, len(data), "%08x" % zlib.crc32(data)] for stage, data in found]
+        for n, (mine, theirs) in enumerate(zip(found, vector["stages"])):
+            if mine != theirs:
+                sys.exit("%s, stage %d: %s by the page and %s in the file" % (vector["name"], n, mine, theirs))
+        if len(found) != len(vector["stages"]):
+            counts = vector["name"], len(found), len(vector["stages"])
+            sys.exit("%s: %d stages by the page and %d in the file" % counts)
+        count += len(found)
+    print("%d vectors, %d stages" % (len(known), count))
 
 
 EXAMPLE = dict(
-    width=6, height=1, format="gray8", method="sgm", cost="sad", census="5x5", color_cost="off", ad_weight=8,
+    width=6, height=1, method="sgm", cost="sad", census="5x5", color_cost="off", ad_weight=8,
     census_weight=32, paths=4, min_disparity=0, disparities=3, block=3, prefilter="none", prefilter_cap=31,
     prefilter_window=9, p1=2, p2=6, adaptive_p2="off", texture=0, uniqueness=0, lr_check=0, right_view="diagonal",
     speckle_window=0, speckle_range=2, median=3, fill="none", subpixel="parabola", weighted_median="off", wls="off",
+    right_map="off", confidence="off", depth="off",
 )
 EXAMPLE_PAIR = [10, 40, 70, 60, 200, 90], [40, 66, 190, 210, 90, 90]
 
@@ -875,8 +957,10 @@ EXAMPLE_PAIR = [10, 40, 70, 60, 200, 90], [40, 66, 190, 210, 90, 90]
 def example():
     """The tables of the worked example."""
     chain = Chain(EXAMPLE)
-    stages = {name: values[0] for name, _, values in chain.run(*EXAMPLE_PAIR) if values}
-    cost = [stages["matching_cost"]]
+    left, right = EXAMPLE_PAIR
+    stages = dict(chain.run(("gray8", left), ("gray8", right)))
+    row = lambda name, part=0: stages[name][part][1][0]
+    cost = [row("matching_cost")]
 
     def show(title, values, first=0, name="d"):
         print(title)
@@ -888,30 +972,32 @@ def example():
         else:
             print("        " + "".join("%6s" % ("inv" if v == INVALID else v) for v in values))
 
-    show("left gray", stages["gray_left"])
-    show("right gray", stages["gray_right"])
-    show("cost_columns, x = c - 1", stages["cost_columns"], -1)
-    show("block sums", stages["block_sums"])
+    show("left gray", left)
+    show("right gray", right)
+    show("cost_columns, x = c - 1", row("cost_columns"), -1)
+    show("block sums", row("block_sums"))
     show("matching_cost C, scale = %d" % chain.scale(), cost[0])
     show("L of (0, 1) and of (0, -1): one row, so every path starts and L = C", chain.path_costs(cost, None, 0, 1)[0])
     show("L of (1, 0)", chain.path_costs(cost, None, 1, 0)[0])
     show("L of (-1, 0)", chain.path_costs(cost, None, -1, 0)[0])
-    show("sgm_aggregate S", stages["sgm_aggregate"])
-    show("winner, left view", stages["winner_left"])
-    show("winner, right view", stages["winner_right"])
-    show("lr_check", stages["lr_check"])
-    show("median", stages["median"])
+    show("sgm_aggregate S", row("sgm_aggregate"))
+    show("winner, left view", row("winner"))
+    show("winner, right view", row("winner", 1))
+    show("lr_check", row("lr_check"))
+    show("median", row("median"))
     others = Chain(dict(EXAMPLE, cost="census"))
     show("descriptors of the left image with the cost census, 5x5", others.descriptors([[EXAMPLE_PAIR[0]]], 1)[0], name="i")
 
 
 if __name__ == "__main__":
-    if len(sys.argv) != 2:
-        sys.exit(__doc__)
-    if sys.argv[1] == "--example":
+    if sys.argv[1:] == ["--example"]:
         example()
-    else:
+    elif len(sys.argv) == 3 and sys.argv[1] == "--vectors":
+        vectors(sys.argv[2])
+    elif len(sys.argv) == 2:
         folders = sorted(entry.path for entry in os.scandir(sys.argv[1]) if entry.is_dir())
         for folder in folders:
             run_case(folder)
         print("%d cases" % len(folders))
+    else:
+        sys.exit(__doc__)

@@ -1,12 +1,12 @@
 //! docs/ALGORITHMS.md is enough to write the chain again: tests/algorithms.py follows the page alone, and
-//! every stage of it equals the reference.
+//! every stage of it equals the reference, for the cases below and for docs/vectors.json.
 #![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)]
 
 mod support;
 
 use gpu_stereo::{
-    Cost, DisparityMap, Distortion, Fill, Image, Masks, Median, Method, Params, Paths, PixelFormat, Pixels, Prefilter,
-    Rectification, RightView, Subpixel, reference,
+    Cost, DisparityMap, Distortion, Image, Median, Method, Params, Paths, PixelFormat, Pixels, Prefilter, Preset,
+    Rectification, reference,
 };
 use rand::{Rng, SeedableRng};
 use rand_chacha::ChaCha8Rng;
@@ -18,7 +18,7 @@ const PAGE: &str = include_str!("../docs/ALGORITHMS.md");
 const SCRIPT: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/tests/algorithms.py");
 
 /// Runs the script; `None` where there is no Python, and then says so.
-fn python(argument: &str) -> Option<String> {
+fn python(arguments: &[&str]) -> Option<String> {
     let probe = Command::new("python3").args(["-c", "import sys; sys.exit(sys.version_info < (3, 8))"]).status();
     let missing = match probe {
         Ok(status) if status.success() => None,
@@ -31,7 +31,7 @@ fn python(argument: &str) -> Option<String> {
         writeln!(console, "NOT TESTED: docs/ALGORITHMS.md against the reference, {why}").unwrap();
         return None;
     }
-    let output = Command::new("python3").args([SCRIPT, argument]).output().unwrap();
+    let output = Command::new("python3").arg(SCRIPT).args(arguments).output().unwrap();
     assert!(output.status.success(), "tests/algorithms.py failed:\n{}", String::from_utf8_lossy(&output.stderr));
     Some(String::from_utf8(output.stdout).unwrap())
 }
@@ -80,8 +80,8 @@ fn settings(params: &Params) -> Vec<(&'static str, String)> {
     ]
 }
 
-fn json(image: &Image, params: &Params) -> String {
-    let format = match image.format() {
+fn json(Case { left, right, params }: &Case) -> String {
+    let format = |image: &Image| match image.format() {
         PixelFormat::Gray8 => "gray8",
         PixelFormat::Gray16 => "gray16",
         PixelFormat::Rgba8 => "rgba8",
@@ -89,12 +89,18 @@ fn json(image: &Image, params: &Params) -> String {
         other => panic!("no name for {other:?}"),
     };
     let mut fields = vec![
-        format!("\"width\": {}", image.width()),
-        format!("\"height\": {}", image.height()),
-        format!("\"format\": \"{format}\""),
+        format!("\"width\": {}", left.width()),
+        format!("\"height\": {}", left.height()),
+        format!("\"formats\": {:?}", [left, right].map(format)),
     ];
     let camera = |c: gpu_stereo::Camera| format!("{},{},{}", c.focal, c.baseline, c.doffs);
-    for (name, value) in settings(params).into_iter().chain([("depth", params.depth.map_or("off".into(), camera))]) {
+    let switch = |on| if on { "on" } else { "off" }.to_string();
+    let outputs = [
+        ("right_map", switch(params.right_map)),
+        ("confidence", switch(params.confidence)),
+        ("depth", params.depth.map_or("off".into(), camera)),
+    ];
+    for (name, value) in settings(params).into_iter().chain(outputs) {
         let value = if value.parse::<i64>().is_ok() { value } else { format!("\"{value}\"") };
         fields.push(format!("\"{name}\": {value}"));
     }
@@ -118,165 +124,12 @@ fn json(image: &Image, params: &Params) -> String {
     format!("{{{}}}\n", fields.join(", "))
 }
 
-fn bytes16(samples: &[u16]) -> Vec<u8> {
-    samples.iter().flat_map(|v| v.to_le_bytes()).collect()
-}
-
-fn map_bytes(map: &DisparityMap) -> Vec<u8> {
-    map.data.iter().flat_map(|v| v.to_le_bytes()).collect()
-}
-
 fn samples(image: &Image) -> Vec<u8> {
     match image.pixels() {
         Pixels::Gray8(s) | Pixels::Rgba8(s) => s.clone(),
-        Pixels::Gray16(s) | Pixels::Rgba16(s) => bytes16(s),
+        Pixels::Gray16(s) | Pixels::Rgba16(s) => s.iter().flat_map(|v| v.to_le_bytes()).collect(),
         other => panic!("no bytes of {other:?}"),
     }
-}
-
-/// Every stage of the reference by the name of its file, the last one being the map.
-fn stages(left: &Image, right: &Image, params: &Params) -> Vec<(&'static str, usize, Vec<u8>)> {
-    let rectified = params.rectify.as_ref().map(|rectification| {
-        [(left, 0), (right, 1)].map(|(image, side)| reference::rectify(image, rectification, side).unwrap())
-    });
-    let [left, right] = rectified.as_ref().map_or([left, right], |pair| pair.each_ref());
-    let content = reference::Content::new(params, left.width(), left.height());
-    // The masks of the rectified pair.
-    let masks_of = |content: &reference::Content| {
-        let sides = content.sides.each_ref().map(|side| Some(side.data.iter().map(|&has| u8::from(has)).collect()));
-        Masks::new(left.width(), left.height(), sides).unwrap()
-    };
-    let params = &{
-        let mut params = params.clone();
-        (params.rectify, params.masks) = (None, content.as_ref().map(masks_of));
-        params
-    };
-    let valid = |map: DisparityMap, side| match &content {
-        Some(content) => reference::validity(&map, content, side),
-        None => map,
-    };
-    let gray = [left, right].map(|image| reference::gray(image, reference::Channel::Luma));
-    let deep = [left, right].map(|image| reference::images(image, params));
-    let prefiltered = [0, 1].map(|side: usize| deep[side].prefiltered(params));
-    let descriptors = [0, 1].map(|side: usize| prefiltered[side].descriptors(params));
-    let table = reference::cost_table(&descriptors, content.as_ref(), params);
-    let columns = reference::cost_columns(&descriptors[0], &descriptors[1], &table, params);
-    let rows = 0..columns.height;
-    let sums = rows.flat_map(|y| reference::block_sums(&columns, y, params)).flat_map(u32::to_le_bytes).collect();
-    let bytes16s = |images: &reference::Images| images.channels.iter().flat_map(|c| bytes16(&c.data)).collect();
-    let mut stages = Vec::new();
-    if let Some(content) = &content {
-        let bytes = content.sides.iter().flat_map(|side| &side.data).map(|&has| u8::from(has));
-        stages.push(("content", 1, bytes.collect()));
-    }
-    if let Some([left, right]) = &rectified {
-        let size = left.format().bytes_per_pixel() as usize;
-        stages.extend([("rectify_left", size, samples(left)), ("rectify_right", size, samples(right))]);
-    }
-    stages.extend([
-        ("gray_left", 1, gray[0].data.clone()),
-        ("gray_right", 1, gray[1].data.clone()),
-        ("deep_gray_left", 2, bytes16s(&deep[0])),
-        ("deep_gray_right", 2, bytes16s(&deep[1])),
-        ("prefilter_left", 2, bytes16s(&prefiltered[0])),
-        ("prefilter_right", 2, bytes16s(&prefiltered[1])),
-        ("descriptors_left", 1, descriptors[0].data.clone()),
-        ("descriptors_right", 1, descriptors[1].data.clone()),
-        ("cost_columns", 4, columns.data.iter().flat_map(|v| v.to_le_bytes()).collect()),
-        ("block_sums", 4, sums),
-    ]);
-    if !table.is_empty() {
-        stages.push(("mi_table", 1, table));
-    }
-    let views = if params.method == Method::Sgm {
-        let cost = reference::matching_cost(&columns, params);
-        let luma = reference::gray(left, reference::Channel::Luma);
-        let penalties = params.adaptive_p2.then(|| reference::penalties(&luma, params));
-        let aggregate = reference::sgm_aggregate(&cost, penalties.as_ref(), params);
-        if let Some(penalties) = penalties {
-            stages.push(("penalties", 1, penalties.data));
-        }
-        stages.push(("matching_cost_scale", 4, reference::matching_cost_scale(params).to_le_bytes().to_vec()));
-        stages.push(("matching_cost", 1, cost.data));
-        stages.push(("sgm_aggregate", 2, bytes16(&aggregate.data)));
-        reference::winner(&aggregate, params)
-    } else {
-        let statistics = (params.cost == Cost::Ncc).then(|| {
-            let statistics = reference::block_statistics(&descriptors[0], &descriptors[1], params);
-            for (name, side) in [("block_statistics_left", &statistics[0]), ("block_statistics_right", &statistics[1])]
-            {
-                stages.push((name, 4, side.data.iter().flatten().flat_map(|v| v.to_le_bytes()).collect()));
-            }
-            statistics
-        });
-        reference::block_match(&columns, statistics.as_ref(), params)
-    };
-    stages.push(("winner_left", 2, map_bytes(&views.left)));
-    stages.push(("winner_right", 2, map_bytes(&views.right)));
-    let mut right_view = views.right;
-    if params.right_view == RightView::Match
-        && (params.lr_check.is_some() || matches!(params.fill, Fill::Rays | Fill::Hirschmuller))
-    {
-        let mut second = params.clone();
-        (second.subpixel, second.uniqueness, second.texture) = (Subpixel::Off, 0, 0);
-        // So the map is the left view.
-        (second.lr_check, second.median) = (None, Median::Off);
-        (second.weighted_median, second.wls) = (None, None);
-        (second.fill, second.speckle_window) = (Fill::None, 0);
-        second.masks = content.as_ref().map(|content| masks_of(&content.mirrored()));
-        let (left, right) = (reference::mirrored(left).unwrap(), reference::mirrored(right).unwrap());
-        right_view = reference::mirror(&reference::compute(&right, &left, &second).unwrap());
-        if content.is_none() {
-            stages.push(("mirror", 2, map_bytes(&right_view))); // else only what is left of it is known here
-        }
-    }
-    let right_view = valid(right_view, 1);
-    stages.push(("validity_right", 2, map_bytes(&right_view)));
-    let mut map = valid(views.left, 0);
-    stages.push(("validity", 2, map_bytes(&map)));
-    if params.texture > 0 {
-        map = reference::texture(&map, &gray[0], params);
-    }
-    stages.push(("texture", 2, map_bytes(&map)));
-    if let Some(px) = params.lr_check {
-        map = reference::lr_check(&map, &right_view, px);
-    }
-    stages.push(("lr_check", 2, map_bytes(&map)));
-    if params.speckle_window > 0 {
-        map = reference::speckle(&map, params.speckle_window, params.speckle_range);
-    }
-    stages.push(("speckle", 2, map_bytes(&map)));
-    if let Some(side) = median_side(params) {
-        map = reference::median(&map, side);
-    }
-    stages.push(("median", 2, map_bytes(&map)));
-    map = valid(map, 0);
-    if params.fill != gpu_stereo::Fill::None {
-        map = reference::fill(&map, &right_view, params);
-    }
-    stages.push(("fill", 2, map_bytes(&map)));
-    map = valid(map, 0);
-    if let Some(radius) = params.weighted_median {
-        map = reference::weighted_median(&map, &gray[0], radius, params);
-    }
-    stages.push(("weighted_median", 2, map_bytes(&map)));
-    map = valid(map, 0);
-    let mut with_confidence = params.clone();
-    with_confidence.confidence = true;
-    let matched = reference::compute_all(left, right, &with_confidence).unwrap();
-    if let Some(settings) = &params.wls {
-        map = reference::wls(&map, &gray[0], settings, params);
-    }
-    stages.push(("wls", 2, map_bytes(&map)));
-    map = valid(map, 0);
-    assert!(map == matched.map);
-    stages.push(("map", 2, map_bytes(&map)));
-    stages.push(("margins", 1, views.margins.data));
-    stages.push(("confidence", 1, matched.confidence.unwrap().data));
-    if let Some(depth) = matched.depth {
-        stages.push(("depth", 4, depth.data.iter().flat_map(|v| v.to_le_bytes()).collect()));
-    }
-    stages
 }
 
 struct Case {
@@ -317,14 +170,15 @@ const COSTS: [&str; 8] = ["sad", "ssd", "zsad", "bt", "sad-xy", "census", "censu
 
 fn cases() -> Vec<Case> {
     let mut cases = Vec::new();
-    // Pairs with a truth, in every format, with random parameters.
+    // Pairs with a truth, in every pair of formats, with random parameters.
     for seed in 0..48 {
         let mut random = ChaCha8Rng::seed_from_u64(seed);
         let params = support::random_params(&mut random);
         let (width, height) = (random.random_range(1..40), random.random_range(1..10));
         let (left, right) = support::pair(width, height, seed);
-        let format = seed as u32 % 4;
-        cases.push(Case { left: support::as_format(&left, format), right: support::as_format(&right, format), params });
+        let (left_format, right_format) = (seed as u32 % 4, seed as u32 / 4 % 4);
+        let (left, right) = (support::as_format(&left, left_format), support::as_format(&right, right_format));
+        cases.push(Case { left, right, params });
     }
     // Ties, and noise; small ranges so that a winner often has neighbours of equal cost.
     for seed in 100..148 {
@@ -506,47 +360,58 @@ fn a_second_implementation_from_the_page_gives_the_same_bits() {
         std::fs::remove_dir_all(&root).unwrap(); // what an earlier run wrote must not be taken for this one's
     }
     let folder = |i: usize| root.join(format!("{i:03}"));
-    for (i, Case { left, right, params }) in cases.iter().enumerate() {
+    for (i, case) in cases.iter().enumerate() {
         std::fs::create_dir_all(folder(i)).unwrap();
-        std::fs::write(folder(i).join("case.json"), json(left, params)).unwrap();
-        std::fs::write(folder(i).join("left.raw"), samples(left)).unwrap();
-        std::fs::write(folder(i).join("right.raw"), samples(right)).unwrap();
+        std::fs::write(folder(i).join("case.json"), json(case)).unwrap();
+        std::fs::write(folder(i).join("left.raw"), samples(&case.left)).unwrap();
+        std::fs::write(folder(i).join("right.raw"), samples(&case.right)).unwrap();
     }
-    let Some(said) = python(root.to_str().unwrap()) else { return };
+    let Some(said) = python(&[root.to_str().unwrap()]) else { return };
     assert_eq!(said.trim(), format!("{} cases", cases.len()));
 
     let (mut valid, mut invalid, mut refined) = (0, 0, 0);
-    for (i, Case { left, right, params }) in cases.iter().enumerate() {
-        for (stage, size, expected) in stages(left, right, params) {
-            compare(&folder(i), stage, size, &expected, &json(left, params));
-        }
-        let map = reference::compute(left, right, params).unwrap();
-        valid += map.data.iter().filter(|&&v| v != DisparityMap::INVALID).count();
-        invalid += map.data.iter().filter(|&&v| v == DisparityMap::INVALID).count();
-        refined += map.data.iter().filter(|&&v| v % 16 != 0).count();
+    for (i, case) in cases.iter().enumerate() {
+        let mut stages = Vec::new();
+        let mut compare = |stage: &str, expected: &[u8]| {
+            let name = format!("{:03}_{stage}.raw", stages.len());
+            compare(&folder(i).join(&name), expected, &json(case));
+            stages.push(name);
+        };
+        let matched = reference::compute_traced(&case.left, &case.right, &case.params, &mut compare).unwrap();
+        let written = std::fs::read_dir(folder(i)).unwrap().count();
+        assert_eq!(written, stages.len() + 3, "the page has other stages than {stages:?}, case {}", json(case));
+        let map = matched.map.data;
+        valid += map.iter().filter(|&&v| v != DisparityMap::INVALID).count();
+        invalid += map.iter().filter(|&&v| v == DisparityMap::INVALID).count();
+        refined += map.iter().filter(|&&v| v % 16 != 0).count();
     }
     // The cases say something: maps are neither empty nor full, and not of whole pixels only.
     assert!(valid > 2000 && invalid > 2000 && refined > 300, "{valid} valid, {invalid} invalid, {refined} refined");
 }
 
-fn compare(folder: &Path, stage: &str, size: usize, expected: &[u8], case: &str) {
-    let found = std::fs::read(folder.join(stage).with_extension("raw")).unwrap();
-    assert!(!expected.is_empty() && found.len() == expected.len(), "{stage}: {} bytes, case {case}", found.len());
-    let first = found.iter().zip(expected).position(|(a, b)| a != b).map(|byte| byte / size);
-    let element = |bytes: &[u8], i: usize| bytes[i * size..][..size].to_vec();
-    if let Some(i) = first {
-        panic!(
-            "{stage}: element {i} is {:?} by the page and {:?} by the reference (little endian), {}, case {case}",
-            element(&found, i),
-            element(expected, i),
-            folder.display()
-        );
+fn compare(file: &Path, expected: &[u8], case: &str) {
+    let Ok(found) = std::fs::read(file) else { panic!("the page does not give {}, case {case}", file.display()) };
+    let name = file.display();
+    assert!(!expected.is_empty() && found.len() == expected.len(), "{name}: {} bytes, case {case}", found.len());
+    if let Some(i) = found.iter().zip(expected).position(|(a, b)| a != b) {
+        panic!("{name}: byte {i} is {} by the page and {} by the reference, case {case}", found[i], expected[i]);
     }
 }
 
 #[test]
+fn the_page_gives_the_test_vectors() {
+    let file = concat!(env!("CARGO_MANIFEST_DIR"), "/docs/vectors.json");
+    let Some(said) = python(&["--vectors", file]) else { return };
+    let known: serde_json::Value = serde_json::from_str(&std::fs::read_to_string(file).unwrap()).unwrap();
+    let vectors = known["vectors"].as_array().unwrap();
+    let stages: usize = vectors.iter().map(|vector| vector["stages"].as_array().unwrap().len()).sum();
+    assert!(vectors.len() >= 15 && stages >= 15 * vectors.len(), "{} vectors, {stages} stages", vectors.len());
+    assert_eq!(said.trim(), format!("{} vectors, {stages} stages", vectors.len()));
+}
+
+#[test]
 fn the_worked_example_is_what_the_formulas_give() {
-    let Some(example) = python("--example") else { return };
+    let Some(example) = python(&["--example"]) else { return };
     let on_page: Vec<&str> = PAGE.lines().map(str::trim_end).collect();
     let lines: Vec<String> = example.lines().map(|line| format!("    {line}").trim_end().to_string()).collect();
     assert!(lines.len() > 30);
@@ -556,18 +421,30 @@ fn the_worked_example_is_what_the_formulas_give() {
     );
 }
 
+/// The rows of the table whose head begins with `head`, without those two lines.
+fn table(head: &str) -> Vec<Vec<&'static str>> {
+    let rows = PAGE.lines().skip_while(|line| !line.starts_with(head)).take_while(|line| line.starts_with('|'));
+    rows.map(|line| line.trim_matches('|').split('|').map(str::trim).collect()).collect()
+}
+
 #[test]
-fn the_table_of_parameters_has_the_defaults() {
-    let rows: Vec<Vec<&str>> = PAGE
-        .lines()
-        .filter(|line| line.contains("| `--"))
-        .map(|line| line.trim_matches('|').split('|').map(str::trim).collect())
+fn the_tables_of_parameters_have_every_name_and_value() {
+    let presets = ["classic", "fast", "balanced", "strict", "dense"];
+    let columns: Vec<Params> = [Params::sgm(64), Params::bm(64)]
+        .into_iter()
+        .chain(presets.map(|name| Params::from_options(64, [("preset", name)]).unwrap()))
         .collect();
-    let (sgm, bm) = (settings(&Params::sgm(64)), settings(&Params::bm(64)));
-    assert_eq!(rows.len(), sgm.len());
-    for ((row, (name, sgm)), (_, bm)) in rows.iter().zip(&sgm).zip(&bm) {
-        assert!(row[0].starts_with(&format!("`{name}`")), "{row:?} where {name} was expected");
-        let given = |value: &str| if *name == "disparities" { "must be given".into() } else { value.to_string() };
-        assert_eq!((row[4], row[5]), (given(sgm).as_str(), given(bm).as_str()), "the defaults of {name}");
+    assert_eq!(Params::from_options(64, []).unwrap(), Params::preset(Preset::Balanced, 64), "the command's own");
+    let (ranges, values) = (table("| parameter | option"), table("| parameter | `sgm`"));
+    let head: Vec<String> = ["sgm", "bm"].into_iter().chain(presets).map(|name| format!("`{name}`")).collect();
+    assert_eq!(values[0][1..], head);
+    let (ranges, values) = (&ranges[2..], &values[2..]);
+    let names: Vec<_> = settings(&columns[0]).into_iter().map(|(name, _)| name).collect();
+    assert_eq!((ranges.len(), values.len()), (names.len(), names.len()));
+    for (i, name) in names.iter().enumerate() {
+        assert!(ranges[i][0].starts_with(&format!("`{name}`")), "{:?} where {name} was expected", ranges[i]);
+        assert_eq!(values[i][0], format!("`{name}`"));
+        let of = |params: &Params| if *name == "disparities" { "given".into() } else { settings(params)[i].1.clone() };
+        assert_eq!(values[i][1..], columns.iter().map(of).collect::<Vec<_>>(), "the values of {name}");
     }
 }

@@ -67,7 +67,7 @@ def main():
         image = numpy.repeat((smooth.clip(0, 1) * largest).astype(dtype)[:, :, None], depth, 2)
         expected = cv2.remap(image, map_x, map_y, cv2.INTER_LINEAR, borderMode=cv2.BORDER_CONSTANT, borderValue=0)
         lens |= {"matrix": matrix.ravel().tolist(), "rotation": turned.ravel().tolist(), "projection": projection.ravel().tolist()}
-        chain = Chain({**EXAMPLE, "width": WIDTH, "height": HEIGHT, "format": kind})
+        chain = Chain({**EXAMPLE, "width": WIDTH, "height": HEIGHT})
         places = numpy.array(chain.positions(lens)).reshape(HEIGHT, WIDTH, 2) / 256
         # Behind the camera OpenCV has an infinite position, or that of the opposite direction.
         back = (numpy.linalg.inv(projection @ turned) @ numpy.array([x.ravel(), y.ravel(), 0 * x.ravel() + 1]))[2].reshape(x.shape)
@@ -78,7 +78,7 @@ def main():
             abs(places[:, :, axis] - given.clip(-2, side))[ahead].max()
             for axis, given, side in ((0, map_x, WIDTH), (1, map_y, HEIGHT)))
         assert off <= 1 / 512 + 1e-3, off
-        found = numpy.array(chain.rectify(lens, image.ravel().tolist())).reshape(expected.shape[:2] + (depth,))
+        found = numpy.array(chain.rectify(lens, kind, image.ravel().tolist())).reshape(expected.shape[:2] + (depth,))
         unit = 257 if largest == 65535 else 1
         inside = (places[:, :, 0] >= 0) & (places[:, :, 0] <= WIDTH - 1) & (places[:, :, 1] >= 0) & (places[:, :, 1] <= HEIGHT - 1)
         difference = abs(found - expected.reshape(found.shape).astype(int)).max(2) / unit
