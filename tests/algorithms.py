@@ -986,7 +986,7 @@ def example():
     show("lr_check", row("lr_check"))
     show("median", row("median"))
     others = Chain(dict(EXAMPLE, cost="census"))
-    show("descriptors of the left image with the cost census, 5x5", others.descriptors([[EXAMPLE_PAIR[0]]], 1)[0], name="i")
+    show("descriptors of the left image with the cost census, 5x5", others.descriptors([[EXAMPLE_PAIR[0]]], 1)[0], name="k")
 
 
 if __name__ == "__main__":

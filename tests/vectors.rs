@@ -258,7 +258,9 @@ fn every_stage_and_every_choice_is_covered() {
 
     // Every value of every setting that takes words.
     let cases: Vec<Params> = vectors.iter().map(|vector| params(&vector["case"])).collect();
-    for option in Params::OPTIONS.iter().filter(|option| !matches!(option.name, "schedule" | "shader-checks" | "memory-check")) {
+    for option in
+        Params::OPTIONS.iter().filter(|option| !matches!(option.name, "schedule" | "shader-checks" | "memory-check"))
+    {
         for (value, _) in option.values {
             assert!(cases.iter().any(|case| option.get(case) == *value), "no vector has --{} {value}", option.name);
         }
