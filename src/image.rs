@@ -214,3 +214,25 @@ pub struct Matched {
     /// The depth of `map`, if [`crate::Params::depth`] asks for it.
     pub depth: Option<DepthMap>,
 }
+
+/// The time of one stage in one frame.
+#[derive(Clone, Debug, PartialEq)]
+#[non_exhaustive]
+pub struct StageTime {
+    /// The stage's name, as in docs/ALGORITHMS.md.
+    pub name: String,
+    /// Milliseconds.
+    pub ms: f64,
+}
+
+/// Both images of a pair have one size.
+pub(crate) fn check_pair(left: &Image, right: &Image) -> Result<(), Error> {
+    let (l, r) = ((left.width(), left.height()), (right.width(), right.height()));
+    if l == r {
+        return Ok(());
+    }
+    Err(Error::Image(format!(
+        "the left image is {}x{} and the right one {}x{}, but a rectified pair has one size; crop or rectify them again",
+        l.0, l.1, r.0, r.1
+    )))
+}

@@ -94,9 +94,9 @@ pub use color::turbo;
 pub use error::Error;
 pub use gpu::check::{Mismatch, StageCheck};
 pub use gpu::interop::{Inputs, Outputs, PixelBuffer, TextureLayer};
-pub use gpu::matcher::{Reading, StageTime, StereoMatcher};
+pub use gpu::matcher::{Reading, StereoMatcher};
 pub use gpu::stream::{StereoStream, StreamFrame};
-pub use image::{ConfidenceMap, DepthMap, DisparityMap, Image, Matched, PixelFormat, Pixels};
+pub use image::{ConfidenceMap, DepthMap, DisparityMap, Image, Matched, PixelFormat, Pixels, StageTime};
 pub use params::{
     Camera, Census, Cost, Distortion, Fill, Lens, Masks, Median, Method, ParamOption, Params, Paths, Prefilter, Preset,
     Rectification, RightView, Schedule, Subpixel, Wls,

@@ -2,7 +2,7 @@
 
 use crate::gpu::layout::{Frame, Rows};
 use crate::gpu::matcher::{confidence_of, depth_of, map_of};
-use crate::gpu::recording::{Level, Output, Step};
+use crate::gpu::recording::{Level, Output, Step, record_steps};
 use crate::gpu::{readback, scopes};
 use crate::reference::{
     self, BlockStatistics, Channel, Content, Descriptors, Direction, Images, Plane, Round, Views, Volume,
@@ -309,7 +309,7 @@ impl StereoMatcher {
                     }
                 }
                 let mut encoder = self.device.create_command_encoder(&wgpu::CommandEncoderDescriptor::default());
-                self.record_steps(&mut encoder, step.stage(), std::slice::from_ref(step), None);
+                record_steps(&mut encoder, step.stage(), std::slice::from_ref(step), None);
                 self.queue.submit([encoder.finish()]);
             });
             self.settled(verdict.await)?;

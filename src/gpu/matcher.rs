@@ -5,30 +5,20 @@ use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::{Arc, Mutex, OnceLock, PoisonError};
 use std::task::{Context, Poll, Waker};
 
-use crate::gpu::chain::{Made, chain};
+use crate::gpu::chain::{Ends, chain};
 use crate::gpu::device::Pulse;
 use crate::gpu::interop::{Middle, Spots, Surfaces};
 use crate::gpu::layout::{Frame, Sizes, source_layout};
-use crate::gpu::plan::Plan;
+use crate::gpu::readback;
 use crate::gpu::readback::{Mapping, Waiter};
-use crate::gpu::recording::{Builder, Level, Pool, Step, row_bytes};
+use crate::gpu::recording::{Builder, Level, Pool, Step, levels, record_steps, rooms};
 use crate::gpu::scopes::{self, Verdict};
 use crate::gpu::uploads::Uploads;
-use crate::gpu::{kernels, readback};
-use crate::reference::{self, Round};
+use crate::image::check_pair;
 use crate::{
-    ConfidenceMap, DepthMap, DisparityMap, Error, Image, Inputs, Matched, Outputs, Params, PixelFormat, memory,
+    ConfidenceMap, DepthMap, DisparityMap, Error, Image, Inputs, Matched, Outputs, Params, PixelFormat, StageTime,
+    memory,
 };
-
-/// The time of one stage in one frame.
-#[derive(Clone, Debug, PartialEq)]
-#[non_exhaustive]
-pub struct StageTime {
-    /// The stage's name, as in docs/ALGORITHMS.md.
-    pub name: String,
-    /// Milliseconds.
-    pub ms: f64,
-}
 
 /// Matches pairs on the caller's device.
 ///
@@ -52,7 +42,7 @@ pub struct StereoMatcher {
     /// The passes through the chain; the last one has these settings and sizes.
     pub(crate) levels: Vec<Level>,
     pub(crate) steps: Vec<Step>,
-    made: Made,
+    made: Ends,
     pool: Pool,
     /// Readback buffers that are not in use.
     spare: Arc<Mutex<Vec<wgpu::Buffer>>>,
@@ -72,7 +62,7 @@ struct Rebuilt {
     room: u64,
     levels: Vec<Level>,
     steps: Vec<Step>,
-    made: Made,
+    made: Ends,
     pool: Pool,
     /// Readback buffers.
     spare: Vec<wgpu::Buffer>,
@@ -85,18 +75,6 @@ struct Timer {
     queries: wgpu::QuerySet,
     resolved: wgpu::Buffer,
     readback: wgpu::Buffer,
-}
-
-/// Both images of a pair have one size.
-pub(crate) fn check_pair(left: &Image, right: &Image) -> Result<(), Error> {
-    let (l, r) = ((left.width(), left.height()), (right.width(), right.height()));
-    if l == r {
-        return Ok(());
-    }
-    Err(Error::Image(format!(
-        "the left image is {}x{} and the right one {}x{}, but a rectified pair has one size; crop or rectify them again",
-        l.0, l.1, r.0, r.1
-    )))
 }
 
 /// What is read back, in this order, and how it is laid out.
@@ -286,44 +264,6 @@ impl Future for Reading {
 /// Bytes that a driver on the CPU takes to compile and to run the kernels, measured with lavapipe.
 const COMPILING: u64 = 64 << 20;
 
-/// The passes through the chain for pairs of `width` x `height` pixels, in which what was made for `largest` does.
-fn levels(
-    device: &wgpu::Device,
-    [width, height]: [u32; 2],
-    format: PixelFormat,
-    params: &Params,
-    largest: &[Level],
-) -> Result<Vec<Level>, Error> {
-    params.validate()?;
-    let limits = device.limits();
-    kernels::check_limits(&limits)?;
-    if width == 0 || height == 0 {
-        return Err(Error::Image(format!("the images are {width}x{height}, but each side must be at least 1")));
-    }
-    let level = |Round { halvings, params }: Round| {
-        let plan = Plan::new(device, &params);
-        let [width, height] = [width, height].map(|side| side.div_ceil(1 << halvings));
-        let same = |level: &&Level| level.halvings == halvings && level.params == params;
-        let largest = largest.iter().find(same).map(|level| &level.sizes);
-        let sizes = Sizes::new(width, height, format, &params, &limits, &plan, largest)?;
-        let plan = Plan { part_bits: sizes.part_bits, ..plan };
-        Ok(Level { halvings, params, plan, sizes })
-    };
-    reference::rounds(width, height, params).into_iter().map(level).collect()
-}
-
-/// The passes of smaller pairs that need what the largest one does not.
-fn rooms(
-    device: &wgpu::Device,
-    [width, height]: [u32; 2],
-    format: PixelFormat,
-    params: &Params,
-    largest: &[Level],
-) -> Result<Vec<Vec<Level>>, Error> {
-    let sizes = reference::largest_with_fewer_rounds(width, height, params);
-    sizes.into_iter().map(|size| levels(device, size, format, params, largest)).collect()
-}
-
 impl StereoMatcher {
     /// The optional features that a matcher makes use of where the adapter has them; none is required.
     /// `TIMESTAMP_QUERY` lets [`StereoMatcher::compute_timed_blocking`] time each stage; `SUBGROUP` lets invocations share a path
@@ -442,7 +382,7 @@ impl StereoMatcher {
         format: PixelFormat,
         levels: &[Level],
         pool: Pool,
-    ) -> (Made, Vec<Step>, Pool) {
+    ) -> (Ends, Vec<Step>, Pool) {
         let mut builder = Builder::new(device, levels, format, pool);
         let made = chain(&mut builder);
         let (steps, pool) = builder.finish(queue);
@@ -844,42 +784,7 @@ impl StereoMatcher {
     pub(crate) fn record_chain(&self, encoder: &mut wgpu::CommandEncoder) {
         // A compute pass ends where something is copied or cleared.
         for steps in self.steps.chunk_by(|a, b| a.copy_to.is_none() && !b.clears) {
-            self.record_steps(encoder, "gpu-stereo", steps, None);
-        }
-    }
-
-    /// Records steps in one compute pass. Only the first one may clear, only the last one copy.
-    pub(crate) fn record_steps(
-        &self,
-        encoder: &mut wgpu::CommandEncoder,
-        label: &str,
-        steps: &[Step],
-        timestamp_writes: Option<wgpu::ComputePassTimestampWrites<'_>>,
-    ) {
-        if let Some(step) = steps.first().filter(|step| step.clears) {
-            encoder.clear_buffer(&step.buffer, 0, Some(step.bytes));
-        }
-        let label = Some(label);
-        let mut pass = encoder.begin_compute_pass(&wgpu::ComputePassDescriptor { label, timestamp_writes });
-        for step in steps {
-            pass.set_pipeline(&step.pipeline);
-            pass.set_bind_group(0, &step.bind_group, &[step.pass]);
-            pass.dispatch_workgroups(step.workgroups[0], step.workgroups[1], 1);
-        }
-        drop(pass);
-        if let Some(step) = steps.last() {
-            self.copy_of(encoder, step);
-        }
-    }
-
-    /// Records the copy of what a step left, if there is one.
-    pub(crate) fn copy_of(&self, encoder: &mut wgpu::CommandEncoder, step: &Step) {
-        if let Some((texture, [width, height])) = &step.copy_to {
-            let bytes_per_row = Some(row_bytes(texture.format(), *width));
-            let layout = wgpu::TexelCopyBufferLayout { offset: 0, bytes_per_row, rows_per_image: None };
-            let source = wgpu::TexelCopyBufferInfo { buffer: &step.buffer, layout };
-            let size = wgpu::Extent3d { width: *width, height: *height, depth_or_array_layers: 1 };
-            encoder.copy_buffer_to_texture(source, texture.as_image_copy(), size);
+            record_steps(encoder, "gpu-stereo", steps, None);
         }
     }
 
@@ -1035,7 +940,7 @@ impl StereoMatcher {
                         beginning_of_pass_write_index: Some(2 * i),
                         end_of_pass_write_index: Some(2 * i + 1),
                     };
-                    self.record_steps(encoder, run[0].stage(), run, Some(writes));
+                    record_steps(encoder, run[0].stage(), run, Some(writes));
                 }
                 encoder.resolve_query_set(&timer.queries, 0..count, &timer.resolved, 0);
                 encoder.copy_buffer_to_buffer(&timer.resolved, 0, &timer.readback, 0, bytes);

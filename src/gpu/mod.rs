@@ -3,6 +3,8 @@
 pub(crate) mod chain;
 pub(crate) mod check;
 pub(crate) mod device;
+#[cfg(test)]
+pub(crate) mod edits;
 pub(crate) mod interop;
 pub(crate) mod kernels;
 pub(crate) mod layout;

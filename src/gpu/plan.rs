@@ -1,7 +1,6 @@
 //! How the work of a path or a row is spread over invocations.
 
-use crate::gpu::layout::MOST_PARTS;
-use crate::{Method, Params, Schedule};
+use crate::{Method, Params, Paths, Schedule};
 
 /// How invocations that share the disparities of a pixel tell each other what they have.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
@@ -61,6 +60,9 @@ const MOST_MEMBERS: u32 = 32;
 /// Invocations a workgroup of the kernels that share disparities, on a GPU: a multiple of every subgroup's size, so
 /// that neighbours of a power of two lie in one subgroup.
 pub(crate) const GROUP_LANES: u32 = 64;
+
+/// Parts of one binding each that the trees of the speckle filter may be cut into.
+pub(crate) const MOST_PARTS: u32 = 4;
 
 impl Plan {
     /// Bindings that hold the trees of the speckle filter.
@@ -140,6 +142,35 @@ impl Plan {
             part_bits: None,
         }
     }
+}
+
+/// Rows that one invocation of `cost_columns` or `matching_cost_parallel` walks. What the rows before the first one cost is lost,
+/// but a GPU wants many invocations.
+pub(crate) fn segment(plan: &Plan) -> u32 {
+    if plan.per_subgroup { 32 } else { 128 }
+}
+
+/// Vectors of 16 disparities that one invocation of `cost_columns` owns: a divisor of all. More of them load a right pixel
+/// less often, but make code that grows with them.
+pub(crate) fn vectors(quads: u32, plan: &Plan) -> u32 {
+    let most = if plan.per_subgroup { 1 } else { 4 };
+    (1..=most).rev().find(|&vectors| quads.is_multiple_of(vectors)).unwrap_or(1)
+}
+
+/// Columns that one invocation of `matching_cost` walks: for a CPU any row that may be.
+pub(crate) fn span(plan: &Plan) -> u32 {
+    if plan.per_subgroup { 64 } else { 1 << 16 }
+}
+
+/// Invocations of `block_match_small` that share the disparities of a row, and rows that they walk.
+pub(crate) fn parts_and_strip(disparities: u32) -> (u32, u32) {
+    let parts = disparities.div_ceil(16).next_power_of_two().min(8);
+    (parts, if disparities <= 16 * parts { 16 } else { 8 })
+}
+
+/// Volumes that hold the paths which cross rows, two directions each.
+pub(crate) fn paired(paths: Paths) -> u32 {
+    (paths.count() - 1) / 2
 }
 
 #[cfg(test)]

@@ -6,12 +6,17 @@
 //! every size that is taken, on all devices alike: src/gpu/kernels/tests/rounds.rs compares what is counted here with what the
 //! driver counts.
 
-use crate::gpu::layout::SEGMENT_GROUPS;
-use crate::gpu::{kernels, plan::Plan};
+use crate::gpu::plan::{self, Plan};
 use crate::{Cost, Params};
 
 /// The rounds after which lavapipe leaves all loops of an invocation.
 pub(crate) const MOST: u32 = 65_535;
+
+/// The longest side that is taken: a row and the smallest disparity take a round a pixel ([`rounds`]).
+pub(crate) const MOST_SIDE: u32 = 60_000;
+
+/// Groups of eight columns that are joined across a border of two bands at a time, so that no way to a root is long ([`rounds`]).
+pub(crate) const SEGMENT_GROUPS: u32 = 128;
 
 /// A loop of `count` rounds that take `inner` rounds of other loops each; the last one only finds that it is over.
 fn repeated(count: u32, inner: u32) -> u32 {
@@ -47,7 +52,7 @@ fn over_row(params: &Params, plan: &Plan, walks: bool) -> u32 {
 pub(crate) fn rounds(kernel: &str, params: &Params, [width, height]: [u32; 2], plan: &Plan) -> Option<u32> {
     let (radius, shift) = (params.radius(), params.min_disparity.unsigned_abs());
     let (block, reach) = (2 * radius + 1, 2 * radius);
-    let segment = kernels::segment(plan);
+    let segment = plan::segment(plan);
     let eights = width.div_ceil(8);
     let checks = u32::from(params.shader_checks);
     let state = over_row(params, plan, kernel == "winner");
@@ -56,7 +61,7 @@ pub(crate) fn rounds(kernel: &str, params: &Params, [width, height]: [u32; 2], p
             repeated(block.max(params.prefilter_window), 0) + repeated(segment, repeated(4, 0))
         }
         "cost_columns" => {
-            let (vectors, planes) = (kernels::vectors(params.quads(), plan), params.planes());
+            let (vectors, planes) = (plan::vectors(params.quads(), plan), params.planes());
             let row = repeated(planes, repeated(vectors + 1, 0)) + repeated(vectors, repeated(planes.max(8), 0));
             let added = repeated(vectors, repeated(4, 0));
             repeated(block, checks * (row + added)) + repeated(segment, checks * (2 * row + added))
@@ -66,7 +71,7 @@ pub(crate) fn rounds(kernel: &str, params: &Params, [width, height]: [u32; 2], p
             repeated(block, row) + repeated(segment, 2 * row + repeated(4, 0))
         }
         "texture_columns" => repeated(reach, 0) + repeated(segment, 0),
-        "matching_cost" => repeated(reach, 0) + repeated(kernels::span(plan).min(width), 0),
+        "matching_cost" => repeated(reach, 0) + repeated(plan::span(plan).min(width), 0),
         "matching_cost_pixels" => repeated(width.div_ceil(4), checks * 8 * repeated(params.planes().max(8), 0)),
         // The four columns of a step are not unrolled.
         "matching_cost_small" => {
@@ -91,7 +96,7 @@ pub(crate) fn rounds(kernel: &str, params: &Params, [width, height]: [u32; 2], p
         // Not with checks. Before the walk all of the first block's columns enter; then pixels of the right view are written that
         // no left one sees.
         "block_match_small" => {
-            let (parts, strip) = kernels::parts_and_strip(params.disparities);
+            let (parts, strip) = plan::parts_and_strip(params.disparities);
             let slice = 4 * params.disparities.div_ceil(4 * parts);
             let unseen = if params.min_disparity > 0 {
                 repeated(shift.min(width) / 2 + 2, repeated(strip / parts, 0))

@@ -1,5 +1,6 @@
 //! The order of the stages.
 
+use crate::image::check_pair;
 use crate::reference::trace::{Receiver, Trace};
 use crate::reference::{
     Channel, Content, Descriptors, Plane, Views, Volume, block_match, block_statistics, block_sums, confidence,
@@ -66,7 +67,7 @@ fn follow(
     receiver: Option<Receiver<'_>>,
 ) -> Result<(Matched, Vec<StageTime>), Error> {
     params.validate()?;
-    crate::gpu::matcher::check_pair(left, right)?;
+    check_pair(left, right)?;
     params.accepts(left.width(), left.height())?;
     let content = Content::new(params, left.width(), left.height());
     let content = content.as_ref();

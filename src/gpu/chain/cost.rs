@@ -1,9 +1,8 @@
-//! From the planes to the matching cost of every disparity, or with block matching to the winner.
+//! From the planes to the matching cost of every disparity.
 
-use super::Views;
-use super::planes::Planes;
-use crate::gpu::kernels;
+use crate::gpu::chain::planes::Planes;
 use crate::gpu::layout::{Frame, Pass, Piece, Rows, Sizes};
+use crate::gpu::plan;
 use crate::gpu::recording::Bound::{self, Buffer, Texture};
 use crate::gpu::recording::{Builder, Output};
 
@@ -13,22 +12,22 @@ fn most_rows(b: &Builder<'_>) -> u64 {
 }
 
 /// Column sums for one chunk of rows at a time.
-struct Columns {
-    buffer: wgpu::Buffer,
+pub(super) struct Columns {
+    pub(super) buffer: wgpu::Buffer,
 }
 
 impl Columns {
-    fn new(b: &mut Builder<'_>) -> Self {
+    pub(super) fn new(b: &mut Builder<'_>) -> Self {
         let Sizes { columns_row, columns_room, .. } = *b.sizes;
         Self { buffer: b.buffer_of("cost_columns", most_rows(b) * columns_row, columns_room) }
     }
 
     /// Stage `cost_columns` for the rows of `chunk`.
-    fn compute(&self, b: &mut Builder<'_>, planes: &Planes, chunk: Rows, place: Pass) -> Pass {
+    pub(super) fn compute(&self, b: &mut Builder<'_>, planes: &Planes, chunk: Rows, place: Pass) -> Pass {
         let pass = Pass { first_row: chunk.first, rows: chunk.count, ..place };
         let quads = b.params.quads();
-        let invocations = (b.sizes.frame.width + 2 * b.params.radius()) * (quads / kernels::vectors(quads, &b.plan));
-        let segments = chunk.count.div_ceil(kernels::segment(&b.plan));
+        let invocations = (b.sizes.frame.width + 2 * b.params.radius()) * (quads / plan::vectors(quads, &b.plan));
+        let segments = chunk.count.div_ceil(plan::segment(&b.plan));
         let [left, right] = &planes.buffers;
         let storage = planes.with_table(&[Buffer(left), Buffer(right), Buffer(&self.buffer)]);
         b.step("cost_columns", &storage, pass, invocations, segments, Output::Columns { chunk });
@@ -37,24 +36,24 @@ impl Columns {
 }
 
 /// Statistics of the blocks of both sides, for one chunk of rows at a time.
-struct Statistics {
-    buffer: wgpu::Buffer,
+pub(super) struct Statistics {
+    pub(super) buffer: wgpu::Buffer,
 }
 
 impl Statistics {
-    fn new(b: &mut Builder<'_>) -> Self {
+    pub(super) fn new(b: &mut Builder<'_>) -> Self {
         let Sizes { statistics_row, columns_room, .. } = *b.sizes;
         Self { buffer: b.buffer_of("block_statistics", most_rows(b) * statistics_row, columns_room) }
     }
 
     /// Stage `block_statistics` for the rows of `chunk`.
-    fn compute(&self, b: &mut Builder<'_>, planes: &Planes, chunk: Rows, place: Pass) {
+    pub(super) fn compute(&self, b: &mut Builder<'_>, planes: &Planes, chunk: Rows, place: Pass) {
         let Frame { width, left_stride, right_stride, .. } = b.sizes.frame;
         let right_blocks = width + b.params.disparities - 1;
         let sides = [(0, width, left_stride), (width, right_blocks, right_stride)];
         for (side, (first_line, lines, stride)) in sides.into_iter().enumerate() {
             let pass = Pass { first_row: chunk.first, rows: chunk.count, first_line, lines, stride, ..place };
-            let segments = chunk.count.div_ceil(kernels::segment(&b.plan));
+            let segments = chunk.count.div_ceil(plan::segment(&b.plan));
             let storage = [Buffer(&planes.buffers[side]), Buffer(&self.buffer)];
             let output = Output::BlockStatistics { side, chunk };
             b.step("block_statistics", &storage, pass, lines.div_ceil(4), segments, output);
@@ -64,7 +63,7 @@ impl Statistics {
 
 /// Stage `matching_cost` into `computed`, a buffer a band. Returns where the cost is read: there, or from a texture that it is
 /// copied into.
-pub(super) fn matching_cost(b: &mut Builder<'_>, planes: &mut Planes, computed: &[wgpu::Buffer]) -> Vec<Cost> {
+pub(super) fn matching_cost(b: &mut Builder<'_>, planes: &mut Planes, computed: &[wgpu::Buffer]) -> Vec<CostVolume> {
     let columns = Columns::new(b);
     let sizes = b.sizes;
     let mut costs = Vec::new();
@@ -80,16 +79,16 @@ pub(super) fn matching_cost(b: &mut Builder<'_>, planes: &mut Planes, computed: 
                 let volume_row = chunk.first - rows.first;
                 let pass = Pass { volume_row, ..columns.compute(b, planes, chunk, place) };
                 let output = Output::Cost { chunk, volume_row };
-                let spans = sizes.frame.width.div_ceil(kernels::span(&b.plan));
+                let spans = sizes.frame.width.div_ceil(plan::span(&b.plan));
                 let lines = chunk.count * b.params.quads();
                 b.step("matching_cost", &[Buffer(&columns.buffer), Buffer(cost)], pass, lines, spans, output);
             }
         }
         costs.push(if b.plan.per_subgroup {
-            Cost::Buffer(cost.clone())
+            CostVolume::Buffer(cost.clone())
         } else {
             let [bytes, room] = [rows, sizes.bands[0]].map(|rows| sizes.volume(rows.count));
-            Cost::Texture(b.copy_first_to_texels(bytes, room))
+            CostVolume::Texture(b.copy_first_to_texels(bytes, room))
         });
     }
     costs
@@ -103,7 +102,7 @@ fn small_cost(b: &mut Builder<'_>, planes: &Planes, piece: &Piece, place: Pass, 
     if b.plan.per_subgroup {
         let [left, right] = &planes.buffers;
         let storage = planes.with_table(&[Buffer(left), Buffer(right), Buffer(cost)]);
-        let segments = rows.count.div_ceil(kernels::segment(&b.plan));
+        let segments = rows.count.div_ceil(plan::segment(&b.plan));
         b.step("matching_cost_parallel", &storage, pass, b.sizes.frame.width * quads, segments, output);
         return;
     }
@@ -117,47 +116,16 @@ fn small_cost(b: &mut Builder<'_>, planes: &Planes, piece: &Piece, place: Pass, 
 }
 
 /// Where the cost of a band is read.
-pub(super) enum Cost {
+pub(super) enum CostVolume {
     Buffer(wgpu::Buffer),
     Texture(wgpu::TextureView),
 }
 
-impl Cost {
+impl CostVolume {
     pub(super) fn bound(&self) -> Bound<'_> {
         match self {
             Self::Buffer(buffer) => Buffer(buffer),
             Self::Texture(view) => Texture(view),
-        }
-    }
-}
-
-/// Stage `block_match`.
-pub(super) fn block_match(b: &mut Builder<'_>, planes: &mut Planes, views: &Views) {
-    let Frame { height, .. } = b.sizes.frame;
-    let columns = Columns::new(b);
-    let statistics = (b.params.cost == crate::Cost::Ncc).then(|| Statistics::new(b));
-    let sizes = b.sizes;
-    let output = |rows: Rows| Output::Views { right: views.right.clone(), last: rows.end() == height };
-    for piece in sizes.pieces.iter().flatten() {
-        let place = planes.hold(b, piece);
-        if sizes.small_block {
-            let rows = piece.rows;
-            let [left, right] = &planes.views[..] else { unreachable!("small blocks are matched from textures") };
-            let ([left_map, right_map], map_row) = views.bound(b, rows);
-            let pass = Pass { first_row: rows.first, rows: rows.count, map_row, ..place };
-            let storage = [Texture(left), Texture(right), left_map, right_map];
-            let (parts, strip) = kernels::parts_and_strip(b.params.disparities);
-            b.step("block_match_small", &storage, pass, parts * rows.count.div_ceil(strip), 1, output(rows));
-        }
-        for &chunk in &piece.chunks {
-            let pass = columns.compute(b, planes, chunk, place);
-            if let Some(statistics) = &statistics {
-                statistics.compute(b, planes, chunk, place);
-            }
-            let known = statistics.as_ref().map_or(&columns.buffer, |statistics| &statistics.buffer);
-            let ([left_map, right_map], map_row) = views.bound(b, chunk);
-            let storage = [Buffer(&columns.buffer), left_map, right_map, Buffer(known)];
-            b.step("block_match", &storage, Pass { map_row, ..pass }, chunk.count, 1, output(chunk));
         }
     }
 }

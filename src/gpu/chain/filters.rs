@@ -1,11 +1,11 @@
 //! From the views to the map: the check of one against the other, and the filters.
 
-use super::Views;
-use super::validity::Content;
-use crate::gpu::kernels;
-use crate::gpu::layout::{Frame, MOST_PARTS, Pass, Rows, SEGMENT_GROUPS, cut};
+use crate::gpu::chain::content::ContentBits;
+use crate::gpu::chain::view_maps::ViewMaps;
+use crate::gpu::layout::{Frame, Pass, Rows, cut};
 use crate::gpu::recording::Bound::{self, Buffer, Texture};
 use crate::gpu::recording::{Builder, Output};
+use crate::gpu::{plan, rounds};
 use crate::{Fill, Median, reference};
 
 /// A map of disparities by the rows of the image.
@@ -21,18 +21,13 @@ fn map_step(b: &mut Builder<'_>, kernel: &str, reads: [&[Bound<'_>]; 2], output:
     map
 }
 
-/// Stage `mirror`: the right view, from the left one of the mirrored pair.
-pub(super) fn mirror(b: &mut Builder<'_>, left: &wgpu::Buffer) -> wgpu::Buffer {
-    map_step(b, "mirror", [&[by_rows(b, left)], &[]], Output::Mirrored)
-}
-
 /// Stages `texture`, `lr_check` and the filters, those of them that are wanted, and `validity` after each that may give a
 /// pixel another disparity. Returns the buffer of the map.
 pub(super) fn filtered(
     b: &mut Builder<'_>,
-    views: &Views,
+    views: &ViewMaps,
     gray: &wgpu::TextureView,
-    content: Option<&Content>,
+    content: Option<&ContentBits>,
 ) -> wgpu::Buffer {
     let valid = |b: &mut Builder<'_>, map: wgpu::Buffer| match content {
         Some(content) => content.valid(b, &map, 0),
@@ -42,7 +37,7 @@ pub(super) fn filtered(
     if b.params.texture > 0 {
         let columns = b.buffer("texture_columns", b.sizes.map);
         let (storage, lines) = ([Texture(gray), by_rows(b, &columns)], b.sizes.frame.map_stride.div_ceil(8));
-        b.step_rows("texture_columns", &storage, Pass::default(), lines, kernels::segment(&b.plan), Output::Part);
+        b.step_rows("texture_columns", &storage, Pass::default(), lines, plan::segment(&b.plan), Output::Part);
         let reads = [by_rows(b, &columns), by_rows(b, &map)];
         map = map_step(b, "texture", [&reads, &[]], Output::Textured);
     }
@@ -82,7 +77,7 @@ pub(super) fn filtered(
 }
 
 /// Stage `confidence` of the final `map`.
-pub(super) fn confidence(b: &mut Builder<'_>, views: &Views, map: &wgpu::Buffer) -> wgpu::Buffer {
+pub(super) fn confidence(b: &mut Builder<'_>, views: &ViewMaps, map: &wgpu::Buffer) -> wgpu::Buffer {
     let Frame { height, map_stride, .. } = b.sizes.frame;
     let confidence = b.buffer("confidence", b.sizes.confidence);
     let storage = [Buffer(map), Buffer(&views.right), Buffer(&confidence)];
@@ -167,7 +162,7 @@ fn speckle(b: &mut Builder<'_>) -> wgpu::Buffer {
     let mut band = 1;
     while band < height {
         let borders = (height - band).div_ceil(2 * band);
-        for groups in cut(Rows { first: 0, count: map_stride / 4 }, SEGMENT_GROUPS) {
+        for groups in cut(Rows { first: 0, count: map_stride / 4 }, rounds::SEGMENT_GROUPS) {
             let (first_line, lines) = (groups.first, groups.count);
             let pass = Pass { first_row: band - 1, row_step: 2 * band, first_line, lines, ..Pass::default() };
             for kernel in ["speckle_link", "speckle_flatten"] {
@@ -196,7 +191,7 @@ fn parts<'a>(b: &Builder<'_>, trees: &'a wgpu::Buffer) -> Vec<Bound<'a>> {
         let from = part * i.min((all - 1) / part);
         Bound::Part(trees, from, part.min(all - from))
     };
-    (0..MOST_PARTS.into()).map(part_at).collect()
+    (0..plan::MOST_PARTS.into()).map(part_at).collect()
 }
 
 /// What the kernels of the stage `fill` leave each other.

@@ -3,7 +3,7 @@
 use crate::gpu::kernels::tests::{Setup, support};
 use crate::gpu::matcher::map_of;
 use crate::gpu::readback;
-use crate::gpu::recording::Output;
+use crate::gpu::recording::{Output, record_steps};
 use crate::{DisparityMap, Fill, Median, Params, PixelFormat, Schedule, StereoMatcher, reference};
 
 const INVALID: i16 = DisparityMap::INVALID;
@@ -31,10 +31,10 @@ fn run(setup: &Setup, params: &Params, stage: &str, left: &DisparityMap, right: 
         queue.write_buffer(buffer, 0, &bytes);
     }
     let mut encoder = device.create_command_encoder(&wgpu::CommandEncoderDescriptor::default());
-    matcher.copy_of(&mut encoder, &matcher.steps[views]);
+    matcher.steps[views].record_copy(&mut encoder);
     for steps in matcher.steps[views + 1..].split_inclusive(|step| step.copy_to.is_some()) {
         assert!(steps.iter().all(|step| step.stage() == stage));
-        matcher.record_steps(&mut encoder, stage, steps, None);
+        record_steps(&mut encoder, stage, steps, None);
     }
     queue.submit([encoder.finish()]);
     let last = &matcher.steps[matcher.steps.len() - 1].buffer;

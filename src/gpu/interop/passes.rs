@@ -104,10 +104,7 @@ impl Work {
         }
         let text = format!("{}\n{constants}\n", self.fragments());
         #[cfg(test)]
-        let text = crate::gpu::kernels::tests::edited(
-            self.files()[1],
-            crate::gpu::kernels::tests::edited(self.files()[0], text),
-        );
+        let text = self.files().into_iter().fold(text, |text, file| crate::gpu::edits::edited(file, text));
         text
     }
 

@@ -3,8 +3,8 @@
 use std::collections::HashSet;
 
 use crate::gpu::layout::{Frame, Pass, TEXELS};
-use crate::gpu::plan::{Exchange, GROUP_LANES, Plan, STRIP_LANES};
-use crate::params::{Census, Cost, Params, Paths, Prefilter, Subpixel};
+use crate::gpu::plan::{Exchange, GROUP_LANES, Plan, STRIP_LANES, paired, parts_and_strip, segment, span, vectors};
+use crate::params::{Census, Cost, Params, Prefilter, Subpixel};
 use crate::reference::{median_decay, median_spacing, wls_bits};
 use crate::{Error, PixelFormat};
 
@@ -197,35 +197,6 @@ impl Kernel {
     }
 }
 
-/// Rows that one invocation of `cost_columns` or `matching_cost_parallel` walks. What the rows before the first one cost is lost,
-/// but a GPU wants many invocations.
-pub(crate) fn segment(plan: &Plan) -> u32 {
-    if plan.per_subgroup { 32 } else { 128 }
-}
-
-/// Vectors of 16 disparities that one invocation of `cost_columns` owns: a divisor of all. More of them load a right pixel
-/// less often, but make code that grows with them.
-pub(crate) fn vectors(quads: u32, plan: &Plan) -> u32 {
-    let most = if plan.per_subgroup { 1 } else { 4 };
-    (1..=most).rev().find(|&vectors| quads.is_multiple_of(vectors)).unwrap_or(1)
-}
-
-/// Columns that one invocation of `matching_cost` walks: for a CPU any row that may be.
-pub(crate) fn span(plan: &Plan) -> u32 {
-    if plan.per_subgroup { 64 } else { 1 << 16 }
-}
-
-/// Invocations of `block_match_small` that share the disparities of a row, and rows that they walk.
-pub(crate) fn parts_and_strip(disparities: u32) -> (u32, u32) {
-    let parts = disparities.div_ceil(16).next_power_of_two().min(8);
-    (parts, if disparities <= 16 * parts { 16 } else { 8 })
-}
-
-/// Volumes that hold the paths which cross rows, two directions each.
-pub(crate) fn paired(paths: Paths) -> u32 {
-    (paths.count() - 1) / 2
-}
-
 /// The constants that specialise a kernel, as the WGSL line that is appended to it: `override` constants cannot size
 /// the arrays that hold a path's state. Only those that the source names are given, so that settings which do not
 /// concern a kernel do not change its text (and the driver's cache finds it again).
@@ -333,7 +304,7 @@ pub(crate) fn source(kernel: &Kernel, params: &Params, format: PixelFormat, plan
     let barriers = plan.exchange == Exchange::Workgroup && kernel.choices.contains(&Choice::SharedPath);
     let text = if barriers { text.replacen(EARLY_RETURN, "", 1) } else { text };
     #[cfg(test)]
-    let text = tests::edited(kernel.name, text);
+    let text = crate::gpu::edits::edited(kernel.name, text);
     text
 }
 

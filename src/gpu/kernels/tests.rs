@@ -1,16 +1,16 @@
 //! Every row of the table: valid WGSL, the folder's files, the Rust twins' layouts, WebGPU's limits; and the proof that
 //! a wrong shader is found.
 
-use std::cell::RefCell;
 use std::collections::{BTreeMap, BTreeSet};
 use std::mem::offset_of;
 use std::path::{Path, PathBuf};
 use std::sync::LazyLock;
 
 use super::*;
+use crate::gpu::edits::with_mutant;
 use crate::gpu::interop::{SHADERS, are_made};
 use crate::params::Named;
-use crate::{Fill, Median, RightView, Schedule, StereoMatcher, Wls};
+use crate::{Fill, Median, Paths, RightView, Schedule, StereoMatcher, Wls};
 use wgpu::naga;
 
 mod grammar;
@@ -19,20 +19,6 @@ pub(crate) mod rounds;
 #[path = "../../../tests/support/mod.rs"]
 pub(crate) mod support;
 mod unrolling;
-
-thread_local! {
-    /// Kernel, what is replaced in its text, and by what: a test's change, for the matchers that its thread makes.
-    pub(crate) static EDIT: RefCell<Option<[&'static str; 3]>> = const { RefCell::new(None) };
-}
-
-/// The text of a kernel with the test's change.
-pub(crate) fn edited(name: &str, text: String) -> String {
-    let text = rounds::spending(name, text);
-    EDIT.with_borrow(|edit| match edit {
-        Some([kernel, from, to]) if *kernel == name => text.replace(from, to),
-        _ => text,
-    })
-}
 
 /// Plans for devices with and without subgroups and 64-bit integers.
 fn plans(params: &Params) -> BTreeSet<Plan> {
@@ -1021,9 +1007,8 @@ fn a_mutated_shader_is_caught() {
 
         let format = if *kernel == "deep_gray" { 3 } else { 2 };
         let (left, right) = (support::as_format(&left, format), support::as_format(&right, format));
-        EDIT.set(Some([kernel, from, to]));
-        let matcher = StereoMatcher::new(device, queue, width, height, left.format(), &params);
-        EDIT.set(None);
+        let make = || StereoMatcher::new(device, queue, width, height, left.format(), &params);
+        let matcher = with_mutant([kernel, from, to], make);
         let stages = matcher.unwrap().check_blocking(&left, &right).unwrap();
         let at = stages.iter().position(|stage| stage.stage == row.stage);
         let Some(at) = at else {

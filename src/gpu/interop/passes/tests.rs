@@ -2,8 +2,9 @@
 
 use super::*;
 use crate::gpu::device::Pulse;
+use crate::gpu::edits::with_mutant;
 use crate::gpu::interop::Spots;
-use crate::gpu::kernels::tests::{EDIT, support};
+use crate::gpu::kernels::tests::support;
 use crate::gpu::layout::TEXELS;
 use crate::gpu::readback;
 use crate::{Image, Inputs, Outputs, Params, PixelBuffer, Pixels};
@@ -230,8 +231,7 @@ fn a_mutated_shader_is_caught() {
         ("surface_color", "value == INVALID", "false"),
         ("surface_confidence", "(at.x & 3u) * 8u", "(at.x & 1u) * 8u"),
     ];
-    let seen = |edit: Option<[&'static str; 3]>| {
-        EDIT.set(edit);
+    let seen = || {
         let mut seen = Vec::new();
         for format in FORMATS {
             let image = all_values(format, 33);
@@ -258,14 +258,13 @@ fn a_mutated_shader_is_caught() {
         }
         queue.submit([encoder.finish()]);
         seen.extend(textures.iter().map(|texture| stand.read(texture)));
-        EDIT.set(None);
         seen
     };
-    let right = seen(None);
-    assert!(right == seen(None), "the same twice is not the same");
+    let right = seen();
+    assert!(right == seen(), "the same twice is not the same");
     for (file, from, to) in mutants {
         let text = SHADERS.iter().find(|(name, _)| *name == file).unwrap().1;
         assert!(text.contains(from), "{from:?} is no longer in shaders/{file}.wgsl");
-        assert!(right != seen(Some([file, from, to])), "{file} with {to:?} for {from:?} went unnoticed");
+        assert!(right != with_mutant([file, from, to], seen), "{file} with {to:?} for {from:?} went unnoticed");
     }
 }

@@ -5,18 +5,11 @@
 use naga::{BinaryOperator, Expression, Function, Handle, Module, Statement};
 
 use super::*;
-use crate::gpu::rounds::{MOST, rounds};
-
-type Spends = Box<dyn Fn(&str) -> Option<u32>>;
-
-thread_local! {
-    /// The rounds that a kernel spends, in the matchers that its thread makes.
-    static SPENDS: RefCell<Option<Spends>> = const { RefCell::new(None) };
-}
+use crate::gpu::edits::with_edit;
+use crate::gpu::rounds::{MOST, MOST_SIDE, rounds};
 
 /// The text of a kernel that spends rounds first.
-pub(super) fn spending(name: &str, text: String) -> String {
-    let Some(spent) = SPENDS.with_borrow(|spends| spends.as_ref().and_then(|spends| spends(name))) else { return text };
+fn spending(spent: u32, text: &str) -> String {
     let main = text.find("fn main(").unwrap();
     let (before, body) = text.split_at(main + text[main..].find("{\n").unwrap() + 2);
     // What is added is 1, but the compiler does not know.
@@ -47,10 +40,7 @@ pub(crate) fn with_few_rounds<T>(
         let left = kernel.filter(|(kernel, _)| *kernel == name).map_or(needed, |(_, part)| needed * part / 100);
         Some(MOST - left - 1)
     };
-    SPENDS.set(Some(Box::new(spends)));
-    let made = make();
-    SPENDS.set(None);
-    made
+    with_edit(move |name, text| spends(name).map_or(text.clone(), |spent| spending(spent, &text)), make)
 }
 
 /// The mismatches with kernels that have few rounds left.
@@ -156,7 +146,7 @@ fn too_few_rounds_are_noticed() {
 /// At the longest sides, with the settings that take most rounds, all kernels stay below the limit, or the pair is refused.
 #[test]
 fn the_longest_sides_take_no_more_rounds_than_there_are() {
-    let longest = crate::gpu::layout::MOST_SIDE;
+    let longest = MOST_SIDE;
     for disparities in [1, 16, 64, 256, 4095] {
         for base in [Params::sgm(disparities), Params::bm(disparities)] {
             for min_disparity in [-2047, 0, 2047 - disparities as i32] {

@@ -1,15 +1,15 @@
 //! Stage `validity`: maps without what has no content.
 
-use super::Views;
+use crate::gpu::chain::view_maps::ViewMaps;
 use crate::gpu::layout::{Frame, Pass};
 use crate::gpu::recording::Bound::{Buffer, Rows};
 use crate::gpu::recording::{Builder, Output};
 use crate::reference;
 
 /// Which pixels have content, a bit a pixel: of the pair and of the mirrored one, each halved ever more often.
-pub(super) struct Content([Vec<wgpu::Buffer>; 2]);
+pub(super) struct ContentBits([Vec<wgpu::Buffer>; 2]);
 
-impl Content {
+impl ContentBits {
     /// `None` where all pixels have content, and where only room is made for pairs of another size than that of the masks:
     /// those never come.
     pub(super) fn new(b: &mut Builder<'_>) -> Option<Self> {
@@ -24,9 +24,9 @@ impl Content {
     }
 
     /// Of both views, if anything reads the right one. The left one comes last: what follows takes it from the last step.
-    pub(super) fn views(&self, b: &mut Builder<'_>, views: Views) -> Views {
+    pub(super) fn views(&self, b: &mut Builder<'_>, views: ViewMaps) -> ViewMaps {
         let right = if b.params.reads_right_view() { self.valid(b, &views.right, 1) } else { views.right };
-        Views { left: self.valid(b, &views.left, 0), right }
+        ViewMaps { left: self.valid(b, &views.left, 0), right }
     }
 
     /// Of a map of the left view (0) or of the right one (1).

@@ -1,28 +1,30 @@
 //! The rounds of mutual information, from small images to large ones: each is matched by a table of costs that follows from
 //! the map of the round before.
 
-use super::planes::{self, Planes};
-use super::validity::Content;
-use super::{Views, filters};
+use crate::gpu::chain::content::ContentBits;
+use crate::gpu::chain::images::{halved, values};
+use crate::gpu::chain::planes::{Planes, planes_of};
+use crate::gpu::chain::view_maps::ViewMaps;
+use crate::gpu::chain::{filters, winner};
 use crate::gpu::layout::{Frame, Pass};
 use crate::gpu::recording::Bound::{Buffer, Texture};
 use crate::gpu::recording::{Builder, Level, Output};
 use crate::reference::{mi_narrowing, mi_prior};
 
 /// All rounds but the last one, and what that one compares.
-pub(super) fn planes(b: &mut Builder<'_>, sources: &[wgpu::TextureView; 2], content: Option<&Content>) -> Planes {
-    let (grays, values) = planes::values(b, sources);
+pub(super) fn planes(b: &mut Builder<'_>, sources: &[wgpu::TextureView; 2], content: Option<&ContentBits>) -> Planes {
+    let (grays, values) = values(b, sources);
     let mut pyramid = vec![values];
     while pyramid.len() <= b.levels[0].halvings as usize {
         pyramid.push(halved(b, &pyramid));
     }
     let scratch = Scratch::new(b);
     b.enter(0);
-    let mut planes = planes::planes_of(b, &pyramid[b.levels[0].halvings as usize], &grays);
+    let mut planes = planes_of(b, &pyramid[b.levels[0].halvings as usize], &grays);
     planes.table = Some(scratch.table(b, &pyramid, None));
     for level in 1..b.levels.len() {
-        let mut views = Views::new(b);
-        super::winner(b, &mut planes, &views);
+        let mut views = ViewMaps::new(b);
+        winner::winner(b, &mut planes, &views);
         if let Some(content) = content {
             views = content.views(b, views);
         }
@@ -30,27 +32,11 @@ pub(super) fn planes(b: &mut Builder<'_>, sources: &[wgpu::TextureView; 2], cont
         b.enter(level);
         let [before, here] = [level - 1, level].map(|level| b.levels[level].halvings);
         if before != here {
-            planes = planes::planes_of(b, &pyramid[here as usize], &grays);
+            planes = planes_of(b, &pyramid[here as usize], &grays);
         }
         planes.table = Some(scratch.table(b, &pyramid, Some(&map)));
     }
     planes
-}
-
-/// Stage `halve` of both images, for the first level that is halved as often as `pyramid` is long.
-fn halved(b: &mut Builder<'_>, pyramid: &[[wgpu::TextureView; 2]]) -> [wgpu::TextureView; 2] {
-    let levels = b.levels;
-    let of = |halvings: usize| levels.iter().position(|level| level.halvings as usize == halvings).unwrap_or(0);
-    let Frame { width, height, gray_stride, .. } = levels[of(pyramid.len() - 1)].sizes.frame;
-    b.enter(of(pyramid.len()));
-    let pass = Pass { lines: width, rows: height, stride: gray_stride, ..Pass::default() };
-    let Frame { height, gray_stride, .. } = b.sizes.frame;
-    [0, 1].map(|side| {
-        let halved = b.buffer("halve", b.sizes.gray);
-        let storage = [Texture(&pyramid[pyramid.len() - 1][side]), Buffer(&halved)];
-        b.step("halve", &storage, pass, 4 * gray_stride, height, Output::Values { side });
-        b.copy_to_texels()
-    })
 }
 
 /// What the kernels of the stages `mi_histogram` and `mi_table` leave each other.

@@ -1,16 +1,28 @@
-//! Semi-global matching: from the planes through the cost and its aggregation to the winner.
+//! Semi-global matching: from the planes through the cost to the paths that cross rows.
 
-use super::Views;
-use super::cost::{self, Cost};
-use super::planes::Planes;
-use crate::gpu::layout::{Frame, PAIR_BUFFERS, Pass, Rows, TEXTURE_ROW, cut};
-use crate::gpu::plan::{PATHS_BYTES, ROWS_BYTES};
+use crate::gpu::chain::cost::{CostVolume, matching_cost};
+use crate::gpu::chain::planes::Planes;
+use crate::gpu::layout::{Frame, PAIR_BUFFERS, Pass, Rows, cut};
+use crate::gpu::plan::PATHS_BYTES;
 use crate::gpu::recording::Bound::{self, Buffer, Texture};
 use crate::gpu::recording::{Builder, Output};
 use crate::reference::Direction;
 
-/// Stages `penalties`, `matching_cost`, `sgm_aggregate` and `winner`.
-pub(super) fn winner(b: &mut Builder<'_>, planes: &mut Planes, views: &Views) {
+/// What the paths along rows, and the winner, go on with.
+pub(super) struct AcrossRows {
+    /// The two directions along rows, which are not walked yet.
+    pub(super) along: Vec<Direction>,
+    /// The cost of each band.
+    pub(super) costs: Vec<CostVolume>,
+    pub(super) penalties: Penalties,
+    /// The sums of the pairs of directions: [`PAIR_BUFFERS`] or fewer, a buffer a band.
+    pub(super) paired: Vec<Vec<wgpu::Buffer>>,
+    /// Bound where paths along rows carry nothing.
+    pub(super) unused: [wgpu::Buffer; 2],
+}
+
+/// Stages `penalties` and `matching_cost`, and `sgm_aggregate` of all directions that cross rows.
+pub(super) fn across_rows(b: &mut Builder<'_>, planes: &mut Planes) -> AcrossRows {
     let directions = Direction::all(b.params.paths);
     let penalties = Penalties::new(b, &directions, &planes.grays[0]);
     let (across, along) = directions.split_at(directions.len() - 2);
@@ -25,16 +37,16 @@ pub(super) fn winner(b: &mut Builder<'_>, planes: &mut Planes, views: &Views) {
         paired.iter().map(|_| [(); 2].map(|()| b.buffer("sgm_aggregate.carry", row))).collect();
     // On `per-thread` the cost is computed into what is then the first pair's volume, and copied into a texture.
     let computed = if b.plan.per_subgroup { b.volumes("matching_cost", 1) } else { paired[0].clone() };
-    let costs = cost::matching_cost(b, planes, &computed);
+    let costs = matching_cost(b, planes, &computed);
     for (i, pair) in pairs.iter().enumerate() {
         let (at, slot) = (i % PAIR_BUFFERS, (i / PAIR_BUFFERS) as u32);
         paths_across(b, pair, &costs, &penalties, &paired[at], slot, &carries[at]);
     }
-    rows(b, along, &costs, &penalties, &paired, &carries[0], views);
+    AcrossRows { along: along.to_vec(), costs, penalties, paired, unused: carries[0].clone() }
 }
 
 /// P2 of the steps of each forward direction that is walked, one way or the other; nothing where it is the same for all.
-struct Penalties(Vec<(Direction, wgpu::Buffer)>);
+pub(super) struct Penalties(Vec<(Direction, wgpu::Buffer)>);
 
 impl Penalties {
     /// Stage `penalties`, if P2 is adaptive.
@@ -59,7 +71,7 @@ impl Penalties {
     }
 
     /// What the steps of a direction are bound to besides `storage`, and how they find their penalties.
-    fn bound<'a>(
+    pub(super) fn bound<'a>(
         &'a self,
         frame: Frame,
         direction: Direction,
@@ -119,7 +131,7 @@ fn paths_through(frame: Frame, band: Rows, direction: Direction, set: u32) -> Pa
 fn paths_across(
     b: &mut Builder<'_>,
     pair: &[Direction],
-    costs: &[Cost],
+    costs: &[CostVolume],
     penalties: &Penalties,
     paths: &[wgpu::Buffer],
     slot: u32,
@@ -157,42 +169,6 @@ fn paths_across(
                     b.step("sgm_aggregate", &storage, pass, strip.count, 1, output);
                 }
             }
-        }
-    }
-}
-
-/// The horizontal pair, which ends in the winner, a strip of rows at a time.
-fn rows(
-    b: &mut Builder<'_>,
-    along: &[Direction],
-    costs: &[Cost],
-    penalties: &Penalties,
-    paired: &[Vec<wgpu::Buffer>],
-    unused: &[wgpu::Buffer; 2],
-    views: &Views,
-) {
-    let frame = b.sizes.frame;
-    let most_band = b.sizes.bands.iter().map(|band| band.count).max().unwrap_or(1);
-    let strip_rows = b.plan.strip(most_band, b.sizes.volume_row, ROWS_BYTES);
-    let room = b.plan.strip_room(most_band, b.sizes.volume_row, ROWS_BYTES);
-    let forward = b.buffer_of("sgm_aggregate.forward", b.sizes.volume(strip_rows), room.next_multiple_of(TEXTURE_ROW));
-    for (band, &rows) in b.sizes.bands.iter().enumerate() {
-        for strip in cut(rows, strip_rows) {
-            let volume_row = strip.first - rows.first;
-            let pass = Pass { first_row: strip.first, rows: strip.count, volume_row, ..Pass::default() };
-            let along_row = Pass { lines: strip.count, dx: along[0].dx, dy: along[0].dy, ..pass };
-            let output =
-                Output::Paths { directions: vec![along[0]], band: strip, volume_row: 0, first: true, last: true };
-            let storage = [costs[band].bound(), Buffer(&forward), Buffer(&unused[0]), Buffer(&unused[1])];
-            let (storage, along_row) = penalties.bound(frame, along[0], &storage, along_row);
-            b.step("sgm_aggregate", &storage, along_row, strip.count, 1, output);
-            let pair = |i: usize| Buffer(&paired[i.min(paired.len() - 1)][band]);
-            let ([left_map, right_map], map_row) = views.bound(b, strip);
-            let storage = [costs[band].bound(), Buffer(&forward), pair(0), pair(1), pair(2), left_map, right_map];
-            let output = Output::Views { right: views.right.clone(), last: strip.first + strip.count == frame.height };
-            let pass = Pass { slot: rows.count * frame.volume_stride, map_row, ..pass };
-            let (storage, pass) = penalties.bound(frame, along[1], &storage, pass);
-            b.step("winner", &storage, pass, strip.count, 1, output);
         }
     }
 }

@@ -1,0 +1,34 @@
+//! Where the chain begins and ends.
+
+use crate::DisparityMap;
+use crate::gpu::layout::Sizes;
+
+/// Both ends of the chain: the textures that it starts from, and the buffers of the maps that it leaves.
+#[derive(Debug)]
+pub(crate) struct Ends {
+    /// The textures into which images are uploaded.
+    pub(crate) sources: [wgpu::Texture; 2],
+    /// The map that is read back.
+    pub(crate) output: wgpu::Buffer,
+    /// The right view, if it is wanted.
+    pub(crate) right: Option<wgpu::Buffer>,
+    /// The confidence of the map, if it is wanted.
+    pub(crate) confidence: Option<wgpu::Buffer>,
+    /// The depth of the map, if it is wanted.
+    pub(crate) depth: Option<wgpu::Buffer>,
+}
+
+impl Ends {
+    /// No map is there yet: no pixel has a disparity.
+    pub(crate) fn blank(&self, queue: &wgpu::Queue, sizes: &Sizes) {
+        let none = |bytes: u64| DisparityMap::INVALID.to_le_bytes().repeat(bytes as usize / 2);
+        for map in [Some(&self.output), self.right.as_ref()].into_iter().flatten() {
+            queue.write_buffer(map, 0, &none(sizes.map));
+        }
+        for (other, bytes) in [(&self.confidence, sizes.confidence), (&self.depth, sizes.regions)] {
+            if let Some(other) = other {
+                queue.write_buffer(other, 0, &vec![0; bytes as usize]);
+            }
+        }
+    }
+}

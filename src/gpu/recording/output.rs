@@ -1,0 +1,90 @@
+//! What a step leaves behind.
+
+use crate::gpu::layout::Rows;
+use crate::reference::Direction;
+
+/// What a step leaves behind, and where: for the comparison with the reference.
+#[derive(Clone, Debug)]
+pub(crate) enum Output {
+    /// The rectified image of a side, laid out like the uploaded one.
+    Rectified {
+        side: usize,
+    },
+    /// Luma in 8 bits, or with `deep` the channel of an image in 16 bits.
+    Gray {
+        side: usize,
+        channel: usize,
+        deep: bool,
+    },
+    /// What a stage leaves for a later kernel of the same stage.
+    Part,
+    /// Sums over windows of an image, prefiltered or not.
+    WindowSums {
+        side: usize,
+        channel: usize,
+        filtered: bool,
+        window: u32,
+    },
+    /// A prefiltered image, laid out like a gray one.
+    Prefiltered {
+        side: usize,
+        channel: usize,
+    },
+    /// `count` planes of descriptors, from `first` on, of some rows of the image.
+    Descriptors {
+        side: usize,
+        first: usize,
+        count: usize,
+        rows: Rows,
+    },
+    /// The values that are halved, or what came of it, laid out like a gray image.
+    Values {
+        side: usize,
+    },
+    Histogram,
+    Table,
+    Columns {
+        chunk: Rows,
+    },
+    /// Of a forward direction.
+    Penalties {
+        direction: Direction,
+    },
+    Cost {
+        chunk: Rows,
+        volume_row: u32,
+    },
+    /// Of the blocks of one side.
+    BlockStatistics {
+        side: usize,
+        chunk: Rows,
+    },
+    /// The paths of all directions together, when the last of their steps is done.
+    Paths {
+        directions: Vec<Direction>,
+        band: Rows,
+        volume_row: u32,
+        first: bool,
+        last: bool,
+    },
+    /// Both views; the right one, and the margins, are in `right`.
+    Views {
+        right: wgpu::Buffer,
+        last: bool,
+    },
+    /// The right view of a second match.
+    Mirrored,
+    /// A map of the left view (0) or of the right one (1).
+    Validity {
+        side: usize,
+    },
+    Textured,
+    Checked,
+    Speckle,
+    Median,
+    Fill,
+    WeightedMedian,
+    Wls,
+    Confidence,
+    Depth,
+}

@@ -1,0 +1,78 @@
+//! A step: one dispatch.
+
+use crate::gpu::kernels::KERNELS;
+use crate::gpu::recording::output::Output;
+use crate::gpu::recording::pool::row_bytes;
+
+/// A step's place among those that leave an output together.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Part {
+    pub(crate) first: bool,
+    pub(crate) last: bool,
+}
+
+/// One dispatch, and what is copied after it.
+#[derive(Debug)]
+pub(crate) struct Step {
+    /// Its row of [`KERNELS`].
+    pub(super) kernel: usize,
+    /// The [`Level`] that it belongs to.
+    pub(crate) level: usize,
+    pub(crate) pipeline: wgpu::ComputePipeline,
+    pub(crate) bind_group: wgpu::BindGroup,
+    /// The offset of its [`Pass`] in the uniform buffer.
+    pub(crate) pass: u32,
+    pub(crate) workgroups: [u32; 2],
+    pub(crate) output: Output,
+    pub(crate) buffer: wgpu::Buffer,
+    /// Bytes of it that are in use.
+    pub(crate) bytes: u64,
+    /// Whether `buffer` is filled with zeros before.
+    pub(crate) clears: bool,
+    /// Whether this is of the mirrored pair.
+    pub(crate) mirrored: bool,
+    /// Whether it is the first, and the last, of the steps that leave the output together, some rows each.
+    pub(crate) part: Part,
+    /// The texture that `buffer` is copied into when it is complete, and how many texels and rows of them.
+    pub(crate) copy_to: Option<(wgpu::Texture, [u32; 2])>,
+}
+
+impl Step {
+    pub(crate) fn stage(&self) -> &'static str {
+        KERNELS[self.kernel].stage
+    }
+
+    /// Records the copy of what the step left, if there is one.
+    pub(crate) fn record_copy(&self, encoder: &mut wgpu::CommandEncoder) {
+        if let Some((texture, [width, height])) = &self.copy_to {
+            let bytes_per_row = Some(row_bytes(texture.format(), *width));
+            let layout = wgpu::TexelCopyBufferLayout { offset: 0, bytes_per_row, rows_per_image: None };
+            let source = wgpu::TexelCopyBufferInfo { buffer: &self.buffer, layout };
+            let size = wgpu::Extent3d { width: *width, height: *height, depth_or_array_layers: 1 };
+            encoder.copy_buffer_to_texture(source, texture.as_image_copy(), size);
+        }
+    }
+}
+
+/// Records steps in one compute pass. Only the first one may clear, only the last one copy.
+pub(crate) fn record_steps(
+    encoder: &mut wgpu::CommandEncoder,
+    label: &str,
+    steps: &[Step],
+    timestamp_writes: Option<wgpu::ComputePassTimestampWrites<'_>>,
+) {
+    if let Some(step) = steps.first().filter(|step| step.clears) {
+        encoder.clear_buffer(&step.buffer, 0, Some(step.bytes));
+    }
+    let label = Some(label);
+    let mut pass = encoder.begin_compute_pass(&wgpu::ComputePassDescriptor { label, timestamp_writes });
+    for step in steps {
+        pass.set_pipeline(&step.pipeline);
+        pass.set_bind_group(0, &step.bind_group, &[step.pass]);
+        pass.dispatch_workgroups(step.workgroups[0], step.workgroups[1], 1);
+    }
+    drop(pass);
+    if let Some(step) = steps.last() {
+        step.record_copy(encoder);
+    }
+}
