@@ -7,7 +7,7 @@ use std::task::{Context, Poll, Waker};
 
 use crate::gpu::chain::{Ends, chain};
 use crate::gpu::device::Pulse;
-use crate::gpu::interop::{Middle, Spots, Surfaces};
+use crate::gpu::interop::{Context as InteropContext, PassCache, Regions};
 use crate::gpu::layout::{Frame, Sizes, source_layout};
 use crate::gpu::readback;
 use crate::gpu::readback::{Mapping, Waiter};
@@ -48,7 +48,7 @@ pub struct StereoMatcher {
     spare: Arc<Mutex<Vec<wgpu::Buffer>>>,
     pub(crate) waiter: Arc<Waiter>,
     timer: OnceLock<Timer>,
-    surfaces: Surfaces,
+    passes: PassCache,
     uploads: Uploads,
     /// Held by what was recorded into encoders of the caller's, until it is done or dropped.
     recorded: Arc<()>,
@@ -360,7 +360,7 @@ impl StereoMatcher {
                 waiter: Arc::default(),
                 sizes,
                 timer: OnceLock::new(),
-                surfaces: Surfaces::default(),
+                passes: PassCache::default(),
                 uploads: Uploads::default(),
                 recorded: Arc::default(),
                 computed: AtomicBool::new(false),
@@ -471,7 +471,7 @@ impl StereoMatcher {
         });
         if fresh {
             self.recorded = Arc::default();
-            self.surfaces.forget(); // what binds the matcher's former buffers
+            self.passes.forget(); // what binds the matcher's former buffers
         }
     }
 
@@ -718,10 +718,10 @@ impl StereoMatcher {
                     .into(),
             ));
         }
-        let middle = self.middle();
-        let mut spots = Spots::default();
-        let before = middle.before(&self.surfaces, inputs, &mut spots)?;
-        let after = middle.after(&self.surfaces, outputs, &mut spots)?;
+        let context = self.interop();
+        let mut regions = Regions::default();
+        let before = context.before(&self.passes, inputs, &mut regions)?;
+        let after = context.after(&self.passes, outputs, &mut regions)?;
         let uploaded = match inputs {
             Inputs::Uploaded => Some(self.uploads.last().filter(|pair| pair.size == self.size()).ok_or_else(|| {
                 let (width, height) = self.size();
@@ -758,8 +758,8 @@ impl StereoMatcher {
         self.computed.store(true, Ordering::Relaxed);
     }
 
-    fn middle(&self) -> Middle<'_> {
-        Middle {
+    fn interop(&self) -> InteropContext<'_> {
+        InteropContext {
             device: &self.device,
             queue: &self.queue,
             pulse: &self.pulse,
@@ -777,7 +777,7 @@ impl StereoMatcher {
     /// Lets go of the textures and buffers of [`Inputs`] and [`Outputs`]. What binds the last of them (those of about eight
     /// pairs) is kept for the next frames, and keeps them alive.
     pub fn forget_surfaces(&self) {
-        self.surfaces.forget();
+        self.passes.forget();
     }
 
     /// Records the work of one frame, from the uploaded pair to [`StereoMatcher::output`].

@@ -1,13 +1,15 @@
 //! The bytes that arrive, every value of them; every pipeline without a driver; and that a wrong shader is found.
 
+use super::pipelines::{compile, filled};
+use super::work::{Work, WriteMethod};
 use super::*;
 use crate::gpu::device::Pulse;
 use crate::gpu::edits::with_mutant;
-use crate::gpu::interop::Spots;
 use crate::gpu::kernels::tests::support;
-use crate::gpu::layout::TEXELS;
-use crate::gpu::readback;
-use crate::{Image, Inputs, Outputs, Params, PixelBuffer, Pixels};
+use crate::gpu::layout::{Frame, TEXELS};
+use crate::gpu::{readback, scopes};
+use crate::{Image, Params, PixelFormat, Pixels};
+use wgpu::TextureFormat;
 
 const FORMATS: [PixelFormat; 4] = [PixelFormat::Gray8, PixelFormat::Gray16, PixelFormat::Rgba8, PixelFormat::Rgba16];
 
@@ -20,13 +22,15 @@ fn works() -> Vec<Work> {
             works.push(Work::Intake { textured: true, format, srgb: true });
         }
     }
-    works.extend([TextureFormat::Rgba8Unorm, TextureFormat::Bgra8Unorm].map(|format| Work::Color(Way::Draw(format))));
+    works.extend(
+        [TextureFormat::Rgba8Unorm, TextureFormat::Bgra8Unorm].map(|format| Work::Color(WriteMethod::Draw(format))),
+    );
     works.extend([
-        Work::Color(Way::Store(TextureFormat::Rgba8Unorm)),
-        Work::Pixels(Way::Draw(TextureFormat::R32Float)),
-        Work::Pixels(Way::Store(TextureFormat::R32Float)),
-        Work::Sixteenths(Way::Draw(TextureFormat::R16Sint)),
-        Work::Confidence(Way::Draw(TextureFormat::R8Unorm)),
+        Work::Color(WriteMethod::Store(TextureFormat::Rgba8Unorm)),
+        Work::Pixels(WriteMethod::Draw(TextureFormat::R32Float)),
+        Work::Pixels(WriteMethod::Store(TextureFormat::R32Float)),
+        Work::Sixteenths(WriteMethod::Draw(TextureFormat::R16Sint)),
+        Work::Confidence(WriteMethod::Draw(TextureFormat::R8Unorm)),
     ]);
     works
 }
@@ -124,10 +128,10 @@ impl Stand {
         }
     }
 
-    fn middle(&self) -> Middle<'_> {
+    fn context(&self) -> Context<'_> {
         let Self { device, queue, pulse, frame, format, params, sources, output } = self;
         let (right, confidence, depth) = (None, Some(output), None);
-        Middle { device, queue, pulse, frame, format: *format, params, sources, output, right, confidence, depth }
+        Context { device, queue, pulse, frame, format: *format, params, sources, output, right, confidence, depth }
     }
 
     fn read(&self, texture: &wgpu::Texture) -> Vec<u8> {
@@ -150,7 +154,7 @@ impl Stand {
 
     /// What the source of the right image holds, once it was taken from a texture or a buffer.
     fn taken(&self, image: &Image, format: Option<TextureFormat>) -> Vec<u8> {
-        let surfaces = Surfaces::default();
+        let cache = PassCache::default();
         let row = image.width() * image.format().bytes_per_pixel();
         let mut bytes = image.bytes().to_vec();
         let prepared = match format {
@@ -162,7 +166,7 @@ impl Stand {
                 let texture = texture(&self.device, [image.width(), image.height()], format, usage);
                 let layout = wgpu::TexelCopyBufferLayout { offset: 0, bytes_per_row: Some(row), rows_per_image: None };
                 self.queue.write_texture(texture.as_image_copy(), &bytes, layout, texture.size());
-                self.middle().before(&surfaces, &Inputs::textures(&texture, &texture), &mut Spots::default())
+                self.context().before(&cache, &Inputs::textures(&texture, &texture), &mut Regions::default())
             }
             None => {
                 let pitch = row.next_multiple_of(4) as usize + 8;
@@ -170,9 +174,9 @@ impl Stand {
                 for (to, from) in padded.chunks_exact_mut(pitch).zip(bytes.chunks_exact(row as usize)) {
                     to[..from.len()].copy_from_slice(from);
                 }
-                let buffer = filled(&self.middle(), "image", wgpu::BufferUsages::STORAGE, &padded);
+                let buffer = filled(&self.context(), "image", wgpu::BufferUsages::STORAGE, &padded);
                 let pixels = PixelBuffer::new(&buffer, 0, pitch as u32);
-                self.middle().before(&surfaces, &Inputs::buffers(pixels, pixels), &mut Spots::default())
+                self.context().before(&cache, &Inputs::buffers(pixels, pixels), &mut Regions::default())
             }
         };
         let mut encoder = self.device.create_command_encoder(&wgpu::CommandEncoderDescriptor::default());
@@ -253,7 +257,7 @@ fn a_mutated_shader_is_caught() {
         ];
         let mut encoder = device.create_command_encoder(&wgpu::CommandEncoderDescriptor::default());
         for outputs in &outputs {
-            let prepared = stand.middle().after(&Surfaces::default(), outputs, &mut Spots::default()).unwrap();
+            let prepared = stand.context().after(&PassCache::default(), outputs, &mut Regions::default()).unwrap();
             prepared.iter().for_each(|work| work.record(&mut encoder));
         }
         queue.submit([encoder.finish()]);

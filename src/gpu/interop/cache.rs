@@ -1,0 +1,191 @@
+//! The pipelines and bind groups for the caller's resources: made at first use, and kept for the next frames.
+
+use std::collections::{HashMap, VecDeque};
+use std::hash::{BuildHasher as _, RandomState};
+use std::sync::{Mutex, MutexGuard, PoisonError};
+
+use crate::Error;
+use crate::gpu::interop::context::Context;
+use crate::gpu::interop::pipelines::{CallerResource, MatcherResource, Pipeline, Prepared, bind, compile};
+use crate::gpu::interop::resources::{Seen, TextureLayer};
+use crate::gpu::interop::work::{LANES, Work, WriteMethod};
+use crate::gpu::layout::Frame;
+use crate::gpu::scopes;
+use wgpu::TextureFormat;
+
+/// Bind groups that are kept: those of eight pairs, and of all that may be shown of them.
+const KEPT: usize = 32;
+
+/// Targets that are known to be ones of their format.
+const KNOWN: usize = 64;
+
+/// All that a bind group follows from.
+#[derive(PartialEq)]
+struct Key {
+    work: Work,
+    source: Option<wgpu::Texture>,
+    map: Option<wgpu::Buffer>,
+    layer: Option<Seen>,
+    buffer: Option<(wgpu::Buffer, u64, u64, u32)>,
+    frame: Frame,
+    disparities: u32,
+}
+
+impl Key {
+    fn new(context: &Context<'_>, work: Work, resource: CallerResource<'_>, end: MatcherResource<'_>) -> Self {
+        let (source, map) = match end {
+            MatcherResource::Texture(source) => (Some(source.clone()), None),
+            MatcherResource::Buffer(map, _) => (None, Some(map.clone())),
+        };
+        // A target that is drawn to is in no bind group.
+        let (layer, buffer) = match resource {
+            CallerResource::Layer(..) if matches!(work.method(), Some(WriteMethod::Draw(_))) => (None, None),
+            CallerResource::Layer(layer, format) => (Some(layer.seen(format)), None),
+            CallerResource::Buffer { buffer, offset, bytes, bytes_per_row } => {
+                (None, Some((buffer.clone(), offset, bytes, bytes_per_row)))
+            }
+        };
+        Self { work, source, map, layer, buffer, frame: *context.frame, disparities: context.params.disparities }
+    }
+}
+
+/// What is kept from frame to frame.
+#[derive(Default)]
+struct Made {
+    pipelines: HashMap<Work, (wgpu::BindGroupLayout, Pipeline)>,
+    /// The latest used one comes last.
+    bind_groups: Vec<(Key, wgpu::BindGroup)>,
+    /// Targets that are drawn to, from the second time on: a window gives another texture each time. The latest used one
+    /// comes last.
+    targets: Vec<(Seen, wgpu::TextureView)>,
+    /// Hashes of targets, which do not keep them alive.
+    known: VecDeque<u64>,
+}
+
+/// The pipelines and bind groups for the caller's resources.
+#[derive(Default)]
+pub(crate) struct PassCache {
+    made: Mutex<Made>,
+    hasher: RandomState,
+}
+
+impl std::fmt::Debug for PassCache {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        let made = self.made();
+        let (pipelines, bind_groups) = (made.pipelines.len(), made.bind_groups.len());
+        f.debug_struct("PassCache").field("pipelines", &pipelines).field("bind_groups", &bind_groups).finish()
+    }
+}
+
+impl PassCache {
+    fn made(&self) -> MutexGuard<'_, Made> {
+        self.made.lock().unwrap_or_else(PoisonError::into_inner)
+    }
+
+    /// Drops what holds the caller's resources.
+    pub(crate) fn forget(&self) {
+        let mut made = self.made();
+        made.bind_groups.clear();
+        made.targets.clear();
+        made.known.clear();
+    }
+
+    /// Work between one resource of the caller's and one of the matcher's.
+    pub(super) fn prepare(
+        &self,
+        context: &Context<'_>,
+        name: &str,
+        work: Work,
+        resource: CallerResource<'_>,
+        end: MatcherResource<'_>,
+    ) -> Result<Prepared, Error> {
+        let mut made = self.made();
+        let (layout, pipeline) = match made.pipelines.get(&work) {
+            Some(found) => found.clone(),
+            None => {
+                let compiled = scopes::guarded_or_left(context.device, || compile(context.device, work));
+                let new = compiled.map_err(|error| context.pulse.cause(error))?;
+                made.pipelines.insert(work, new.clone());
+                new
+            }
+        };
+        let key = Key::new(context, work, resource, end);
+        let bind_group = match made.bind_groups.iter().position(|(other, _)| *other == key) {
+            Some(at) => {
+                let found = made.bind_groups.remove(at);
+                let bind_group = found.1.clone();
+                made.bind_groups.push(found);
+                bind_group
+            }
+            None => {
+                let bind = || bind(context, work, &layout, resource, end);
+                let bind_group = scopes::guarded_or_left(context.device, bind);
+                let bind_group = bind_group.map_err(|error| resource.refused(context, name, error))?;
+                if made.bind_groups.len() >= KEPT {
+                    made.bind_groups.remove(0);
+                }
+                made.bind_groups.push((key, bind_group.clone()));
+                bind_group
+            }
+        };
+        let label = work.files()[1];
+        let Frame { width, height, .. } = *context.frame;
+        match (pipeline, resource) {
+            (Pipeline::Render(pipeline), CallerResource::Layer(layer, format)) => {
+                let drawn = |target| Prepared::Draw { label, pipeline, bind_group, target };
+                self.target(&mut made, context, layer, format, drawn)
+                    .map_err(|error| resource.refused(context, name, error))
+            }
+            (Pipeline::Compute(pipeline), _) => {
+                let workgroups = match work {
+                    Work::Intake { format, .. } => {
+                        let bytes = u64::from(width) * u64::from(height) * u64::from(format.bytes_per_pixel());
+                        let texels = 1 << context.frame.source_shift;
+                        [texels / LANES, bytes.div_ceil(16 * u64::from(texels)) as u32]
+                    }
+                    _ => [width.div_ceil(LANES), height],
+                };
+                Ok(Prepared::Compute { label, pipeline, bind_group, workgroups })
+            }
+            (Pipeline::Render(_), CallerResource::Buffer { .. }) => unreachable!("nothing is drawn into a buffer"),
+        }
+    }
+
+    /// What is drawn into a layer.
+    fn target(
+        &self,
+        made: &mut Made,
+        context: &Context<'_>,
+        layer: TextureLayer<'_>,
+        format: TextureFormat,
+        drawn: impl FnOnce(wgpu::TextureView) -> Prepared,
+    ) -> Result<Prepared, Error> {
+        let seen = layer.seen(format);
+        if let Some(at) = made.targets.iter().position(|(other, _)| *other == seen) {
+            let found = made.targets.remove(at);
+            let view = found.1.clone();
+            made.targets.push(found);
+            return Ok(drawn(view));
+        }
+        let view = scopes::guarded_or_left(context.device, || layer.view(format))?;
+        let prepared = drawn(view.clone());
+        let hash = self.hasher.hash_one(&seen);
+        if made.known.contains(&hash) {
+            if made.targets.len() >= KEPT {
+                made.targets.remove(0);
+            }
+            made.targets.push((seen, view));
+            return Ok(prepared);
+        }
+        // A texture that is no target would spoil the caller's encoder: it spoils another one first.
+        #[cfg(not(target_arch = "wasm32"))]
+        scopes::guarded(context.device, || {
+            let mut encoder = context.device.create_command_encoder(&wgpu::CommandEncoderDescriptor::default());
+            prepared.record(&mut encoder);
+            encoder.finish()
+        })?;
+        made.known.truncate(KNOWN - 1);
+        made.known.push_front(hash);
+        Ok(prepared)
+    }
+}

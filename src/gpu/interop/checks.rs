@@ -1,0 +1,135 @@
+//! The checks of single resources: whose they are, their size, format and usage.
+
+use crate::gpu::interop::context::Context;
+use crate::gpu::interop::refusal::{lacks, listed, refused};
+use crate::gpu::interop::resources::{INPUTS, PixelBuffer, TextureLayer};
+use crate::gpu::layout::Frame;
+use crate::{Error, PixelFormat};
+use wgpu::{BufferUsages, TextureFormat, TextureUsages};
+
+impl Context<'_> {
+    pub(super) fn check_input(&self, name: &str, input: &TextureLayer<'_>) -> Result<(), Error> {
+        let formats: Vec<TextureFormat> =
+            INPUTS.iter().filter(|(_, samples)| *samples == self.format).map(|&(format, _)| format).collect();
+        let remedy = match PixelFormat::of(input.texture.format()) {
+            Some(format) => format!("make the matcher for PixelFormat::{format:?}"),
+            None => "copy or draw it into a texture of such a format".into(),
+        };
+        self.check_texture(name, input, &formats, &remedy)?;
+        let usage = input.texture.usage();
+        match usage.contains(TextureUsages::TEXTURE_BINDING) {
+            true => Ok(()),
+            false => Err(lacks(name, &usage, "TEXTURE_BINDING")),
+        }
+    }
+
+    pub(super) fn check_texture(
+        &self,
+        name: &str,
+        &TextureLayer { texture, layer }: &TextureLayer<'_>,
+        formats: &[TextureFormat],
+        remedy: &str,
+    ) -> Result<(), Error> {
+        self.check_owner(name, texture)?;
+        let Frame { width, height, .. } = *self.frame;
+        let flat = texture.dimension() == wgpu::TextureDimension::D2;
+        if (texture.width(), texture.height()) != (width, height) || !flat {
+            let given =
+                format!("is a texture of {}x{} in {:?}", texture.width(), texture.height(), texture.dimension());
+            let allowed = format!("the matcher has {width}x{height} in D2");
+            return Err(refused(name, &given, &allowed, "make the texture of that size, or resize the matcher"));
+        }
+        if (texture.sample_count(), texture.mip_level_count()) != (1, 1) {
+            let (samples, levels) = (texture.sample_count(), texture.mip_level_count());
+            let given = format!("is a texture with {samples} samples a pixel and {levels} mip levels");
+            return Err(refused(name, &given, &"must have one of each", "resolve or copy it into such a texture"));
+        }
+        let layers = texture.depth_or_array_layers();
+        match layer {
+            None if layers > 1 => {
+                let given = format!("is a texture of {layers} layers");
+                let allowed = "one of them must be named";
+                return Err(refused(name, &given, &allowed, "give a TextureLayer::new(texture, layer)"));
+            }
+            Some(layer) if layer >= layers => {
+                let given = format!("is layer {layer} of a texture");
+                let allowed = format!("that has {layers}, counted from 0");
+                return Err(refused(name, &given, &allowed, "name one of those"));
+            }
+            _ => {}
+        }
+        let format = texture.format();
+        if !formats.contains(&format) {
+            let allowed = format!("must be {}", listed(formats));
+            return Err(refused(name, &format!("is a texture in the format {format:?}"), &allowed, remedy));
+        }
+        Ok(())
+    }
+
+    /// Comes before all else: what is another device's may be taken for something of this one's.
+    fn check_owner(&self, name: &str, thing: &dyn std::fmt::Debug) -> Result<(), Error> {
+        if self.pulse.owns(thing) {
+            return Ok(());
+        }
+        let remedy = "create it with the device that the matcher was made with, or copy it over by way of the host";
+        Err(refused(name, &"is of another wgpu device", &"must be of the matcher's", remedy))
+    }
+
+    /// No place of the caller's is one of the matcher's.
+    pub(super) fn check_buffer(
+        &self,
+        name: &str,
+        buffer: &wgpu::Buffer,
+        needed: (BufferUsages, &str),
+    ) -> Result<(), Error> {
+        self.check_owner(name, buffer)?;
+        if [Some(self.output), self.right, self.confidence, self.depth].contains(&Some(buffer)) {
+            let allowed = "must be a buffer of the caller's";
+            return Err(refused(
+                name,
+                &"is the matcher's own buffer",
+                &allowed,
+                "use it as it is, or make another one",
+            ));
+        }
+        match buffer.usage().contains(needed.0) {
+            true => Ok(()),
+            false => Err(lacks(name, &buffer.usage(), needed.1)),
+        }
+    }
+
+    /// Bytes of the image, from its offset on.
+    pub(super) fn check_pixels(&self, name: &str, pixels: &PixelBuffer<'_>) -> Result<u64, Error> {
+        let &PixelBuffer { buffer, offset, bytes_per_row } = pixels;
+        let row = u64::from(self.frame.width) * u64::from(self.format.bytes_per_pixel());
+        let limits = self.device.limits();
+        self.check_buffer(name, buffer, (BufferUsages::STORAGE, "STORAGE"))?;
+        let alignment = limits.min_storage_buffer_offset_alignment;
+        if !offset.is_multiple_of(alignment.into()) {
+            let allowed = format!("must begin at a multiple of {alignment}");
+            return Err(refused(name, &format!("begins at byte {offset}"), &allowed, "copy it to such a place"));
+        }
+        if !bytes_per_row.is_multiple_of(4) || u64::from(bytes_per_row) < row {
+            let allowed = format!("must have a multiple of 4, at least {row} in {:?}", self.format);
+            return Err(refused(name, &format!("has {bytes_per_row} bytes a row"), &allowed, "pad the rows"));
+        }
+        let bytes = u64::from(self.frame.height - 1) * u64::from(bytes_per_row) + row.next_multiple_of(4);
+        long_enough(name, buffer, offset, bytes)?;
+        let most = limits.max_storage_buffer_binding_size;
+        if bytes > most {
+            let (given, allowed) = (format!("has {bytes} bytes"), format!("the device allows {most} a binding"));
+            return Err(refused(name, &given, &allowed, "request larger limits, or use textures"));
+        }
+        Ok(bytes)
+    }
+}
+
+/// Whether `bytes` bytes lie in a buffer from `offset` on.
+pub(super) fn long_enough(name: &str, buffer: &wgpu::Buffer, offset: u64, bytes: u64) -> Result<(), Error> {
+    let size = buffer.size();
+    if size.checked_sub(offset).is_some_and(|rest| rest >= bytes) {
+        return Ok(());
+    }
+    let given = format!("is a buffer of {size} bytes");
+    Err(refused(name, &given, &format!("{bytes} are needed from byte {offset} on"), "make the buffer larger"))
+}

@@ -1,0 +1,228 @@
+//! The caller's resources that a frame is taken from and left in.
+
+use crate::PixelFormat;
+use wgpu::TextureFormat;
+
+/// The formats of input textures, and the samples that they hold.
+pub(super) const INPUTS: [(TextureFormat, PixelFormat); 7] = [
+    (TextureFormat::R8Unorm, PixelFormat::Gray8),
+    (TextureFormat::R16Unorm, PixelFormat::Gray16),
+    (TextureFormat::Rgba8Unorm, PixelFormat::Rgba8),
+    (TextureFormat::Rgba8UnormSrgb, PixelFormat::Rgba8),
+    (TextureFormat::Bgra8Unorm, PixelFormat::Rgba8),
+    (TextureFormat::Bgra8UnormSrgb, PixelFormat::Rgba8),
+    (TextureFormat::Rgba16Unorm, PixelFormat::Rgba16),
+];
+
+/// A layer and the format in which it is seen.
+pub(super) type Seen = (wgpu::Texture, u32, TextureFormat);
+
+/// A layer of a texture. The matcher makes the view of it itself: wgpu does not say in which format a view shows its
+/// texture, and a view that is taken for another would give wrong pixels. A reference to a texture of one layer is one.
+///
+/// The texture is of the matcher's device and size, two-dimensional, with one mip level and one sample a pixel.
+#[derive(Clone, Copy, Debug)]
+pub struct TextureLayer<'a> {
+    pub(super) texture: &'a wgpu::Texture,
+    /// None where the texture must have no other.
+    pub(super) layer: Option<u32>,
+}
+
+impl<'a> TextureLayer<'a> {
+    /// Layer `layer` of an array of textures, from 0 on.
+    pub fn new(texture: &'a wgpu::Texture, layer: u32) -> Self {
+        Self { texture, layer: Some(layer) }
+    }
+
+    /// A view of it in a format of the texture's bytes.
+    pub(super) fn view(&self, format: TextureFormat) -> wgpu::TextureView {
+        self.texture.create_view(&wgpu::TextureViewDescriptor {
+            label: Some("gpu-stereo.interop"),
+            format: Some(format),
+            dimension: Some(wgpu::TextureViewDimension::D2),
+            base_array_layer: self.layer.unwrap_or(0),
+            array_layer_count: Some(1),
+            ..Default::default()
+        })
+    }
+
+    /// The layer in a format.
+    pub(super) fn seen(&self, format: TextureFormat) -> Seen {
+        (self.texture.clone(), self.layer.unwrap_or(0), format)
+    }
+}
+
+impl<'a> From<&'a wgpu::Texture> for TextureLayer<'a> {
+    fn from(texture: &'a wgpu::Texture) -> Self {
+        Self { texture, layer: None }
+    }
+}
+
+/// An image in a buffer with the usage `STORAGE`: the matcher's [`PixelFormat`], 16-bit samples little endian.
+#[derive(Clone, Copy, Debug)]
+pub struct PixelBuffer<'a> {
+    pub(super) buffer: &'a wgpu::Buffer,
+    pub(super) offset: u64,
+    pub(super) bytes_per_row: u32,
+}
+
+impl<'a> PixelBuffer<'a> {
+    /// An image whose first pixel is at byte `offset`, a multiple of the device's `min_storage_buffer_offset_alignment`,
+    /// and whose rows begin `bytes_per_row` from each other, a multiple of 4.
+    pub fn new(buffer: &'a wgpu::Buffer, offset: u64, bytes_per_row: u32) -> Self {
+        Self { buffer, offset, bytes_per_row }
+    }
+}
+
+/// Where [`crate::StereoMatcher::record`] takes a pair from.
+#[derive(Clone, Copy, Debug, Default)]
+#[non_exhaustive]
+pub enum Inputs<'a> {
+    /// The pair that [`crate::StereoMatcher::upload`] wrote last before the recording. It stays there for further recordings.
+    #[default]
+    Uploaded,
+    /// Two textures with the usage `TEXTURE_BINDING`. [`PixelFormat::of`] tells which formats a matcher takes. Those of 16
+    /// bits exist where the caller asked for the feature `TEXTURE_FORMAT_16BIT_NORM`.
+    ///
+    /// What counts is the bytes that a texture stores, so the maps are those of an [`crate::Image`] of these bytes: the
+    /// kinds with sRGB are not made linear, and luma is the weighted sum of the stored red, green and blue (`gray` in
+    /// docs/ALGORITHMS.md). Alpha is ignored.
+    Textures {
+        /// The left image.
+        left: TextureLayer<'a>,
+        /// The right image.
+        right: TextureLayer<'a>,
+    },
+    /// Two buffers, or two places of one.
+    Buffers {
+        /// The left image.
+        left: PixelBuffer<'a>,
+        /// The right image.
+        right: PixelBuffer<'a>,
+    },
+}
+
+impl<'a> Inputs<'a> {
+    /// [`Inputs::Textures`]: each is a `&wgpu::Texture` of one layer, or a [`TextureLayer`].
+    pub fn textures(left: impl Into<TextureLayer<'a>>, right: impl Into<TextureLayer<'a>>) -> Self {
+        Self::Textures { left: left.into(), right: right.into() }
+    }
+
+    /// [`Inputs::Buffers`].
+    pub fn buffers(left: PixelBuffer<'a>, right: PixelBuffer<'a>) -> Self {
+        Self::Buffers { left, right }
+    }
+}
+
+/// Where [`crate::StereoMatcher::record`] leaves the result, beside [`crate::StereoMatcher::output`]: nowhere, until a
+/// method names a place. A target is a `&wgpu::Texture` of one layer, or a [`TextureLayer`]. No two of them, and no input, may
+/// overlap.
+///
+/// Textures need the usage `RENDER_ATTACHMENT`; for `R32Float` and `Rgba8Unorm` `STORAGE_BINDING` does, too.
+///
+/// ```
+/// # use gpu_stereo::{Outputs, wgpu};
+/// fn both<'a>(disparity: &'a wgpu::Texture, picture: &'a wgpu::Texture) -> Outputs<'a> {
+///     Outputs::default().disparity(disparity).color(picture)
+/// }
+/// ```
+#[derive(Clone, Copy, Debug, Default)]
+pub struct Outputs<'a> {
+    pub(super) left: ViewTargets<'a>,
+    pub(super) right: ViewTargets<'a>,
+    pub(super) confidence: Option<TextureLayer<'a>>,
+    pub(super) confidence_buffer: Option<BufferTarget<'a>>,
+}
+
+/// Where the map of one view goes.
+#[derive(Clone, Copy, Debug, Default)]
+pub(super) struct ViewTargets<'a> {
+    pub(super) disparity: Option<TextureLayer<'a>>,
+    pub(super) color: Option<TextureLayer<'a>>,
+    pub(super) buffer: Option<BufferTarget<'a>>,
+}
+
+/// A place in a buffer.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct BufferTarget<'a> {
+    pub(super) buffer: &'a wgpu::Buffer,
+    pub(super) offset: u64,
+}
+
+impl<'a> Outputs<'a> {
+    /// The disparity into a texture: `R32Float` in pixels, -2048 where there is none; or `R16Sint` in 1/16 px, -32768
+    /// where there is none.
+    #[must_use]
+    pub fn disparity(mut self, target: impl Into<TextureLayer<'a>>) -> Self {
+        self.left.disparity = Some(target.into());
+        self
+    }
+
+    /// The picture of the map into a texture, `Rgba8Unorm` or `Bgra8Unorm`: [`crate::DisparityMap::color`] over
+    /// [`crate::Params::searched`]. Their kinds with sRGB hold the same bytes; such a texture is created with the kind
+    /// without among its `view_formats`.
+    #[must_use]
+    pub fn color(mut self, target: impl Into<TextureLayer<'a>>) -> Self {
+        self.left.color = Some(target.into());
+        self
+    }
+
+    /// The map into a buffer with the usage `COPY_DST`, from byte `offset` on, a multiple of 4: laid out as
+    /// [`crate::StereoMatcher::output`].
+    #[must_use]
+    pub fn buffer(mut self, buffer: &'a wgpu::Buffer, offset: u64) -> Self {
+        self.left.buffer = Some(BufferTarget { buffer, offset });
+        self
+    }
+
+    /// As [`Outputs::confidence`], but a copy of [`crate::StereoMatcher::confidence`] into a buffer with the usage
+    /// `COPY_DST`, from byte `offset` on, a multiple of 4.
+    #[must_use]
+    pub fn confidence_buffer(mut self, buffer: &'a wgpu::Buffer, offset: u64) -> Self {
+        self.confidence_buffer = Some(BufferTarget { buffer, offset });
+        self
+    }
+
+    /// As [`Outputs::disparity`], of the right view's map. The matcher needs
+    /// [`crate::Params::right_map`].
+    #[must_use]
+    pub fn right_disparity(mut self, target: impl Into<TextureLayer<'a>>) -> Self {
+        self.right.disparity = Some(target.into());
+        self
+    }
+
+    /// As [`Outputs::color`], of the right view's map.
+    #[must_use]
+    pub fn right_color(mut self, target: impl Into<TextureLayer<'a>>) -> Self {
+        self.right.color = Some(target.into());
+        self
+    }
+
+    /// As [`Outputs::buffer`], of the right view's map.
+    #[must_use]
+    pub fn right_buffer(mut self, buffer: &'a wgpu::Buffer, offset: u64) -> Self {
+        self.right.buffer = Some(BufferTarget { buffer, offset });
+        self
+    }
+
+    /// The confidence into a texture, `R8Unorm`: 0 where there is no disparity. The matcher needs
+    /// [`crate::Params::confidence`].
+    #[must_use]
+    pub fn confidence(mut self, target: impl Into<TextureLayer<'a>>) -> Self {
+        self.confidence = Some(target.into());
+        self
+    }
+}
+
+impl PixelFormat {
+    /// The format that a matcher must be made for to take textures of `format`; `None` if there is none.
+    ///
+    /// ```
+    /// use gpu_stereo::{PixelFormat, wgpu::TextureFormat};
+    /// assert_eq!(PixelFormat::of(TextureFormat::Bgra8UnormSrgb), Some(PixelFormat::Rgba8));
+    /// assert_eq!(PixelFormat::of(TextureFormat::Rgba32Float), None);
+    /// ```
+    pub fn of(format: TextureFormat) -> Option<Self> {
+        INPUTS.iter().find(|(texture, _)| *texture == format).map(|&(_, samples)| samples)
+    }
+}
