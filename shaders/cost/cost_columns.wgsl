@@ -1,8 +1,10 @@
 // cost_columns: sums over |j| <= r of the pixel costs between left(x, y + j) and right(x - min_disparity - d, y + j).
 // left, right (planes of descriptors) -> columns (u16 or u32, [y][x + r][d], width + 2 r columns, only the band's rows)
 // One invocation: VECTORS x 16 disparities of one column, SEGMENT rows downwards; a row enters the sum as another leaves
-//   it. Neighbouring invocations: the disparities of one column, then the next column.
-// Border: rows are clamped into the image, columns by the planes.
+//   it. Neighbouring invocations take the disparities of one column, then those of the next column.
+// Border: rows are clamped into the image; the planes continue the columns.
+// With: differences, common
+// Chosen: pixel_*, sums*
 // Reference: src/reference/cost/cost_columns.rs
 
 @group(0) @binding(2) var<storage, read> left: array<u32>;

@@ -5,6 +5,7 @@
 //   Byte j of a row is column j - lead, or if it is mirrored column lead - j.
 // One invocation: one vector, sixteen pixels of a row, in all planes. Border: rows are clamped into the image, columns
 //   are continued.
+// With: gray_pixels, plane_layout, bytes, common
 // Reference: src/reference/cost/descriptors.rs
 
 @group(0) @binding(3) var<storage, read> sums: array<u32>;

@@ -1,8 +1,10 @@
 // matching_cost: (sum of 2 r + 1 neighbouring columns * cost_scale + 2^23) >> 24, from 0 to 89.
 // columns (u16 or u32, [y][x + r][d]) -> cost (u8, [y][x][d], four disparities a word)
 // One invocation: sixteen disparities of SPAN pixels of a row of the band, from left to right; a column enters the sum as
-//   another leaves it. Neighbouring invocations: the disparities of one pixel.
-// Border: the columns reach beyond it. Disparities beyond the range are computed like the others and never used.
+//   another leaves it. Neighbouring invocations take the disparities of one pixel.
+// Border: the column sums reach beyond the image. Disparities beyond the range are computed like the others, never used.
+// With: column_sums, differences, quantise, common
+// Chosen: sums*
 // Reference: src/reference/cost/matching_cost.rs
 
 @group(0) @binding(2) var<storage, read> columns: array<vec4<u32>>;

@@ -1,9 +1,11 @@
-// matching_cost_parallel: matching_cost for small blocks, without column sums in memory, by as many invocations as can be.
+// matching_cost_parallel: matching_cost for small blocks by as many invocations as possible, without column sums in memory.
 // left, right (planes of descriptors) -> cost (u8, [y][x][d], four disparities a word)
 // One invocation: sixteen disparities of one column of pixels, SEGMENT rows downwards; the last BLOCK row sums are kept,
-//   so that a row leaves the block without being computed again. Neighbouring invocations: the disparities of one pixel,
-//   then the next pixel, so that they write neighbouring words.
-// Border: rows are clamped into the image, columns by the planes.
+//   so that a row leaves the block without being computed again. Neighbouring invocations take the disparities of one
+//   pixel, then those of the next pixel, so that they write neighbouring words.
+// Border: rows are clamped into the image; the planes continue the columns.
+// With: differences, quantise, common
+// Chosen: pixel_*
 // Reference: src/reference/cost/matching_cost.rs
 
 @group(0) @binding(2) var<storage, read> left: array<u32>;

@@ -1,9 +1,11 @@
 // matching_cost_pixels: matching_cost for single pixels, without a block, on planes that fit a texture.
 // left, right (planes of descriptors as textures, four pixels a texel) -> cost (u8, [y][x][d], four disparities a word)
 // One invocation: sixteen disparities of a row, from left to right, four columns a step. The right pixels that they are
-//   compared with stay in registers and move up by four disparities a step. Neighbouring invocations: the disparities of
-//   one pixel.
-// Border: columns by the planes.
+//   compared with stay in registers and move up by four disparities a step. Neighbouring invocations share
+//   a pixel.
+// Border: the planes continue the columns.
+// With: right_bytes, differences, quantise, common
+// Chosen: pixel_*
 // Reference: src/reference/cost/matching_cost.rs
 
 @group(0) @binding(2) var left: texture_storage_2d<r32uint, read>;

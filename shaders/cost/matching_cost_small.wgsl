@@ -2,8 +2,10 @@
 // left, right (planes of descriptors as textures, four pixels a texel) -> cost (u8, [y][x][d], four disparities a word)
 // One invocation: sixteen disparities of two neighbouring rows, from left to right. The right pixels that they are
 //   compared with stay in registers and move up by one disparity a step; the last BLOCK column sums are kept, so that a
-//   column leaves the block without being computed again. Neighbouring invocations: the disparities of one pixel.
-// Border: rows are clamped into the image, columns by the planes.
+//   column leaves the block without being computed again. Neighbouring invocations share a pixel.
+// Border: rows are clamped into the image; the planes continue the columns.
+// With: right_bytes, differences, quantise, common
+// Chosen: pixel_*
 // Reference: src/reference/cost/matching_cost.rs
 
 @group(0) @binding(2) var left: texture_storage_2d<r32uint, read>;

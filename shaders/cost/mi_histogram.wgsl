@@ -1,7 +1,8 @@
-// mi_histogram: how often a left pixel of value l matches a right one of value r, by a map of a round before.
+// mi_histogram: how often a left pixel of value l matches a right one of value r, according to the map of the round before.
 // left, right (u8, laid out like a gray image, in textures), map (i16, of images halved `halvings` times more often,
 //   `stride` words a row) -> counts (u32, [l][r], 0 before)
 // One invocation: one left pixel. Pixels without a disparity, or whose match lies outside, do not count.
+// With: values, common
 // Reference: src/reference/cost/mi_histogram.rs
 
 @group(0) @binding(2) var left: texture_storage_2d<rgba32uint, read>;

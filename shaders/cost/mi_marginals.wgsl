@@ -1,6 +1,7 @@
 // mi_marginals: the sums of the rows of a table of 256 x 256 entries, then those of its columns.
 // joint (u32, [l][r]) -> marginals (u32, of 256 values l, then of 256 values r)
 // One invocation: one sum.
+// With: common
 // Reference: src/reference/cost/mi_table.rs
 
 @group(0) @binding(2) var<storage, read> joint: array<u32>;

@@ -1,6 +1,7 @@
 // mi_range: the least and the most mutual information of any two values.
 // joint (u32, [l][r]), marginals (u32, of l, then of r): smoothed logarithms -> range (i32, the least, then the most)
-// One invocation: the values of one l; the first then looks through all. One workgroup.
+// One invocation: the values of one l; the first invocation then compares all. One workgroup.
+// With: mi_shared, common
 // Reference: src/reference/cost/mi_table.rs
 
 @group(0) @binding(2) var<storage, read> joint: array<vec4<u32>>;

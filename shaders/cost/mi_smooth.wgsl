@@ -1,6 +1,7 @@
 // mi_smooth: a table smoothed along one axis by the weights 1 6 15 20 15 6 1: of counts, or of their logarithms.
 // entries (u32, `rows` x 256) -> smoothed (u32, `rows` x 256), plus `prior`; downwards if dy is 1, else along rows
-// One invocation: four neighbours. Border: the table is continued by it.
+// One invocation: four neighbours. Border: the outermost entries are repeated.
+// With: common
 // Reference: src/reference/cost/mi_table.rs
 
 @group(0) @binding(2) var<storage, read> entries: array<vec4<u32>>;

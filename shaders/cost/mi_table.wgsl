@@ -1,6 +1,7 @@
-// mi_table: what a match costs: 0 for the most mutual information, 255 for the least; |l - r| if all is equal.
+// mi_table: the cost of a match: 0 for the most mutual information, 255 for the least; |l - r| if all entries are equal.
 // joint, marginals (u32, smoothed logarithms), range (i32, the least and the most) -> table (u8, [l][r], four a word)
 // One invocation: one word.
+// With: mi_shared, common
 // Reference: src/reference/cost/mi_table.rs
 
 @group(0) @binding(2) var<storage, read> joint: array<vec4<u32>>;

@@ -1,6 +1,7 @@
 // confidence: 0 where the map has no disparity, else the margin of the pixel's winner over its best rival, at least 1.
 // map (i16), margins (u16, behind the right map) -> confidence (u8)
 // One invocation: eight pixels of a row. Border: none.
+// With: common
 // Reference: src/reference/filters/confidence.rs
 
 @group(0) @binding(2) var<storage, read> map: array<vec4<u32>>;

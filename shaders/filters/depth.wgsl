@@ -2,6 +2,7 @@
 // map (i16) -> depth (u32, a word a pixel; 0: none)
 // One invocation: two words of the map, four pixels of a row.
 // Border: none. No depth: no disparity, a divisor below 1, a quotient beyond 32 bits.
+// With: common
 // Reference: src/reference/filters/depth.rs
 
 @group(0) @binding(2) var<storage, read> map: array<vec2<u32>>;

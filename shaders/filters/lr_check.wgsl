@@ -3,6 +3,7 @@
 // left_map, right_map (i16) -> checked (i16)
 // One invocation: four words, eight pixels of a row.
 // Border: a disparity that points outside the right image is invalid.
+// With: common
 // Reference: src/reference/filters/lr_check.rs
 
 @group(0) @binding(2) var<storage, read> left_map: array<vec4<u32>>;

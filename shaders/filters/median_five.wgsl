@@ -2,6 +2,7 @@
 // map (i16, in a texture) -> filtered (i16)
 // One invocation: four words, eight pixels of a row.
 // Border: coordinates are clamped into the image; a result that points outside the right image is invalid.
+// With: map_octet, invalidate_outside, common
 // Reference: src/reference/filters/median.rs
 
 @group(0) @binding(3) var<storage, read_write> filtered: array<vec4<u32>>;

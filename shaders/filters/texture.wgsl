@@ -2,6 +2,7 @@
 // columns (u16, in rows like a map's), left_map (i16) -> textured (i16)
 // One invocation: four words, eight pixels of a row.
 // Border: columns are clamped into the image.
+// With: common
 // Reference: src/reference/filters/texture.rs
 
 @group(0) @binding(2) var<storage, read> columns: array<vec4<u32>>;

@@ -2,6 +2,7 @@
 // gray (u8, in a texture) -> columns (u16, in rows like a map's)
 // One invocation: sixteen columns of SEGMENT rows, downwards; a row enters the sums as another leaves them.
 // Border: rows are clamped into the image, before gx is taken and within it; the gray image is continued.
+// With: common
 // Reference: src/reference/filters/texture.rs
 
 @group(0) @binding(2) var gray: texture_storage_2d<rgba32uint, read>;

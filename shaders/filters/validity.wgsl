@@ -1,8 +1,9 @@
-// validity: a disparity stays if its pixel has content, and the pixels of the other view have it that it leads to: columns
+// validity: a disparity is kept if its pixel has content, and so have the pixels of the other view that it points to: columns
 //   floor(P / 16) and ceil(P / 16), P = 16 x - disparity in the left view and 16 x + disparity in the right one.
 // map (i16), contents (a bit a pixel, rows of whole words; the left view, then the right one) -> valid (i16)
 // One invocation: four words, eight pixels of a row.
-// Border: the content is continued by it.
+// Border: the content of the border pixels is repeated.
+// With: common
 // Reference: src/reference/filters/validity.rs
 
 @group(0) @binding(2) var<storage, read> map: array<vec4<u32>>;

@@ -2,7 +2,8 @@
 //   gray from the middle one; the 25 lie SPACING rows and columns apart.
 // map (i16, in a texture), gray (u8, of the left image, in a texture) -> filtered (i16)
 // One invocation: four words, eight pixels of a row.
-// Border: what lies outside the image has no weight, nor has what is invalid; an invalid pixel stays so.
+// Border: pixels outside the image and invalid ones have no weight; an invalid pixel stays invalid.
+// With: map_octet, common
 // Reference: src/reference/filters/weighted_median.rs
 
 @group(0) @binding(3) var<storage, read_write> filtered: array<vec4<u32>>;

@@ -2,6 +2,7 @@
 // source (16-bit samples as uploaded, FORMAT, in a texture) -> gray (u16, eight pixels a vector, 2 gray_stride vectors a
 //   row). Value j of a row is column j - 16; the image is continued by its border.
 // One invocation: one vector, eight pixels of a row.
+// With: samples, bytes, common
 // Reference: src/reference/images/gray.rs
 
 @group(0) @binding(3) var<storage, read_write> gray: array<vec4<u32>>;

@@ -2,6 +2,7 @@
 // source (samples as uploaded, FORMAT, in a texture) -> gray (u8, sixteen pixels a vector, gray_stride vectors a row)
 //   Byte j of a row is column j - 16; the image is continued by its border, so that what follows needs no clamping.
 // One invocation: one vector, sixteen pixels of a row.
+// With: samples, bytes, common
 // Reference: src/reference/images/gray.rs
 
 @group(0) @binding(3) var<storage, read_write> gray: array<vec4<u32>>;

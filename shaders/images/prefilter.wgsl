@@ -5,6 +5,7 @@
 //   Byte j of a row is column j - lead, or if it is mirrored column lead - j: rising disparities then lie at rising
 //   addresses.
 // One invocation: one vector of a row of the plane. Border: rows are clamped into the image, columns are continued.
+// With: root, gray_pixels, plane_layout, bytes, common
 // Reference: src/reference/images/prefilter.rs
 
 @group(0) @binding(3) var<storage, read> sums: array<u32>;

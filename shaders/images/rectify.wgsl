@@ -2,6 +2,7 @@
 // source (samples as uploaded, FORMAT, in a texture), positions (1/256 px, column and row a pixel) -> rectified (as source)
 // One invocation: sixteen bytes. Behind the last pixel: zeros.
 // Border: outside the source all samples are 0.
+// With: common
 // Reference: src/reference/images/rectify.rs
 
 @group(0) @binding(2) var source: texture_storage_2d<rgba32uint, read>;

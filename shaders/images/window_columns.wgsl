@@ -2,6 +2,7 @@
 // image (u8 or u16, in a texture) -> columns (u32, [y][x])
 // One invocation: four columns, SEGMENT rows downwards; a row enters the sum as another leaves it.
 // Border: rows are clamped into the image.
+// With: gray_pixels, bytes, common
 // Reference: src/reference/images/window_sums.rs
 
 @group(0) @binding(3) var<storage, read_write> columns: array<u32>;

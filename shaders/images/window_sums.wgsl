@@ -2,6 +2,7 @@
 // columns (u32, [y][x], the sums of columns) -> sums (u32, [y][x])
 // One invocation: SEGMENT pixels of a row, to the right; a column enters the sum as another leaves it.
 // Border: columns are clamped into the image.
+// With: common
 // Reference: src/reference/images/window_sums.rs
 
 @group(0) @binding(2) var<storage, read> columns: array<u32>;

@@ -2,6 +2,8 @@
 // a texture or a buffer (`unit_at` of `intake_texture` or `intake_buffer`) -> source (rgba32uint)
 //   A unit is a pixel, or half of one of 8 bytes: BITS.
 // One invocation: one texel. Behind the last pixel: zeros.
+// With: common
+// Chosen: intake_*
 // Reference: src/image.rs
 
 @group(0) @binding(2) var source: texture_storage_2d<rgba32uint, write>;

@@ -1,5 +1,7 @@
-// surface_draw: what `shown_at` says of each pixel, drawn into the caller's texture.
-// One triangle that covers the target; one fragment: one pixel.
+// surface_draw: the value that `shown_at` gives for each pixel, drawn into the caller's texture.
+// One triangle covers the target. One fragment: one pixel.
+// With: common
+// Chosen: surface_*
 // Reference: src/color.rs, src/image.rs
 
 @vertex

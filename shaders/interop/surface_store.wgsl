@@ -1,5 +1,7 @@
-// surface_store: what `shown_at` says of each pixel, stored in the caller's texture, which cannot be drawn to.
+// surface_store: the value that `shown_at` gives for each pixel, stored in the caller's texture, which cannot be drawn to.
 // One invocation: one pixel.
+// With: common
+// Chosen: surface_*
 // Reference: src/color.rs, src/image.rs
 
 @group(0) @binding(4) var shown: Target;

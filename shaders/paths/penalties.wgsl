@@ -2,6 +2,7 @@
 //   q the pixel before p in the row; P2 where that lies outside.
 // gray (u8, in a texture) -> penalties (u8, rows of a vector more than the image has)
 // One invocation: sixteen pixels of a row. Border: none.
+// With: intensity_steps, common
 // Reference: src/reference/paths/penalties.rs
 
 @compute @workgroup_size(LANES)

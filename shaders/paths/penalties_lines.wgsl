@@ -2,6 +2,7 @@
 //   side it goes on at the other one; there, and in the first rows, q lies outside.
 // gray (u8, in a texture) -> penalties (u8, [place / 16][row of entry][line][place % 16]; a line is named by its column there)
 // One invocation: sixteen pixels of a line. Border: places behind the last one repeat the last row.
+// With: intensity_steps, common
 // Reference: src/reference/paths/penalties.rs
 
 // The image's rows begin with column -16.

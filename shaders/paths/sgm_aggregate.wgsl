@@ -5,6 +5,8 @@
 // MEMBERS invocations: one path through the band; the state stays packed in registers. A diagonal path that leaves the image
 //   at a side enters again on the other one as a new path, so that all invocations take as many steps.
 // carry_in, carry_out (u8, [x][d]): L of the last row of the band before and of this band, for paths that cross bands.
+// With: path_step, common
+// Chosen: shared_path*, volume*, cost_*, penalty_*
 // Reference: src/reference/paths/sgm_aggregate.rs
 
 const BACKWARDS: bool = false;

@@ -2,6 +2,8 @@
 // columns (u16 or u32, [y][x + r][d]), with ncc statistics ([y][left, then right blocks]) -> left_map, right_map (i16)
 // MEMBERS invocations: one row of the band, from right to left; a column enters the sum as another leaves it.
 // Border: the columns reach beyond it.
+// With: column_sums, costs, winner_row, refinement, common
+// Chosen: shared_path*, sums*, block_costs_*
 // Reference: src/reference/winner/block_match.rs
 
 // As in winner.wgsl: addresses fall all the way.

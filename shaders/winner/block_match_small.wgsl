@@ -4,6 +4,7 @@
 //   the rows. The right pixels that the disparities are compared with stay in registers and move down by one disparity
 //   a step: those of the column that enters the block, and those of the column that leaves it.
 // Border: rows are clamped into the image, columns by the planes.
+// With: refinement, common
 // Reference: src/reference/winner/block_match.rs
 
 @group(0) @binding(2) var left: texture_storage_2d<r32uint, read>;

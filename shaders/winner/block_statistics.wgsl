@@ -3,6 +3,7 @@
 //   Left blocks from column 0 on; right ones leftwards, from what the last column sees at the smallest disparity.
 // One invocation: four neighbouring blocks, SEGMENT rows downwards; a row enters the sums as another leaves them.
 // Border: rows are clamped into the image, columns by the planes.
+// With: root, common
 // Reference: src/reference/winner/block_statistics.rs
 
 @group(0) @binding(2) var<storage, read> plane: array<u32>;

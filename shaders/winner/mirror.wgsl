@@ -1,6 +1,7 @@
 // mirror: a map with each row reversed.
 // map (i16) -> mirrored (i16)
 // One invocation: four words, eight pixels of a row. Border: what lies beyond a row is its last pixel, and never used.
+// With: common
 // Reference: src/reference/winner/mirror.rs
 
 @group(0) @binding(2) var<storage, read> map: array<u32>;

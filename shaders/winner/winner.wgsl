@@ -3,6 +3,8 @@
 //   The leftward direction of sgm_aggregate is walked here, so its T is never stored. PAIRED volumes hold two
 //   directions each, the i-th in buffer i % 3; `forward` holds the rightward one.
 // MEMBERS invocations: one row of the band, from right to left.
+// With: path_step, winner_row, refinement, costs, common
+// Chosen: shared_path*, volume*, cost_*, penalty_*
 // Reference: src/reference/winner/winner.rs, src/reference/paths/sgm_aggregate.rs
 
 // A row is walked backwards, and so is a pixel by its members: then addresses fall all the way, which CPUs foresee.

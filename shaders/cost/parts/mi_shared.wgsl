@@ -1,4 +1,4 @@
-// Appended to the kernels that know the mutual information of a left value and four right ones, lg P(l, r) - lg P(l) -
+// Appended to the kernels that need the mutual information of a left value and four right ones, lg P(l, r) - lg P(l) -
 // lg P(r), from the smoothed logarithms of both tables.
 fn shared_by(l: u32, four: u32, logarithms: vec4<u32>) -> vec4<i32> {
     let left = (marginals[l / 4u][l % 4u] + 32u) >> 6u;

@@ -1,4 +1,4 @@
-// Appended to the kernels that compare pixels: what the table of `mi_table` says of two values, four entries a texel.
+// Appended to the kernels that compare pixels: the entry of the table of `mi_table` for two values, four entries a texel.
 @group(0) @binding(5) var table: texture_storage_2d<r32uint, read>;
 
 fn pixel_costs(left: Pixel, right: Window) -> vec4<u32> {

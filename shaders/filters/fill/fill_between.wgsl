@@ -1,6 +1,7 @@
 // fill_between: an invalid pixel takes the smaller of the two nearest values of its row or column, or the only one.
 // map (i16, in a texture), nearest (i16, of fill_rows or fill_lines), seen (a bit a pixel) -> filled (i16)
 // One invocation: four words, eight pixels of a row.
+// With: map_octet, common
 // Reference: src/reference/filters/fill.rs
 
 @group(0) @binding(3) var<storage, read> nearest: array<vec4<u32>>;

@@ -1,7 +1,8 @@
 // fill_rays: an invalid pixel takes the median of the nearest values on eight rays, the lower one of an even number; where
-//   dispatch.occlusions is 1 and no right pixel leads to it, the second lowest.
+//   dispatch.occlusions is 1 and no right pixel points to it, the second lowest.
 // map (i16, in a texture), nearest (i16, of fill_rows and fill_lines), seen (a bit a pixel) -> filled (i16)
 // One invocation: four words, eight pixels of a row.
+// With: map_octet, common
 // Reference: src/reference/filters/fill.rs
 
 @group(0) @binding(3) var<storage, read> along: array<u32>;

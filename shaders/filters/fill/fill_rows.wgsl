@@ -1,6 +1,7 @@
 // fill_rows: for each pixel the nearest valid value of its row on the left, itself included, and on the right. Clears seen.
 // map (i16, in a texture) -> nearest (i16, eight on the left and eight on the right in turns), seen (a bit a pixel)
-// One invocation: a row, one way.
+// One invocation: a row in one direction.
+// With: map_octet, common
 // Reference: src/reference/filters/fill.rs
 
 @group(0) @binding(3) var<storage, read_write> nearest: array<vec4<u32>>;

@@ -1,6 +1,7 @@
-// fill_seen: the left pixels at which a right pixel's disparity, or one that differs by fill_max_difference, leads to it.
+// fill_seen: the left pixels that a right pixel's disparity, or one that differs by at most fill_max_difference, points to.
 // right_map (i16) -> seen (a bit a pixel, map_stride / 4 words a row), cleared before
 // One invocation: four words, eight right pixels.
+// With: common
 // Reference: src/reference/filters/fill.rs
 
 @group(0) @binding(2) var<storage, read> right_map: array<vec4<u32>>;

@@ -1,6 +1,8 @@
 // speckle: regions of at most speckle_window pixels become invalid; neighbours of a region differ by at most speckle_range.
 // map (i16, in a texture), trees (u32, of speckle_count) -> filtered (i16)
 // One invocation: four words, eight pixels of a row.
+// With: speckle_root, speckle_joins, map_octet, common
+// Chosen: speckle_trees, speckle_parts
 // Reference: src/reference/filters/speckle.rs
 
 @group(0) @binding(FILTERED) var<storage, read_write> filtered: array<vec4<u32>>;

@@ -1,6 +1,8 @@
 // speckle_count: the pixels of each region, counted at its root until they are more than the window.
 // map (i16, in a texture), trees (u32) -> trees (at a root the count; of the first pixel of a run of eight: the root)
 // One invocation: eight pixels of a row.
+// With: speckle_root, speckle_joins, map_octet, common
+// Chosen: speckle_trees, speckle_parts
 // Reference: src/reference/filters/speckle.rs
 
 @compute @workgroup_size(LANES)

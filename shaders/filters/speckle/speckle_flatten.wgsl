@@ -1,7 +1,9 @@
 // speckle_flatten: after speckle_link, all pixels on the ways from the border's pixels to a root get it as their parent.
 //   So a tree is one deeper after each border at most.
 // map (i16, in a texture), trees (u32) -> trees
-// One invocation: as speckle_link.
+// One invocation: as in speckle_link.
+// With: speckle_root, speckle_joins, map_octet, common
+// Chosen: speckle_trees, speckle_parts
 // Reference: src/reference/filters/speckle.rs
 
 fn flatten(pixel: u32, root: u32) {

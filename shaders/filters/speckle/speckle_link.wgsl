@@ -2,6 +2,8 @@
 //   larger number gets a parent with a smaller one. So a region's root is its first pixel, whatever the order.
 // map (i16, in a texture), trees (u32) -> trees
 // One invocation: eight pixels of the last row of a band, and those below them.
+// With: speckle_root, speckle_joins, map_octet, common
+// Chosen: speckle_trees, speckle_parts
 // Reference: src/reference/filters/speckle.rs
 
 @compute @workgroup_size(LANES)

@@ -1,6 +1,7 @@
-// speckle_rows: the tree of each run: its first pixel is the root of the others; a run is what is joined along a row.
+// speckle_rows: the tree of each run: its first pixel is the root of the others; a run is joined along a row.
 // map (i16, in a texture) -> trees (u32 a pixel: of a root 2^31 and a count, else the number of a pixel of its region)
 // One invocation: a row.
+// With: speckle_joins, map_octet, common
 // Reference: src/reference/filters/speckle.rs
 
 @group(0) @binding(3) var<storage, read_write> trees: array<vec4<u32>>;

@@ -2,6 +2,7 @@
 // values -> filtered (i16)
 // One invocation: a word, two pixels of a row.
 // Border: none.
+// With: common
 // Reference: src/reference/filters/wls.rs
 
 @group(0) @binding(2) var<storage, read> values: array<vec2<u32>>;

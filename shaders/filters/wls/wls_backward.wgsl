@@ -2,6 +2,7 @@
 // values, shares, carry (the mean in the rows below) -> values, carry
 // One invocation: a row or a column, from its end.
 // Border: the last pixel of a line keeps its value.
+// With: wls_line, common
 // Reference: src/reference/filters/wls.rs
 
 @compute @workgroup_size(LANES)

@@ -3,6 +3,7 @@
 // carry (the mean and the weight in the rows above) -> carry
 // One invocation: a row or a column.
 // Border: the first pixel of a line has none before it, the last one none after it.
+// With: wls_line, common
 // Reference: src/reference/filters/wls.rs
 
 @group(0) @binding(5) var gray: texture_storage_2d<rgba32uint, read>;

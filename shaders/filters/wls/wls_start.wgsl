@@ -2,6 +2,7 @@
 // map (i16, in a texture) -> values
 // One invocation: four words, eight pixels of a row.
 // Border: none.
+// With: common
 // Reference: src/reference/filters/wls.rs
 
 @group(0) @binding(2) var map: texture_storage_2d<rgba32uint, read>;

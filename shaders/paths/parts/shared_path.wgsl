@@ -1,4 +1,5 @@
-// Appended to the kernels whose disparities MEMBERS neighbouring invocations share, each owning OWN_QUADS vectors of 16.
+// Appended to the kernels that walk paths or rows: MEMBERS neighbouring invocations, its members, share a path. Each owns
+// OWN_QUADS vectors of 16 of a pixel's disparities. A fragment shared_path_* says how they exchange values.
 
 // Above every value that is compared, with room for a penalty.
 const NONE: u32 = 0xffffff00u;

@@ -1,4 +1,4 @@
-// Appended to the kernels whose disparities members share: here each invocation has all of them to itself.
+// Appended with shared_path where a path has one member, which owns all disparities.
 const BARRIERS: bool = false;
 const member: u32 = 0u;
 

@@ -1,6 +1,6 @@
-// Appended to the kernels whose disparities members share: neighbours in a subgroup, which hand values to each other.
-// That invocations of a one-dimensional workgroup are numbered in a subgroup as in the workgroup, WGSL does not promise,
-// but devices do so; --check would tell.
+// Appended with shared_path where the members of a path are neighbours in a subgroup and exchange values by shuffles.
+// WGSL does not promise that a subgroup numbers the invocations of a one-dimensional workgroup in the workgroup's order.
+// Devices do, and --check would report one that does not.
 const BARRIERS: bool = false;
 var<private> member: u32;
 

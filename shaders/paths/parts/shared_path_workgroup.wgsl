@@ -1,6 +1,6 @@
-// Appended to the kernels whose disparities members share: neighbours in a workgroup, which leave values in its memory.
-// Two sets of places in turns: a barrier later, all have read what the set before held.
-// Every invocation of a workgroup must come here, the same number of times.
+// Appended with shared_path where the members of a path exchange values through workgroup memory. Two sets of places take
+// turns: once a barrier is passed, every invocation has read the other set. Every invocation of a workgroup must call
+// `deposit` equally often.
 const BARRIERS: bool = true;
 var<workgroup> places: array<vec3<u32>, 2u * LANES>;
 var<private> member: u32;

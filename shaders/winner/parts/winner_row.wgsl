@@ -1,5 +1,6 @@
 // Appended to the kernels that walk a row from right to left and choose the winner: uniqueness, subpixel, its margin for
-// the confidence (u16, as a map behind the right one) and the right view. The walk starts and ends outside the image where a minimum disparity other than 0 shifts the right view.
+// the confidence (u16, as a map behind the right one) and the right view. The walk starts or ends outside the image where a
+// minimum disparity other than 0 shifts the right view.
 // Reference: src/reference/winner/winner.rs
 //
 // A candidate is the key cost << 12 | d: the smallest key is the smallest cost, and of those the smallest disparity.
