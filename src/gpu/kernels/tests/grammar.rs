@@ -2,7 +2,7 @@
 //! another way: operators that WGSL's grammar does not let stand side by side, and variables of a loop without an initial
 //! value, which SPIR-V does not set to zero again in each round.
 
-use super::*;
+use super::specialisations::every_text;
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 enum Token<'a> {

@@ -2,11 +2,16 @@
 //! one that does nothing: as many as lavapipe lets an invocation take, less those that the kernel is said to need. If it needs
 //! more, lavapipe leaves its loops early, and the result is wrong. On other drivers nothing is limited, and nothing is shown.
 
-use naga::{BinaryOperator, Expression, Function, Handle, Module, Statement};
+use wgpu::naga::{self, BinaryOperator, Expression, Function, Handle, Module, Statement};
 
-use super::*;
+use super::settings::{Setup, depth, five, wls};
+use super::specialisations::{PLAN, parse, plans, texts};
+use super::support;
 use crate::gpu::edits::with_edit;
+use crate::gpu::kernels::KERNELS;
+use crate::gpu::plan::Plan;
 use crate::gpu::rounds::{MOST, MOST_SIDE, rounds};
+use crate::{Cost, Fill, Params, Paths, Prefilter, Schedule, StereoMatcher, Subpixel};
 
 /// The text of a kernel that spends rounds first.
 fn spending(spent: u32, text: &str) -> String {

@@ -2,9 +2,12 @@
 //! constant once the loops are unrolled; one other index, and the array lies in memory, 2 to 5 times slower on lavapipe
 //! (docs/PERFORMANCE.md). So the text of every specialised kernel is searched for such an index.
 
-use naga::{Expression, Function, Handle, Module, Statement, TypeInner};
+use wgpu::naga::{self, Expression, Function, Handle, Module, Statement, TypeInner};
 
-use super::*;
+use std::collections::{BTreeMap, BTreeSet};
+
+use super::specialisations::{parse, texts};
+use crate::gpu::kernels::KERNELS;
 use crate::gpu::plan::MOST_TRIPS;
 
 /// The local variables that count a loop from below to a constant.

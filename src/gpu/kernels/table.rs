@@ -1,0 +1,193 @@
+//! The table: a row a kernel, with its files and what it is bound to.
+
+use crate::gpu::plan::{Exchange, GROUP_LANES, Plan, STRIP_LANES};
+use crate::params::{Cost, Params};
+
+/// What a kernel does with a storage resource.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum Access {
+    Read,
+    Write,
+    /// A texture of this format, read as a storage texture.
+    Texels(wgpu::TextureFormat),
+    /// The cost, read as the plan has it: from a texture or from its buffer.
+    Costs,
+    /// What pairs of values cost: there only for [`Cost::MutualInformation`].
+    Table,
+    /// The penalties of the pixels, where the plan has them.
+    Penalties,
+    /// The trees of the speckle filter, written: one binding, or its parts.
+    Trees,
+}
+use Access::{Costs, Penalties, Read, Table, Texels, Trees, Write};
+
+/// Fragments of which the plan or the settings choose some.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum Choice {
+    /// How invocations share the disparities of a pixel.
+    SharedPath,
+    /// How many disparities a load or store moves, and where the cost is read.
+    Volumes,
+    /// Where P2 comes from.
+    Penalty,
+    /// How pixels are compared, as bytes.
+    PixelCosts,
+    /// How pixels are compared, as values of 16 bits.
+    PixelPairs,
+    /// How wide the sums of columns are.
+    Sums,
+    /// What block matching makes of a block's sum.
+    BlockCosts,
+    /// Whether the trees of the speckle filter are in one binding.
+    Trees,
+}
+
+/// Texels of 4 bytes.
+const WORD: Access = Texels(wgpu::TextureFormat::R32Uint);
+const QUAD: Access = Texels(wgpu::TextureFormat::Rgba32Uint);
+
+/// A row of the table.
+#[derive(Debug)]
+pub(crate) struct Kernel {
+    /// Its name: of its file and its label.
+    pub(crate) name: &'static str,
+    /// The stage that it computes: the name of its reference, its timing and its row of a check.
+    pub(crate) stage: &'static str,
+    /// The kernel and the fragments appended to it.
+    pub(crate) sources: &'static [&'static str],
+    /// The fragments appended after these.
+    pub(crate) choices: &'static [Choice],
+    /// Invocations a workgroup, along x.
+    pub(super) lanes: u32,
+    /// The storage resources from binding 2 on; 0 and 1 are the uniform blocks.
+    pub(crate) storage: &'static [Access],
+}
+
+macro_rules! wgsl {
+    ($($file:literal),+) => { &[$(include_str!(concat!("../../../shaders/", $file, ".wgsl"))),+] };
+}
+
+const PATHS: &[Choice] = &[Choice::SharedPath, Choice::Volumes, Choice::Penalty];
+
+#[rustfmt::skip]
+pub(crate) const KERNELS: &[Kernel] = &[
+    Kernel { name: "rectify", stage: "rectify", lanes: 64, sources: wgsl!("images/rectify", "shared/common"), choices: &[], storage: &[QUAD, Read, Write] },
+    Kernel { name: "gray", stage: "gray", lanes: 64, sources: wgsl!("images/gray", "images/parts/samples", "shared/bytes", "shared/common"), choices: &[], storage: &[QUAD, Write] },
+    Kernel { name: "deep_gray", stage: "gray", lanes: 64, sources: wgsl!("images/deep_gray", "images/parts/samples", "shared/bytes", "shared/common"), choices: &[], storage: &[QUAD, Write] },
+    Kernel { name: "window_columns", stage: "window_sums", lanes: 64, sources: wgsl!("images/window_columns", "images/parts/gray_pixels", "shared/bytes", "shared/common"), choices: &[], storage: &[QUAD, Write] },
+    Kernel { name: "window_sums", stage: "window_sums", lanes: 64, sources: wgsl!("images/window_sums", "shared/common"), choices: &[], storage: &[Read, Write] },
+    Kernel { name: "prefilter", stage: "prefilter", lanes: 64, sources: wgsl!("images/prefilter", "shared/root", "images/parts/gray_pixels", "images/parts/plane_layout", "shared/bytes", "shared/common"), choices: &[], storage: &[QUAD, Read, Write] },
+    Kernel { name: "descriptors", stage: "descriptors", lanes: 64, sources: wgsl!("cost/descriptors", "images/parts/gray_pixels", "images/parts/plane_layout", "shared/bytes", "shared/common"), choices: &[], storage: &[QUAD, Read, Write] },
+    Kernel { name: "penalties", stage: "penalties", lanes: 64, sources: wgsl!("paths/penalties", "paths/parts/intensity_steps", "shared/common"), choices: &[], storage: &[QUAD, Write] },
+    Kernel { name: "penalties_lines", stage: "penalties", lanes: 64, sources: wgsl!("paths/penalties_lines", "paths/parts/intensity_steps", "shared/common"), choices: &[], storage: &[QUAD, Write] },
+    Kernel { name: "halve", stage: "halve", lanes: 64, sources: wgsl!("images/halve", "images/parts/values", "shared/common"), choices: &[], storage: &[QUAD, Write] },
+    Kernel { name: "mi_histogram", stage: "mi_histogram", lanes: 64, sources: wgsl!("cost/mi_histogram", "images/parts/values", "shared/common"), choices: &[], storage: &[QUAD, QUAD, Read, Write] },
+    Kernel { name: "mi_smooth", stage: "mi_table", lanes: 64, sources: wgsl!("cost/mi_smooth", "shared/common"), choices: &[], storage: &[Read, Write] },
+    Kernel { name: "mi_marginals", stage: "mi_table", lanes: 64, sources: wgsl!("cost/mi_marginals", "shared/common"), choices: &[], storage: &[Read, Write] },
+    Kernel { name: "mi_range", stage: "mi_table", lanes: 256, sources: wgsl!("cost/mi_range", "cost/parts/mi_shared", "shared/common"), choices: &[], storage: &[Read, Read, Write] },
+    Kernel { name: "mi_table", stage: "mi_table", lanes: 64, sources: wgsl!("cost/mi_table", "cost/parts/mi_shared", "shared/common"), choices: &[], storage: &[Read, Read, Read, Write] },
+    Kernel { name: "cost_columns", stage: "cost_columns", lanes: 128, sources: wgsl!("cost/cost_columns", "cost/parts/differences", "shared/common"), choices: &[Choice::PixelPairs, Choice::Sums], storage: &[Read, Read, Write, Table] },
+    Kernel { name: "matching_cost", stage: "matching_cost", lanes: 32, sources: wgsl!("cost/matching_cost", "cost/parts/column_sums", "cost/parts/differences", "cost/parts/quantise", "shared/common"), choices: &[Choice::Sums], storage: &[Read, Write] },
+    Kernel { name: "matching_cost_pixels", stage: "matching_cost", lanes: 32, sources: wgsl!("cost/matching_cost_pixels", "cost/parts/right_bytes", "cost/parts/differences", "cost/parts/quantise", "shared/common"), choices: &[Choice::PixelCosts], storage: &[WORD, WORD, Write, Table] },
+    Kernel { name: "matching_cost_parallel", stage: "matching_cost", lanes: 128, sources: wgsl!("cost/matching_cost_parallel", "cost/parts/differences", "cost/parts/quantise", "shared/common"), choices: &[Choice::PixelCosts], storage: &[Read, Read, Write, Table] },
+    Kernel { name: "matching_cost_small", stage: "matching_cost", lanes: 32, sources: wgsl!("cost/matching_cost_small", "cost/parts/right_bytes", "cost/parts/differences", "cost/parts/quantise", "shared/common"), choices: &[Choice::PixelCosts], storage: &[WORD, WORD, Write, Table] },
+    Kernel { name: "sgm_aggregate", stage: "sgm_aggregate", lanes: STRIP_LANES, sources: wgsl!("paths/sgm_aggregate", "paths/parts/path_step", "shared/common"), choices: PATHS, storage: &[Costs, Write, Read, Write, Penalties] },
+    Kernel { name: "winner", stage: "winner", lanes: STRIP_LANES, sources: wgsl!("winner/winner", "paths/parts/path_step", "winner/parts/winner_row", "winner/parts/refinement", "winner/parts/costs", "shared/common"), choices: PATHS, storage: &[Costs, Read, Read, Read, Read, Write, Write, Penalties] },
+    Kernel { name: "block_statistics", stage: "block_statistics", lanes: 32, sources: wgsl!("winner/block_statistics", "shared/root", "shared/common"), choices: &[], storage: &[Read, Write] },
+    Kernel { name: "block_match", stage: "block_match", lanes: 32, sources: wgsl!("winner/block_match", "cost/parts/column_sums", "winner/parts/costs", "winner/parts/winner_row", "winner/parts/refinement", "shared/common"), choices: &[Choice::SharedPath, Choice::Sums, Choice::BlockCosts], storage: &[Read, Write, Write, Read] },
+    Kernel { name: "block_match_small", stage: "block_match", lanes: 8, sources: wgsl!("winner/block_match_small", "winner/parts/refinement", "shared/common"), choices: &[], storage: &[WORD, WORD, Write, Write] },
+    Kernel { name: "texture_columns", stage: "texture", lanes: 32, sources: wgsl!("filters/texture_columns", "shared/common"), choices: &[], storage: &[QUAD, Write] },
+    Kernel { name: "texture", stage: "texture", lanes: 64, sources: wgsl!("filters/texture", "shared/common"), choices: &[], storage: &[Read, Read, Write] },
+    Kernel { name: "mirror", stage: "mirror", lanes: 32, sources: wgsl!("winner/mirror", "shared/common"), choices: &[], storage: &[Read, Write] },
+    Kernel { name: "validity", stage: "validity", lanes: 32, sources: wgsl!("filters/validity", "shared/common"), choices: &[], storage: &[Read, Read, Write] },
+    Kernel { name: "lr_check", stage: "lr_check", lanes: 32, sources: wgsl!("filters/lr_check", "shared/common"), choices: &[], storage: &[Read, Read, Write] },
+    Kernel { name: "speckle_rows", stage: "speckle", lanes: 8, sources: wgsl!("filters/speckle/speckle_rows", "filters/speckle/parts/speckle_joins", "filters/parts/map_octet", "shared/common"), choices: &[], storage: &[QUAD, Write] },
+    Kernel { name: "speckle_link", stage: "speckle", lanes: 32, sources: wgsl!("filters/speckle/speckle_link", "filters/speckle/parts/speckle_root", "filters/speckle/parts/speckle_joins", "filters/parts/map_octet", "shared/common"), choices: &[Choice::Trees], storage: &[QUAD, Trees] },
+    Kernel { name: "speckle_flatten", stage: "speckle", lanes: 32, sources: wgsl!("filters/speckle/speckle_flatten", "filters/speckle/parts/speckle_root", "filters/speckle/parts/speckle_joins", "filters/parts/map_octet", "shared/common"), choices: &[Choice::Trees], storage: &[QUAD, Trees] },
+    Kernel { name: "speckle_count", stage: "speckle", lanes: 32, sources: wgsl!("filters/speckle/speckle_count", "filters/speckle/parts/speckle_root", "filters/speckle/parts/speckle_joins", "filters/parts/map_octet", "shared/common"), choices: &[Choice::Trees], storage: &[QUAD, Trees] },
+    Kernel { name: "speckle", stage: "speckle", lanes: 32, sources: wgsl!("filters/speckle/speckle", "filters/speckle/parts/speckle_root", "filters/speckle/parts/speckle_joins", "filters/parts/map_octet", "shared/common"), choices: &[Choice::Trees], storage: &[QUAD, Trees, Write] },
+    Kernel { name: "fill_rows", stage: "fill", lanes: 8, sources: wgsl!("filters/fill/fill_rows", "filters/parts/map_octet", "shared/common"), choices: &[], storage: &[QUAD, Write, Write] },
+    Kernel { name: "fill_lines", stage: "fill", lanes: 8, sources: wgsl!("filters/fill/fill_lines", "shared/bytes", "filters/parts/map_octet", "shared/common"), choices: &[], storage: &[QUAD, Write, Write] },
+    Kernel { name: "fill_seen", stage: "fill", lanes: 32, sources: wgsl!("filters/fill/fill_seen", "shared/common"), choices: &[], storage: &[Read, Write] },
+    Kernel { name: "fill_between", stage: "fill", lanes: 32, sources: wgsl!("filters/fill/fill_between", "filters/parts/map_octet", "shared/common"), choices: &[], storage: &[QUAD, Read, Read, Write] },
+    Kernel { name: "fill_rays", stage: "fill", lanes: 32, sources: wgsl!("filters/fill/fill_rays", "filters/parts/map_octet", "shared/common"), choices: &[], storage: &[QUAD, Read, Read, Read, Read, Read, Write] },
+    Kernel { name: "confidence", stage: "confidence", lanes: 64, sources: wgsl!("filters/confidence", "shared/common"), choices: &[], storage: &[Read, Read, Write] },
+    Kernel { name: "depth", stage: "depth", lanes: 64, sources: wgsl!("filters/depth", "shared/common"), choices: &[], storage: &[Read, Write] },
+    Kernel { name: "median", stage: "median", lanes: 64, sources: wgsl!("filters/median", "filters/parts/map_octet", "filters/parts/invalidate_outside", "shared/common"), choices: &[], storage: &[QUAD, Write] },
+    Kernel { name: "median_five", stage: "median", lanes: 64, sources: wgsl!("filters/median_five", "filters/parts/map_octet", "filters/parts/invalidate_outside", "shared/common"), choices: &[], storage: &[QUAD, Write] },
+    Kernel { name: "weighted_median", stage: "weighted_median", lanes: 64, sources: wgsl!("filters/weighted_median", "filters/parts/map_octet", "shared/common"), choices: &[], storage: &[QUAD, Write, QUAD] },
+    Kernel { name: "wls_start", stage: "wls", lanes: 64, sources: wgsl!("filters/wls/wls_start", "shared/common"), choices: &[], storage: &[QUAD, Write] },
+    Kernel { name: "wls_forward", stage: "wls", lanes: 8, sources: wgsl!("filters/wls/wls_forward", "filters/wls/parts/wls_line", "shared/common"), choices: &[], storage: &[Write, Write, Write, QUAD, Read] },
+    Kernel { name: "wls_backward", stage: "wls", lanes: 8, sources: wgsl!("filters/wls/wls_backward", "filters/wls/parts/wls_line", "shared/common"), choices: &[], storage: &[Write, Write, Write] },
+    Kernel { name: "wls", stage: "wls", lanes: 64, sources: wgsl!("filters/wls/wls", "shared/common"), choices: &[], storage: &[Read, Write] },
+];
+
+impl Kernel {
+    /// Invocations a workgroup.
+    pub(crate) fn lanes(&self, plan: &Plan) -> u32 {
+        if plan.per_subgroup && self.choices.contains(&Choice::SharedPath) { GROUP_LANES } else { self.lanes }
+    }
+
+    /// Invocations that work on one line of the kernel.
+    pub(crate) fn members(&self, plan: &Plan) -> u32 {
+        if self.choices.contains(&Choice::SharedPath) { plan.members } else { 1 }
+    }
+
+    pub(crate) fn storage(&self, params: &Params, plan: &Plan) -> Vec<Access> {
+        let bound = |&access: &Access| match access {
+            Costs => vec![if plan.per_subgroup { Read } else { QUAD }],
+            Table if params.cost == Cost::MutualInformation => vec![WORD],
+            Penalties if plan.adaptive => vec![Read],
+            Table | Penalties => vec![],
+            Trees => vec![Trees; plan.parts() as usize],
+            access => vec![access],
+        };
+        self.storage.iter().flat_map(bound).collect()
+    }
+
+    /// All its WGSL but the constants.
+    pub(super) fn fragments(&self, params: &Params, plan: &Plan) -> Vec<&'static str> {
+        let pixel_costs = match params.cost {
+            Cost::Sad | Cost::ZeroMeanSad | Cost::SadXy => wgsl!("cost/parts/pixel_sad"),
+            Cost::Ncc => wgsl!("cost/parts/pixel_ncc"),
+            Cost::Ssd => wgsl!("cost/parts/pixel_ssd"),
+            Cost::MutualInformation => wgsl!("cost/parts/pixel_mi"),
+            Cost::BirchfieldTomasi => wgsl!("cost/parts/pixel_bt"),
+            Cost::Census | Cost::CensusSobel | Cost::AdCensus => wgsl!("cost/parts/pixel_census"),
+        };
+        let mut fragments = self.sources.to_vec();
+        for choice in self.choices {
+            let chosen: &[&str] = match choice {
+                Choice::SharedPath => match plan.exchange {
+                    Exchange::Alone => wgsl!("paths/parts/shared_path_alone", "paths/parts/shared_path"),
+                    Exchange::Subgroup => wgsl!("paths/parts/shared_path_subgroup", "paths/parts/shared_path"),
+                    Exchange::Workgroup => wgsl!("paths/parts/shared_path_workgroup", "paths/parts/shared_path"),
+                },
+                Choice::Volumes => match (plan.per_subgroup, plan.width) {
+                    (true, _) => wgsl!("paths/parts/volume16", "paths/parts/cost_buffer"),
+                    (false, 1) => wgsl!("paths/parts/volume16", "paths/parts/cost_texels"),
+                    (false, _) => wgsl!("paths/parts/volume32", "paths/parts/cost_texels"),
+                },
+                Choice::Penalty if plan.adaptive => wgsl!("paths/parts/penalty_lines"),
+                Choice::Penalty => wgsl!("paths/parts/penalty_fixed"),
+                Choice::PixelCosts => pixel_costs,
+                Choice::PixelPairs => {
+                    fragments.extend(pixel_costs);
+                    if params.pixel_max() <= 255 && !params.multiplies() {
+                        wgsl!("cost/parts/pixel_pairs")
+                    } else {
+                        &[]
+                    }
+                }
+                Choice::Sums if params.wide_sums() => wgsl!("cost/parts/sums32"),
+                Choice::Sums => wgsl!("cost/parts/sums16"),
+                Choice::BlockCosts if params.cost == Cost::Ncc => wgsl!("winner/parts/block_costs_ncc"),
+                Choice::BlockCosts => wgsl!("winner/parts/block_costs_sum"),
+                Choice::Trees if plan.part_bits.is_some() => wgsl!("filters/speckle/parts/speckle_parts"),
+                Choice::Trees => wgsl!("filters/speckle/parts/speckle_trees"),
+            };
+            fragments.extend(chosen);
+        }
+        fragments
+    }
+}

@@ -1,0 +1,169 @@
+//! Bindings and uniform blocks of the shaders agree with the table and with their Rust twins, by reflection.
+
+use std::mem::offset_of;
+
+use wgpu::naga;
+
+use super::specialisations::{PLAN, parse, specialisations_of};
+use crate::gpu::kernels::{Access, KERNELS, source};
+use crate::gpu::layout::{Frame, Pass};
+use crate::{Params, PixelFormat};
+
+/// Name, offset and kind of each member, and the size: of a Rust struct. A member left out does not compile.
+macro_rules! layout {
+    ($type:ident { $($field:ident),+ $(,)? }) => {{
+        let $type { $($field),+ } = $type::default();
+        let members = vec![$((
+            stringify!($field).to_string(),
+            offset_of!($type, $field) as u32,
+            std::any::type_name_of_val(&$field).to_string(),
+        )),+];
+        (members, size_of::<$type>() as u32)
+    }};
+}
+
+/// The same of a WGSL struct.
+fn reflected(module: &naga::Module, name: &str) -> (Vec<(String, u32, String)>, u32) {
+    let found = module.types.iter().find(|(_, ty)| ty.name.as_deref() == Some(name));
+    let Some((_, naga::Type { inner: naga::TypeInner::Struct { members, span }, .. })) = found else {
+        panic!("there is no struct {name}");
+    };
+    let kind = |member: &naga::StructMember| match module.types[member.ty].inner {
+        naga::TypeInner::Scalar(naga::Scalar::U32) => "u32".to_string(),
+        naga::TypeInner::Scalar(naga::Scalar::I32) => "i32".to_string(),
+        ref other => format!("{other:?}"),
+    };
+    let members = members.iter().map(|m| (m.name.clone().unwrap(), m.offset, kind(m))).collect();
+    (members, *span)
+}
+
+fn frame_layout() -> (Vec<(String, u32, String)>, u32) {
+    layout!(Frame {
+        width,
+        height,
+        min_disparity,
+        block_radius,
+        prefilter_cap,
+        cost_scale,
+        p1,
+        p2,
+        lr_max_difference,
+        gray_stride,
+        left_stride,
+        right_stride,
+        map_stride,
+        volume_stride,
+        map_words,
+        texture,
+        speckle_window,
+        speckle_range,
+        fill_max_difference,
+        depth_high,
+        depth_low,
+        depth_offset,
+        source_shift,
+    })
+}
+
+fn pass_layout() -> (Vec<(String, u32, String)>, u32) {
+    layout!(Pass {
+        first_row,
+        rows,
+        volume_row,
+        first_line,
+        lines,
+        shift,
+        dx,
+        dy,
+        carried,
+        accumulate,
+        channel,
+        mirrored,
+        lead,
+        stride,
+        first_plane,
+        window,
+        row_step,
+        occlusions,
+        reversed,
+        entry,
+        carry_from,
+        carry_to,
+        slot,
+        penalties_from,
+        penalties_line,
+        penalties_step,
+        place,
+        halvings,
+        narrowing,
+        prior,
+        logarithms,
+        side,
+        map_row,
+        planes_row,
+        planes_rows,
+    })
+}
+
+#[test]
+fn uniform_blocks_are_laid_out_as_their_rust_twins() {
+    for kernel in KERNELS {
+        let module = parse(kernel, &source(kernel, &Params::sgm(64), PixelFormat::Gray8, &PLAN));
+        assert_eq!(reflected(&module, "Frame"), frame_layout(), "Frame in WGSL (left) and Rust (right)");
+        assert_eq!(reflected(&module, "Dispatch"), pass_layout(), "Dispatch in WGSL (left) and Rust (right)");
+    }
+}
+
+/// The test of the test above: members that change places, and one of another kind.
+#[test]
+fn a_changed_uniform_block_is_noticed() {
+    let kernel = &KERNELS[0];
+    let text = source(kernel, &Params::sgm(64), PixelFormat::Gray8, &PLAN);
+    for (from, to) in [
+        ("    p1: u32,\n    p2: u32,\n", "    p2: u32,\n    p1: u32,\n"),
+        ("    min_disparity: i32,\n", "    min_disparity: u32,\n"),
+        ("    height: u32,\n", "    @align(16) height: u32,\n"),
+    ] {
+        let changed = text.replace(from, to);
+        assert_ne!(changed, text, "{from:?} is no longer in the text");
+        assert_ne!(reflected(&parse(kernel, &changed), "Frame"), frame_layout(), "{to:?} went unnoticed");
+    }
+}
+
+#[test]
+fn bindings_agree_with_the_table() {
+    for kernel in KERNELS {
+        for (params, format, plan) in specialisations_of(kernel).step_by(5) {
+            let module = parse(kernel, &source(kernel, &params, format, &plan));
+            let mut bindings: Vec<(u32, String)> = Vec::new();
+            for (_, variable) in module.global_variables.iter() {
+                let Some(at) = &variable.binding else { continue };
+                assert_eq!(at.group, 0, "{}: {:?}", kernel.name, variable.name);
+                let kind = match variable.space {
+                    naga::AddressSpace::Uniform => module.types[variable.ty].name.clone().unwrap_or_default(),
+                    naga::AddressSpace::Storage { access } if access == naga::StorageAccess::LOAD => "Read".into(),
+                    naga::AddressSpace::Storage { .. } => "Write".into(),
+                    naga::AddressSpace::Handle => match module.types[variable.ty].inner {
+                        naga::TypeInner::Image {
+                            class: naga::ImageClass::Storage { format: naga::StorageFormat::R32Uint, access },
+                            ..
+                        } if access == naga::StorageAccess::LOAD => "Texels(R32Uint)".into(),
+                        naga::TypeInner::Image {
+                            class: naga::ImageClass::Storage { format: naga::StorageFormat::Rgba32Uint, access },
+                            ..
+                        } if access == naga::StorageAccess::LOAD => "Texels(Rgba32Uint)".into(),
+                        ref other => format!("{other:?}"),
+                    },
+                    other => format!("{other:?}"),
+                };
+                bindings.push((at.binding, kind));
+            }
+            bindings.sort();
+            let written = |access| if access == Access::Trees { Access::Write } else { access };
+            let storage = kernel.storage(&params, &plan).into_iter().map(|access| format!("{:?}", written(access)));
+            let expected = ["Frame".to_string(), "Dispatch".to_string()].into_iter().chain(storage);
+            let expected: Vec<(u32, String)> = (0..).zip(expected).collect();
+            assert_eq!(bindings, expected, "{}: bindings in WGSL (left) and in the table (right)", kernel.name);
+        }
+    }
+}

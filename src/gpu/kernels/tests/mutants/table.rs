@@ -1,0 +1,291 @@
+//! The mutants.
+
+use crate::gpu::kernels::tests::settings::*;
+use crate::{Census, Cost, Fill, Params, Prefilter};
+
+/// A change to a shader, and settings that show it.
+pub(super) struct Mutant {
+    pub(super) kernel: &'static str,
+    pub(super) from: &'static str,
+    pub(super) to: &'static str,
+    pub(super) change: fn(&mut Params),
+}
+
+const fn mutant(kernel: &'static str, from: &'static str, to: &'static str, change: fn(&mut Params)) -> Mutant {
+    Mutant { kernel, from, to, change }
+}
+
+/// One rule a row: a weight, a rounding, a border, a tie, a penalty, a test of the winner.
+pub(super) const MUTANTS: &[Mutant] = &[
+    mutant("gray", "16384u", "0u", |_| ()),
+    mutant("gray", "3735u", "3734u", |_| ()),
+    mutant("gray", "frame.width) - 1)", "frame.width) - 2)", |_| ()),
+    mutant("prefilter", "low_bytes(-x)", "low_bytes(-x - 1)", |_| ()),
+    mutant("prefilter", "low_bytes(last - x)", "low_bytes(last - x + 2)", |_| ()),
+    mutant("prefilter", "frame.height) - 1)", "frame.height) - 2)", |_| ()),
+    mutant("prefilter", "dispatch.lead", "(dispatch.lead + 1)", |_| ()),
+    mutant("prefilter", "vec4(-128 * divisor)", "vec4(-12 * divisor)", |params| {
+        params.prefilter = Prefilter::Normalized
+    }),
+    mutant("prefilter", "4 * centre", "3 * centre", |params| params.prefilter = Prefilter::Normalized),
+    mutant("deep_gray", "vec4(x < 0)", "vec4(x < -8)", |_| ()),
+    mutant("window_columns", "dy < radius", "dy < radius - 1", |params| params.prefilter = Prefilter::Normalized),
+    mutant("window_columns", "frame.height) - 1)", "frame.height) - 2)", |params| {
+        params.prefilter = Prefilter::Normalized
+    }),
+    mutant("window_sums", "frame.width) - 1)", "frame.width) - 2)", |params| params.prefilter = Prefilter::Normalized),
+    mutant("descriptors", "~(a ^ b) & low_bits", "low_bits", |params| {
+        (params.cost, params.prefilter) = (Cost::Census, Prefilter::None);
+    }),
+    mutant("descriptors", "moved(other, -towards)", "moved(other, towards)", |params| {
+        params.cost = Cost::Census;
+        params.census = Census::CentreSymmetric;
+    }),
+    mutant("descriptors", "low_bytes(last - x)", "low_bytes(last - x + 2)", |params| params.cost = Cost::CensusSobel),
+    mutant("descriptors", "vec4(half)", "vec4(0)", |params| params.cost = Cost::ZeroMeanSad),
+    mutant("descriptors", "min(before, after)", "before", |params| params.cost = Cost::BirchfieldTomasi),
+    mutant("prefilter", "2 * cap", "2 * cap - 1", |params| params.prefilter = Prefilter::Sobel),
+    mutant("prefilter", "return root;", "return root + 1u;", |params| params.prefilter = Prefilter::Sobel),
+    mutant("halve", "+ 2u) >> 2u", "+ 1u) >> 2u", mutual),
+    mutant("halve", "dispatch.lines - 1u", "dispatch.lines - 2u", mutual),
+    mutant("mi_histogram", "+ 8) >> 4u", "+ 7) >> 4u", mutual),
+    mutant("mi_histogram", "value * i32(1u << dispatch.halvings)", "value", mutual),
+    mutant("mi_smooth", "6u * middle", "5u * middle", mutual),
+    mutant("mi_smooth", "fraction) * 11u", "fraction) * 9u", mutual),
+    mutant("mi_smooth", "vec4(values.x), four < 0", "values, four < 0", |params| {
+        mutual(params);
+        params.prefilter = Prefilter::XSobel;
+    }),
+    mutant("mi_marginals", "select(256u, 1u, id.x < 256u)", "select(255u, 1u, id.x < 256u)", mutual),
+    mutant("mi_range", "max(found.y, ranges[l].y)", "ranges[l].y", mutual),
+    mutant("mi_table", "vec4(span / 2u)", "vec4(0u)", mutual),
+    mutant("mi_table", "vec4(span == 0u)", "vec4(false)", mutual),
+    mutant("mi_table", "vec4(32u)", "vec4(0u)", mutual),
+    mutant("cost_columns", "vec4(3u)) * 8u", "vec4(1u)) * 8u", |params| {
+        mutual(params);
+        wide(params);
+    }),
+    mutant("matching_cost_pixels", "vec4(3u)) * 8u", "vec4(1u)) * 8u", mutual),
+    mutant("matching_cost_parallel", "vec2(columns.w, l)", "vec2(columns.w, 0u)", |params| {
+        mutual(params);
+        per_subgroup(params);
+    }),
+    mutant("cost_columns", "frame.height) - 1)", "frame.height))", wide),
+    mutant("cost_columns", "here + r)", "here + r - 1)", wide),
+    mutant("cost_columns", "low * low", "low * low + 1u", |params| params.cost = Cost::Ssd),
+    mutant("matching_cost", "1u << 23u", "1u << 22u", wide),
+    mutant("matching_cost", "frame.cost_scale", "(frame.cost_scale + 9000u)", wide),
+    mutant("matching_cost", "c < begin + reach", "c < begin + reach - 1u", wide),
+    mutant("matching_cost", "min(begin + SPAN,", "min(begin + SPAN - 1u,", |params| {
+        wide(params);
+        per_subgroup(params);
+    }),
+    mutant("matching_cost_small", "1u << 23u", "1u << 22u", |_| ()),
+    mutant("matching_cost_small", "frame.height) - 1)", "frame.height) - 2)", |_| ()),
+    mutant("matching_cost_small", "start - four,", "start - four + 1u,", |_| ()),
+    mutant("matching_cost_small", "window(start + 1u,", "window(start,", |params| params.min_disparity = -12),
+    mutant("matching_cost_small", "values[j][p] >>= 8u", "values[j][p] >>= 16u", |_| ()),
+    mutant("matching_cost_small", "c < columns", "c + 1u < columns", |_| ()),
+    mutant("matching_cost_small", "- kept[0]", "- kept[1]", |_| ()),
+    mutant("matching_cost_pixels", "24u - 8u * k", "8u * k", |params| params.block = 1),
+    mutant("matching_cost_pixels", "inside > 2u", "inside > 9u", |params| params.block = 1),
+    mutant("matching_cost_pixels", "vec4(entering[p], seen[p].xyz)", "seen[p]", |params| params.block = 1),
+    mutant("matching_cost_pixels", "0x01010101u <<", "0u <<", |params| {
+        (params.block, params.cost, params.prefilter) = (1, Cost::CensusSobel, Prefilter::None);
+    }),
+    mutant("matching_cost_small", "(a ^ b) & c", "(a ^ b) | c", |params| params.cost = Cost::Census),
+    mutant("matching_cost_small", "2u * bits", "bits", |params| params.cost = Cost::CensusSobel),
+    mutant("matching_cost_small", "+ vec4(8u)", "+ vec4(7u)", |params| params.cost = Cost::AdCensus),
+    mutant("matching_cost_small", "there - above(there, back)", "there", |params| params.cost = Cost::BirchfieldTomasi),
+    mutant("matching_cost_small", "((a ^ b) >> vec4(1u))", "((a | b) >> vec4(1u))", |params| params.color_cost = true),
+    mutant("matching_cost_small", "j % SUMMABLE == 0u", "j % (SUMMABLE + 3u) == 0u", |params| {
+        params.prefilter_cap = 63
+    }),
+    mutant("matching_cost_parallel", "1u << 23u", "1u << 22u", per_subgroup),
+    mutant("matching_cost_parallel", "frame.height) - 1)", "frame.height) - 2)", per_subgroup),
+    mutant("matching_cost_parallel", "- kept[0]", "- kept[1]", per_subgroup),
+    mutant("matching_cost_parallel", "values[p][c >> 2u], (c & 3u)", "values[p][c >> 2u], (i & 3u)", per_subgroup),
+    mutant("matching_cost_parallel", "% SUMMABLE == 0u", "% (SUMMABLE + 3u) == 0u", |params| {
+        per_subgroup(params);
+        params.prefilter_cap = 63;
+    }),
+    mutant("matching_cost_parallel", "+ REACH;", "+ REACH - 1u;", per_subgroup),
+    mutant("sgm_aggregate", "frame.p1", "frame.p2", |_| ()),
+    mutant("sgm_aggregate", "frame.p2", "frame.p1", |_| ()),
+    mutant("sgm_aggregate", "frame.p2", "frame.p1", eight_paths),
+    mutant("sgm_aggregate", "x >= width", "x > width", eight_paths),
+    mutant("sgm_aggregate", "select(below, NONE, member == 0u)", "below", per_subgroup),
+    mutant("sgm_aggregate", "subgroupShuffleXor(least_of_all, 1u << bit)", "least", per_subgroup),
+    mutant("sgm_aggregate", "places[start + member_of(member + 1u)].y", "NONE", per_subgroup),
+    mutant("sgm_aggregate", "places[start + i].x", "places[start].x", per_subgroup),
+    mutant("sgm_aggregate", "select(after, (*state)[s]", "select(0u, (*state)[s]", |params| params.disparities = 64),
+    mutant("sgm_aggregate", "stored >> vec4(32u)", "stored >> vec4(31u)", |params| params.disparities = 64),
+    mutant("sgm_aggregate", "i32(dispatch.first_line", "i32(0u * dispatch.first_line", |_| ()),
+    mutant("sgm_aggregate", "var place = dispatch.place", "var place = 0", adaptive),
+    mutant("sgm_aggregate", "select(15, 0, forward)", "15", adaptive),
+    mutant("sgm_aggregate", "dispatch.penalties_from +", "0u +", sixteen),
+    mutant("sgm_aggregate", "select(-width, width", "select(-width, width - 1", sixteen),
+    mutant("sgm_aggregate", "dispatch.entry", "0", sixteen),
+    mutant("penalties", "vec4(10.0))", "vec4(12.0))", adaptive),
+    mutant("penalties", "frame.p1 / 2u", "frame.p1 / 4u", adaptive),
+    mutant("penalties", "+ 0.5)", "- 0.5)", adaptive),
+    mutant("penalties", "0xffffff00u) | frame.p2", "0xffffff00u) | frame.p1", adaptive),
+    mutant("penalties_lines", "starts || leaves", "starts", sixteen),
+    mutant("penalties_lines", "id.y / rows * 16u * rows + id.y % rows", "id.y * 16u", sixteen),
+    mutant("winner", "known, x + 1", "known, x", adaptive),
+    mutant("winner", "i / 3u * dispatch.slot", "0u", sixteen),
+    mutant("winner", "dispatch.volume_row * frame.volume_stride", "0u", |_| ()),
+    mutant("winner", "least_key(costs) + member * OWN", "least_key(costs)", per_subgroup),
+    mutant("winner", "min(entering, COST_NONE << 12u)", "COST_NONE << 12u", per_subgroup),
+    mutant("winner", "neighbours_and_rival(vec3(", "(vec3(", per_subgroup),
+    mutant("winner", "255u * (rival - here)", "256u * (rival - here)", confidence),
+    mutant("winner", "is_before | is_after", "is_before", confidence),
+    mutant("winner", "frame.p1", "frame.p2", |_| ()),
+    mutant("winner", "PATHS *", "(PATHS - 1u) *", |_| ()),
+    mutant("winner", "k - 1u", "k", |_| ()),
+    mutant("winner", "max(before, after)", "before", equiangular),
+    mutant("winner", "known.z <= limit", "known.z < limit", |params| params.uniqueness = 1),
+    mutant("winner", "(100u - UNIQUENESS)", "(99u - UNIQUENESS)", |params| params.uniqueness = 10),
+    mutant("winner", "disparity + 8", "disparity + 7", any),
+    mutant("winner", "seen < i32(frame.width)", "seen <= i32(frame.width)", |_| ()),
+    mutant("block_match", "known.z <= limit", "known.z < limit", |params| {
+        bm_pixel(params);
+        params.shader_checks = true;
+    }),
+    mutant("block_match", "2u * frame.block_radius", "2u * frame.block_radius - 1u", bm_columns),
+    mutant("block_statistics", "+ vec4(BLOCK)", "+ vec4(BLOCK - 1u)", ncc),
+    mutant("block_statistics", "return root;", "return root + 1u;", ncc),
+    mutant("block_statistics", "frame.height) - 1)", "frame.height))", ncc),
+    mutant("block_statistics", "BLOCK * BLOCK * sums.squares", "(BLOCK * BLOCK - 1u) * sums.squares", ncc),
+    mutant("block_match", "left.x * right_sums", "left.y * right_sums", ncc),
+    mutant("block_match", "vec4(0.015625)", "vec4(1.5)", ncc),
+    mutant("block_match", "vec4(4096u) + part", "vec4(4096u)", ncc),
+    mutant("block_match", "frame.width - 1u - u32(x)", "frame.width - u32(x)", ncc),
+    mutant("block_match", "max(place, 1u) - 1u", "place", ncc),
+    mutant("block_match", "entering.y, last", "0u, last", ncc),
+    mutant("block_match", "(*seen).roots[q] = r", "(*seen).roots[q] = s", ncc),
+    mutant("block_match", "k - 1u", "k", bm_columns),
+    mutant("block_match_small", "frame.height) - 1)", "frame.height) - 2)", bm),
+    mutant("block_match_small", "best * 100u", "best * 110u", bm),
+    mutant("block_match_small", "7u << u32(clamp", "6u << u32(clamp", bm),
+    mutant("block_match_small", "if PADDED", "if !PADDED", bm_far),
+    mutant("block_match_small", "BLOCK) - start", "BLOCK) - start - 1", bm),
+    mutant("block_match_small", "1u) + SLICE", "1u)", bm_far),
+    mutant("block_match_small", "x4 - frame.min_disparity", "x4", bm),
+    mutant("block_match_small", "k - 1u", "k", bm),
+    mutant("block_match_small", "max(before, after)", "after", |params| {
+        bm(params);
+        equiangular(params);
+    }),
+    mutant("block_match_small", "0x7f7f7f7fu", "0x7f7f7f7eu", bm),
+    mutant("texture_columns", "weight * (here &", "(here &", texture),
+    mutant("texture_columns", "let row = clamp(y, 0,", "let row = clamp(y, 1,", texture),
+    mutant("texture_columns", "vec4(s.even.yzw, s.after)", "vec4(s.even.yzw, 0u)", texture),
+    mutant("texture_columns", "y - r)", "y - r + 1)", texture),
+    mutant("texture", ">= vec4(frame.texture)", "> vec4(frame.texture)", texture),
+    mutant("texture", "select(values, vec4(left)", "select(values, vec4(0u)", |params| {
+        texture(params);
+        params.min_disparity = -20;
+    }),
+    mutant("texture", "(last & 4u) != 0u", "(last & 4u) == 0u", texture),
+    mutant("validity", "place >> 4u, row", "(place + 8) >> 4u, row", masked),
+    mutant("validity", "(place + 15) >> 4u", "place >> 4u", masked),
+    mutant("validity", "has_content(dispatch.side, x, row)", "true", masked),
+    mutant("validity", "select(-value, value, dispatch.side == 1u)", "-value", masked),
+    mutant("validity", "1u - dispatch.side", "dispatch.side", masked),
+    mutant("validity", "side * frame.height + row", "row", masked),
+    mutant("validity", "column & 31u", "column & 30u", masked),
+    mutant("validity", "i32(frame.width) - 1", "i32(frame.width) - 2", masked),
+    mutant("validity", "words.z, x + 4", "words.z, x + 2", masked),
+    mutant("lr_check", "frame.lr_max_difference", "(frame.lr_max_difference + 1u)", |_| ()),
+    mutant("lr_check", "(value + 8)", "value", |_| ()),
+    mutant("mirror", "frame.width - 1u - min", "frame.width - min", twice),
+    mutant("gray", "16u - left", "17u - left", twice),
+    mutant("gray", "unpack(word).wzyx", "unpack(word).wzxy", twice),
+    mutant("confidence", "max(margins, vec4(1u))", "margins", |params| {
+        bm_pixel(params);
+        confidence(params);
+        params.uniqueness = 0;
+    }),
+    mutant("confidence", "frame.map_words / 4u", "0u", confidence),
+    mutant("confidence", "vec4(0u), values ==", "vec4(1u), values ==", confidence),
+    mutant("rectify", "+ 32768u", "+ 32000u", rectify),
+    mutant("rectify", "x < i32(frame.width)", "x < i32(frame.width) - 9", rectify),
+    mutant("rectify", "at.x + 1, at.y + 1", "at.x, at.y + 1", rectify),
+    mutant("rectify", "position & vec2(255)", "position & vec2(247)", rectify),
+    mutant("depth", "depth_low >> (31u - i)", "depth_low >> i", depth),
+    mutant("depth", "256 * values", "255 * values", depth),
+    mutant("depth", "words.y, 1u)", "words.x, 1u)", depth),
+    mutant("depth", "& (values != vec4(INVALID))", "", |params| {
+        depth(params);
+        params.depth.as_mut().unwrap().doffs = 4096.0;
+    }),
+    mutant("depth", "near & (divisors", "(divisors", |params| {
+        depth(params);
+        (params.depth.as_mut().unwrap().focal, params.depth.as_mut().unwrap().baseline) = (1e6, 1000.0);
+    }),
+    mutant("speckle_rows", "b, joined.z)", "b, joined.y)", speckle),
+    mutant("speckle_rows", "vec4(p.before, p.odd.xyz)", "vec4(INVALID, p.odd.xyz)", speckle),
+    mutant("speckle_link", "low = first + firstTrailingBit(rest)", "low = first", speckle),
+    mutant("speckle_link", "vec4(frame.speckle_range)", "vec4(frame.speckle_range + 40)", speckle),
+    mutant("speckle_flatten", "set_tree(at, root)", "set_tree(at, ROOT)", speckle),
+    mutant("speckle_count", "1u + firstTrailingBit(~(along >> (start + 1u)))", "1u", speckle),
+    mutant("speckle", "<= frame.speckle_window", "< frame.speckle_window", speckle),
+    mutant(
+        "speckle_flatten",
+        "pixel + 2u * frame.map_stride, root",
+        "pixel + 2u * frame.map_stride + 1u, root",
+        speckle,
+    ),
+    mutant("speckle", "vec4(2u, 8u, 32u, 128u))", "vec4(2u, 8u, 32u, 64u))", speckle),
+    mutant("fill_rows", "last = odd.w", "last = even.w", |params| params.fill = Fill::Background),
+    mutant("fill_rows", "odd.y = after(even.z, odd.y)", "odd.y = after(odd.z, odd.y)", rays),
+    mutant("fill_lines", "first + n, last - n", "first + n, first + n", rays),
+    mutant("fill_lines", "-7 - 8 * group", "1 - 8 * group", rays),
+    mutant("fill_lines", "8 * group + 7", "8 * group", rays),
+    mutant("fill_lines", "u32(x & 7)", "u32(x & 6)", rays),
+    mutant("fill_seen", "(value >> 4u) + frame.fill_max_difference", "(value >> 4u)", rays),
+    mutant("fill_seen", "31u - to_bit", "32u - to_bit", rays),
+    mutant("fill_between", "select(min(a, b), max(a, b)", "select(max(a, b), max(a, b)", |params| {
+        params.fill = Fill::Background
+    }),
+    mutant("fill_between", "dispatch.occlusions == 1u", "false", rays),
+    mutant("fill_rays", "(valid - 1u) / 2u", "valid / 2u", rays),
+    mutant("fill_rays", "min(valid - 1u, 1u)", "min(valid - 1u, 2u)", |params| {
+        rays(params);
+        params.fill = Fill::Hirschmuller;
+    }),
+    mutant("fill_rays", "place(x, y, -1)", "place(x, y, 0)", rays),
+    mutant("median", "7) == beyond", "7) == beyond + 9", |_| ()),
+    mutant("median", "select(before, even.x, i == 0u)", "before", |params| params.min_disparity = -20),
+    mutant("median", "min(y + 1u, frame.height - 1u)", "id.y", |_| ()),
+    mutant("median", "(seen >= vec4(0)) & (seen < vec4(i32(frame.width)))", "seen == seen", any),
+    mutant("median_five", "beyond + 1", "beyond", five),
+    mutant("median_five", "y + 2", "y + 1", five),
+    mutant("median_five", "middle.d, min(low[0], high[0])", "middle.c, min(low[0], high[0])", five),
+    mutant(
+        "median_five",
+        "select(vec2(map_value(before, 0u), map_value(before, 1u)), vec2(even.x), i == 0u)",
+        "vec2(map_value(before, 0u), map_value(before, 1u))",
+        |params| {
+            five(params);
+            params.min_disparity = -20;
+        },
+    ),
+    mutant("weighted_median", "2u * reached >= total", "3u * reached >= total", weighted),
+    mutant("weighted_median", "512u - (halvings & 255u)", "512u", weighted),
+    mutant("weighted_median", "select(i32(frame.width + 8u * AROUND), 0, y == i32(row))", "0", weighted),
+    mutant("weighted_median", "0xffffu), (even >= vec4(0))", "0xffffu), (even >= vec4(-8))", weighted),
+    mutant("weighted_median", "exchange(keys, 2u, 2u, 6u);", "", weighted),
+    mutant("weighted_median", "(i & 1u) == 1u", "(i & 1u) == 0u", weighted),
+    mutant("weighted_median", "middle(&keys), valid", "middle(&keys), true", weighted),
+    mutant("wls_start", "16 * frame.min_disparity", "16 * frame.min_disparity - 1", wls),
+    mutant("wls_start", "disparity == INVALID", "false", wls),
+    mutant("wls_forward", "0u, i + 1u == end", "9u, i + 1u == end", wls),
+    mutant("wls_forward", "- select(0u, 1u, rest < 0)", "- 1u", wls),
+    mutant("wls_forward", "dispatch.shift +", "0u +", wls),
+    mutant("wls_forward", "65536u - share", "65535u - share", wls),
+    mutant("wls_forward", "+ 16u;", "+ 15u;", wls),
+    mutant("wls_backward", "dispatch.rows - 1u - i", "i", wls),
+    mutant("wls", "(bits + 1u)", "bits", wls),
+];

@@ -1,0 +1,77 @@
+//! Every text is valid, and wgpu makes every pipeline and matcher of it, without a driver.
+
+use std::collections::BTreeSet;
+
+use wgpu::naga;
+
+use super::specialisations::{CAPABILITIES, PLAN, parse, specialisations, specialisations_of, texts};
+use crate::gpu::kernels::compile;
+use crate::gpu::kernels::table::Kernel;
+use crate::gpu::kernels::{KERNELS, source};
+use crate::{Params, PixelFormat};
+use crate::{Schedule, StereoMatcher};
+
+#[test]
+fn every_kernel_is_valid_wgsl() {
+    assert!(!KERNELS.is_empty(), "the table of kernels is empty");
+    for kernel in KERNELS {
+        let texts = texts(kernel);
+        assert!(!texts.is_empty(), "{} has no text", kernel.name);
+        for text in texts {
+            let module = parse(kernel, text);
+            let mut validator = naga::valid::Validator::new(naga::valid::ValidationFlags::all(), CAPABILITIES);
+            validator.subgroup_stages(naga::valid::ShaderStages::COMPUTE);
+            validator.subgroup_operations(naga::valid::SubgroupOperationSet::all());
+            if let Err(error) = validator.validate(&module) {
+                panic!("{}.wgsl: {}", kernel.name, error.emit_to_string(text));
+            }
+        }
+    }
+}
+
+/// A device without a driver, with the features that some plans need.
+fn noop_device() -> (wgpu::Device, wgpu::Queue) {
+    wgpu::Device::noop(&wgpu::DeviceDescriptor {
+        required_features: wgpu::Features::SUBGROUP | wgpu::Features::SHADER_INT64,
+        ..Default::default()
+    })
+}
+
+/// wgpu itself accepts every pipeline with the table's layout, and every bind group of a matcher. The backend `noop`
+/// has no driver, so this also holds where there is no adapter.
+#[test]
+fn pipelines_and_matchers_are_made_without_a_driver() {
+    let (device, queue) = noop_device();
+    for kernel in KERNELS {
+        let mut seen = BTreeSet::new();
+        for (params, format, plan) in specialisations_of(kernel) {
+            if seen.insert(source(kernel, &params, format, &plan)) {
+                let made = crate::gpu::scopes::guarded(&device, || {
+                    compile(&device, kernel, &source(kernel, &params, format, &plan), &params, &plan)
+                });
+                assert!(made.is_ok(), "{} with {params:?}, {format:?}: {}", kernel.name, made.unwrap_err());
+            }
+        }
+    }
+    for (params, format, plan) in specialisations().into_iter().step_by(7) {
+        for (width, height) in [(1, 1), (2, 3), (301, 45)] {
+            let schedule = if plan.per_subgroup { Schedule::PerSubgroup } else { Schedule::PerThread };
+            let params = Params { schedule, ..params.clone() };
+            let matcher = StereoMatcher::new(&device, &queue, width, height, format, &params);
+            assert!(matcher.is_ok(), "{width}x{height} in {format:?}, {params:?}: {}", matcher.unwrap_err());
+        }
+    }
+}
+
+/// A kernel that lacks a binding is refused where the pipeline is made: the test of the test above.
+#[test]
+fn a_wrong_row_of_the_table_is_refused() {
+    let (device, _queue) = noop_device();
+    for kernel in KERNELS {
+        let row = Kernel { storage: &kernel.storage[1..], ..*kernel };
+        let params = Params::sgm(64);
+        let text = source(&row, &params, PixelFormat::Gray8, &PLAN);
+        let made = crate::gpu::scopes::guarded(&device, || compile(&device, &row, &text, &params, &PLAN));
+        assert!(made.is_err(), "{} was accepted with a binding too few", kernel.name);
+    }
+}

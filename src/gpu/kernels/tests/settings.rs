@@ -1,0 +1,125 @@
+//! Settings that show what a changed kernel breaks.
+
+use super::support;
+use crate::{Cost, Fill, Median, Params, Paths, Prefilter, RightView, Schedule, Subpixel, Wls};
+
+/// An adapter, its device and its queue.
+pub(crate) type Setup = (wgpu::Adapter, wgpu::Device, wgpu::Queue);
+
+pub(crate) fn bm(params: &mut Params) {
+    *params = Params { min_disparity: params.min_disparity, ..Params::bm(params.disparities) };
+}
+
+/// Block matching with the column sums kept in memory.
+pub(crate) fn bm_columns(params: &mut Params) {
+    bm(params);
+    params.shader_checks = true;
+}
+
+/// Block matching by normalised cross correlation.
+pub(crate) fn ncc(params: &mut Params) {
+    bm(params);
+    (params.cost, params.block) = (Cost::Ncc, 7);
+}
+
+/// A range whose last disparities win, and those beyond it would.
+pub(crate) fn bm_far(params: &mut Params) {
+    bm(params);
+    params.min_disparity = -14;
+}
+
+/// Blocks of one pixel, whose sums are often equal.
+pub(crate) fn bm_pixel(params: &mut Params) {
+    bm(params);
+    (params.block, params.prefilter_cap, params.uniqueness) = (1, 4, 50);
+}
+
+/// A block for which the column sums are kept in memory.
+pub(crate) fn wide(params: &mut Params) {
+    params.block = 17;
+}
+
+pub(crate) fn rectify(params: &mut Params) {
+    params.rectify = Some(crate::Rectification::new(93, 41, support::lenses(93, 41)).unwrap());
+}
+
+/// Parts of both images are masked, the last column of the left one in every other row among them.
+pub(crate) fn masked(params: &mut Params) {
+    let masks = support::masks(93, 41, 3);
+    let [mut left, right] = [0, 1].map(|side| masks.side(side).map_or(vec![1; 93 * 41], <[u8]>::to_vec));
+    left.chunks_exact_mut(93).step_by(2).for_each(|row| row[92] = 0);
+    params.masks = Some(crate::Masks::new(93, 41, [Some(left), Some(right)]).unwrap());
+    (params.uniqueness, params.right_map) = (0, true);
+}
+
+pub(crate) fn depth(params: &mut Params) {
+    params.depth = Some(crate::Camera { doffs: 3.3, ..crate::Camera::new(994.978, 0.193) });
+}
+
+/// Settings that leave wrong winners in the map: those that point outside the right image by a fraction among them.
+pub(crate) fn any(params: &mut Params) {
+    (params.p1, params.p2, params.uniqueness) = (12, 72, 0);
+}
+
+pub(crate) fn five(params: &mut Params) {
+    params.median = Median::Five;
+}
+
+pub(crate) fn weighted(params: &mut Params) {
+    (params.weighted_median, params.uniqueness) = (Some(5), 0);
+}
+
+pub(crate) fn wls(params: &mut Params) {
+    params.wls = Some(Wls { lambda: 50.0, sigma: 20.0 });
+}
+
+pub(crate) fn eight_paths(params: &mut Params) {
+    params.paths = Paths::Eight;
+}
+
+pub(crate) fn adaptive(params: &mut Params) {
+    (params.adaptive_p2, params.p1, params.p2) = (true, 9, 100);
+}
+
+pub(crate) fn twice(params: &mut Params) {
+    params.right_view = RightView::Match;
+}
+
+pub(crate) fn sixteen(params: &mut Params) {
+    adaptive(params);
+    params.paths = Paths::Sixteen;
+}
+
+pub(crate) fn equiangular(params: &mut Params) {
+    params.subpixel = Subpixel::Equiangular;
+}
+
+/// A threshold about which many sums lie, and are equal to.
+pub(crate) fn texture(params: &mut Params) {
+    (params.texture, params.prefilter_cap, params.uniqueness) = (60, 3, 0);
+}
+
+pub(crate) fn confidence(params: &mut Params) {
+    params.confidence = true;
+}
+
+/// Holes of many sizes, most of them mismatches.
+pub(crate) fn rays(params: &mut Params) {
+    (params.p1, params.p2, params.fill) = (2, 9, Fill::Rays);
+}
+
+/// Small regions of many sizes.
+pub(crate) fn speckle(params: &mut Params) {
+    (params.p1, params.p2, params.lr_check) = (0, 3, None);
+    (params.speckle_window, params.speckle_range) = (6, 1);
+}
+
+/// Invocations that share a pixel's disparities.
+pub(crate) fn per_subgroup(params: &mut Params) {
+    (params.schedule, params.disparities) = (Schedule::PerSubgroup, 50);
+}
+
+/// A cost that is looked up in a table, on images that are halved once.
+pub(crate) fn mutual(params: &mut Params) {
+    (params.cost, params.prefilter, params.block) = (Cost::MutualInformation, Prefilter::None, 1);
+}

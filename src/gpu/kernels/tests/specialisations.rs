@@ -1,0 +1,131 @@
+//! The settings and plans that between them make every text of every kernel.
+
+use std::collections::{BTreeMap, BTreeSet};
+use std::sync::LazyLock;
+
+use wgpu::naga;
+
+use crate::gpu::kernels::table::Kernel;
+use crate::gpu::kernels::{KERNELS, source};
+use crate::gpu::plan::{Exchange, Plan};
+use crate::params::Named;
+use crate::{Census, Cost, Median, Params, Paths, PixelFormat, Prefilter, Subpixel, Wls};
+
+/// Plans for devices with and without subgroups and 64-bit integers.
+pub(crate) fn plans(params: &Params) -> BTreeSet<Plan> {
+    let devices =
+        [(false, 1, false), (false, 1, true), (false, 8, true), (true, 1, false), (true, 4, true), (true, 32, true)];
+    let adaptive = params.adaptive_p2;
+    let of = |&(per_subgroup, subgroup, int64)| {
+        let part_bits = (subgroup == 8).then_some(20);
+        Plan { adaptive, part_bits, ..Plan::of(params.quads(), per_subgroup, subgroup, int64) }
+    };
+    devices.iter().map(of).collect()
+}
+
+/// Settings that between them give every constant of [`constants`] every kind of value.
+pub(crate) fn specialisations() -> Vec<(Params, PixelFormat, Plan)> {
+    let formats = [PixelFormat::Gray8, PixelFormat::Gray16, PixelFormat::Rgba8, PixelFormat::Rgba16];
+    let mut all = Vec::new();
+    for disparities in [1, 16, 17, 64, 65, 256] {
+        for paths in [Paths::Three, Paths::Five, Paths::Eight, Paths::Sixteen] {
+            for prefilter in [Prefilter::XSobel, Prefilter::Sobel, Prefilter::None] {
+                for base in [Params::sgm(disparities), Params::bm(disparities)] {
+                    for subpixel in [Subpixel::Off, Subpixel::Parabola, Subpixel::Equiangular] {
+                        if subpixel == Subpixel::Equiangular && paths != Paths::Three {
+                            continue; // one function differs, whatever the paths
+                        }
+                        let confidence = subpixel == Subpixel::Equiangular;
+                        let adaptive_p2 = prefilter == Prefilter::None && base.method == crate::Method::Sgm;
+                        let params = Params { paths, prefilter, subpixel, confidence, adaptive_p2, ..base.clone() };
+                        let params = Params { block: if subpixel == Subpixel::Off { 21 } else { 5 }, ..params };
+                        // A filter of each kind, and every spacing of the weighted median.
+                        let params = Params {
+                            median: if subpixel == Subpixel::Off { Median::Five } else { Median::Three },
+                            weighted_median: Some(disparities % 15 + 1),
+                            wls: Some(Wls { lambda: 8000.0, sigma: 1.5 }),
+                            ..params
+                        };
+                        for (i, plan) in plans(&params).into_iter().enumerate() {
+                            let formats = formats.iter().take(if i == 0 { 4 } else { 1 });
+                            all.extend(formats.map(|&format| (params.clone(), format, plan)));
+                        }
+                    }
+                }
+            }
+        }
+    }
+    for &cost in Cost::VALUES {
+        for (block, census, color_cost) in [
+            (1, Census::NineBySeven, false),
+            (5, Census::CentreSymmetric, true),
+            (5, Census::Five, false),
+            (21, Census::Seven, false),
+        ] {
+            let base = if cost == Cost::Ncc { Params::bm(40) } else { Params::sgm(40) };
+            let block = if cost == Cost::Ncc { block.clamp(3, 19) } else { block };
+            let base = Params { cost, block, census, prefilter: Prefilter::None, ..base };
+            for prefilter in [Prefilter::Normalized, Prefilter::None] {
+                let takes_colour = matches!(cost, Cost::Sad | Cost::BirchfieldTomasi);
+                let params = Params { prefilter, color_cost: color_cost && takes_colour, ..base.clone() };
+                all.extend(plans(&params).into_iter().map(|plan| (params.clone(), formats[1], plan)));
+            }
+        }
+    }
+    all
+}
+
+/// The [`specialisations`] that a kernel is for.
+pub(crate) fn specialisations_of(kernel: &Kernel) -> impl Iterator<Item = (Params, PixelFormat, Plan)> {
+    let name = kernel.name;
+    specialisations().into_iter().filter(move |(params, ..)| match name {
+        "block_match_small" => params.block <= Params::SMALL_BLOCK && params.cost == Cost::Sad,
+        "matching_cost_pixels" => params.sums_small_blocks() && params.block == 1,
+        "matching_cost_small" | "matching_cost_parallel" => params.sums_small_blocks(),
+        _ => true,
+    })
+}
+
+/// The different texts of each kernel over all of them.
+static TEXTS: LazyLock<BTreeMap<&str, BTreeSet<String>>> = LazyLock::new(|| {
+    let texts = |kernel: &Kernel| {
+        specialisations_of(kernel).map(|(params, format, plan)| source(kernel, &params, format, &plan)).collect()
+    };
+    KERNELS.iter().map(|kernel| (kernel.name, texts(kernel))).collect()
+});
+
+/// The different texts of a kernel.
+pub(crate) fn texts(kernel: &Kernel) -> &'static BTreeSet<String> {
+    &TEXTS[kernel.name]
+}
+
+/// The text of every specialised kernel and of what is not in the table, with its name.
+pub(crate) fn every_text() -> impl Iterator<Item = (&'static str, &'static str)> {
+    static OTHERS: LazyLock<Vec<(&str, String)>> = LazyLock::new(|| crate::gpu::interop::texts().collect());
+    let kernels = KERNELS.iter().flat_map(|kernel| texts(kernel).iter().map(|text| (kernel.name, text.as_str())));
+    kernels.chain(OTHERS.iter().map(|(name, text)| (*name, text.as_str())))
+}
+
+pub(crate) fn parse(kernel: &Kernel, text: &str) -> naga::Module {
+    match naga::front::wgsl::parse_str(text) {
+        Ok(module) => module,
+        Err(error) => panic!("{}.wgsl: {}", kernel.name, error.emit_to_string(text)),
+    }
+}
+
+/// What the kernels may use beyond WebGPU, where a device has it.
+pub(crate) const CAPABILITIES: naga::valid::Capabilities =
+    naga::valid::Capabilities::SUBGROUP.union(naga::valid::Capabilities::SHADER_INT64);
+
+/// A plan for 64 disparities.
+pub(crate) const PLAN: Plan = Plan {
+    per_subgroup: false,
+    members: 1,
+    exchange: Exchange::Alone,
+    own_quads: 4,
+    subgroup: 1,
+    threads: None,
+    width: 1,
+    adaptive: false,
+    part_bits: None,
+};
