@@ -21,7 +21,7 @@ fn main(@builtin(global_invocation_id) id: vec3<u32>, @builtin(local_invocation_
     let width = i32(frame.width);
     let group = join_group(id.x, local);
     let works = group < dispatch.lines;
-    // src/gpu/kernels/mod.rs takes this out where barriers follow.
+    // src/gpu/kernels/source.rs takes this out where barriers follow.
     if !works {
         return;
     }

@@ -21,7 +21,7 @@ const BACKWARDS: bool = true;
 fn main(@builtin(global_invocation_id) id: vec3<u32>, @builtin(local_invocation_index) local: u32) {
     let line = join_group(id.x, local);
     let works = line < dispatch.rows;
-    // src/gpu/kernels/mod.rs takes this out where barriers follow.
+    // src/gpu/kernels/source.rs takes this out where barriers follow.
     if !works {
         return;
     }
