@@ -421,6 +421,28 @@ fn the_worked_example_is_what_the_formulas_give() {
     );
 }
 
+#[test]
+fn the_examples_of_borders_hold() {
+    let row = |data: Vec<u16>| reference::Plane { width: data.len(), height: 1, data };
+    let params = Params::sgm(16); // xsobel with a cap of 31
+    let filtered = reference::prefilter(&row(vec![0, 1, 2, 3]), 1, &params).data;
+    assert_eq!(filtered, [4 + 31, 8 + 31, 8 + 31, 4 + 31], "prefilter: a ramp");
+    assert_eq!(reference::prefilter(&row(vec![9]), 1, &params).data, [31], "prefilter: one column");
+
+    let map = |data: Vec<i16>| DisparityMap { width: 2, height: data.len() as u32 / 2, data };
+    let corner = reference::median(&map(vec![48, 16, DisparityMap::INVALID, 80]), 3);
+    assert_eq!(corner.data[1], 16, "median: the upper right corner");
+    let border = reference::median(&map(vec![0, 16, 16, 16, 16, 16]), 3);
+    assert_eq!(border.data[0], DisparityMap::INVALID, "median: what leads out of the image");
+
+    let columns = reference::Plane { width: 2, height: 3, data: [0, 10].repeat(3) };
+    for (least, kept) in [(279, 0), (280, DisparityMap::INVALID)] {
+        let mut params = Params::sgm(16);
+        (params.block, params.texture) = (3, least);
+        assert_eq!(reference::texture(&map(vec![0; 6]), &columns, &params).data, [kept; 6], "texture: {least}");
+    }
+}
+
 /// The rows of the table whose head begins with `head`, without those two lines.
 fn table(head: &str) -> Vec<Vec<&'static str>> {
     let rows = PAGE.lines().skip_while(|line| !line.starts_with(head)).take_while(|line| line.starts_with('|'));
