@@ -94,7 +94,8 @@ pub use color::turbo;
 pub use error::Error;
 pub use gpu::check::{Mismatch, StageCheck};
 pub use gpu::interop::{Inputs, Outputs, PixelBuffer, TextureLayer};
-pub use gpu::matcher::{Reading, StereoMatcher};
+pub use gpu::matcher::StereoMatcher;
+pub use gpu::reading::Reading;
 pub use gpu::stream::{StereoStream, StreamFrame};
 pub use image::{ConfidenceMap, DepthMap, DisparityMap, Image, Matched, PixelFormat, Pixels, StageTime};
 pub use params::{

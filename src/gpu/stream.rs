@@ -17,7 +17,7 @@ pub struct StereoStream {
     matcher: StereoMatcher,
     capacity: usize,
     pushed: u64,
-    frames: VecDeque<Frame>,
+    frames: VecDeque<InFlight>,
     /// Of `frames`, those that were dropped.
     dropped: usize,
     /// Mapped buffers, each with room for the largest pair.
@@ -26,7 +26,7 @@ pub struct StereoStream {
 
 /// A pair whose result was not taken yet.
 #[derive(Debug)]
-struct Frame {
+struct InFlight {
     number: u64,
     reading: Reading,
     /// The buffer that the pair was uploaded from, until the host has it again.
@@ -145,7 +145,7 @@ impl StereoStream {
     fn number(&mut self, reading: Reading, upload: Option<(wgpu::Buffer, Mapping)>) -> u64 {
         let number = self.pushed;
         self.pushed += 1;
-        self.frames.push_back(Frame { number, reading, upload });
+        self.frames.push_back(InFlight { number, reading, upload });
         number
     }
 
@@ -191,7 +191,7 @@ impl StereoStream {
     /// The next result in the order of the pairs; `None` if no pair is in flight. If the future is dropped before it is done,
     /// the result comes the next time.
     pub async fn next(&mut self) -> Option<StreamFrame> {
-        let Frame { reading, upload, .. } = self.frames.front_mut()?;
+        let InFlight { reading, upload, .. } = self.frames.front_mut()?;
         if let Some((_, mapping)) = upload {
             let _ = self.matcher.waiter.until(&self.matcher.device, mapping).await; // `taken` looks what came of it
         }
@@ -202,7 +202,7 @@ impl StereoStream {
     /// As [`StereoStream::next`]; blocks until the result is there.
     #[cfg(not(target_arch = "wasm32"))]
     pub fn next_blocking(&mut self) -> Option<StreamFrame> {
-        let Frame { reading, upload, .. } = self.frames.front_mut()?;
+        let InFlight { reading, upload, .. } = self.frames.front_mut()?;
         if let Some((_, mapping)) = upload {
             let _ = mapping.wait(&self.matcher.device); // as in `next`
         }
@@ -212,7 +212,7 @@ impl StereoStream {
 
     /// The next result, if it is there already. Does not wait.
     pub fn try_next(&mut self) -> Option<StreamFrame> {
-        let Frame { reading, upload, .. } = self.frames.front_mut()?;
+        let InFlight { reading, upload, .. } = self.frames.front_mut()?;
         if let Some((_, mapping)) = upload {
             let _ = mapping.now(&self.matcher.device)?; // as in `next`
         }
@@ -222,7 +222,7 @@ impl StereoStream {
 
     /// The first frame has this result.
     fn taken(&mut self, result: Result<Matched, Error>) -> Option<StreamFrame> {
-        let Frame { number, upload, .. } = self.frames.pop_front()?;
+        let InFlight { number, upload, .. } = self.frames.pop_front()?;
         if matches!(result, Err(Error::Dropped { .. })) {
             self.dropped -= 1;
         }

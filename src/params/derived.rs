@@ -2,7 +2,7 @@
 
 use std::ops::RangeInclusive;
 
-use crate::params::{Census, Fill, Median, Params, Prefilter, RightView, Subpixel};
+use crate::params::{Census, Filter, Params, Prefilter, RightView, Subpixel};
 
 impl Params {
     /// The disparities that are searched, in pixels.
@@ -10,34 +10,31 @@ impl Params {
         self.min_disparity..=self.min_disparity.saturating_add_unsigned(self.disparities).saturating_sub(1)
     }
 
-    /// The same for images that are halved so often, without what comes after the map of the left view.
+    /// The settings for images that are halved so often, in the early rounds of mutual information: no filter but
+    /// `lr_check`, and nothing beside the map of the left view.
     pub(crate) fn rough(&self, halvings: u32) -> Self {
         let last = self.min_disparity + self.disparities as i32 - 1;
         let (from, to) = (self.min_disparity >> halvings, -(-last >> halvings));
-        Self {
+        let mut rough = Self {
             min_disparity: from,
             disparities: (to - from + 1) as u32,
             adaptive_p2: false,
-            texture: 0,
-            lr_check: Some(1),
             right_view: RightView::Diagonal,
-            speckle_window: 0,
-            median: Median::Off,
-            fill: Fill::None,
-            weighted_median: None,
-            wls: None,
             confidence: false,
             right_map: false,
             depth: None,
             rectify: None,
             masks: None,
             ..self.clone()
-        }
+        };
+        Filter::ALL.iter().for_each(|filter| filter.clear(&mut rough));
+        rough.lr_check = Some(1);
+        rough
     }
 
     /// Whether anything reads the right view.
     pub(crate) fn reads_right_view(&self) -> bool {
-        self.right_map || self.lr_check.is_some() || matches!(self.fill, Fill::Rays | Fill::Hirschmuller)
+        self.right_map || Filter::ALL.iter().any(|filter| filter.reads_right(self))
     }
 
     /// The settings of a second match of the mirrored pair for the right view, if that is wanted and something reads it:

@@ -4,6 +4,7 @@ mod camera;
 mod choices;
 mod costs;
 mod derived;
+mod filters;
 mod lens;
 mod masks;
 mod names;
@@ -16,6 +17,7 @@ mod validate;
 
 pub use camera::Camera;
 pub use choices::{Census, Cost, Fill, Median, Method, Paths, Prefilter, Preset, RightView, Schedule, Subpixel, Wls};
+pub(crate) use filters::Filter;
 pub use lens::{Distortion, Lens};
 pub use masks::Masks;
 #[cfg(test)]

@@ -1,13 +1,14 @@
 //! The order of the stages.
 
 use crate::image::check_pair;
+use crate::params::Filter;
 use crate::reference::trace::{Receiver, Trace};
 use crate::reference::{
     Channel, Content, Descriptors, Plane, Views, Volume, block_match, block_statistics, block_sums, confidence,
-    cost_columns, depth, fill, gray, halve, images, lr_check, matching_cost, median, mi_histogram, mi_table, mirror,
-    mirrored, penalties, rectify, rounds, sgm_aggregate, speckle, texture, validity, weighted_median, winner, wls,
+    cost_columns, depth, filtered, gray, halve, images, lr_check, matching_cost, mi_histogram, mi_table, mirror,
+    mirrored, penalties, rectify, rounds, sgm_aggregate, validity, winner,
 };
-use crate::{Cost, DisparityMap, Error, Fill, Image, Matched, Method, Params, Prefilter, StageTime};
+use crate::{Cost, DisparityMap, Error, Image, Matched, Method, Params, Prefilter, StageTime};
 
 /// The whole chain on the CPU: what [`crate::StereoMatcher`] computes, from the definition.
 ///
@@ -101,30 +102,12 @@ fn follow(
         right = trace.valid(right, content, 1);
     }
     let mut map = trace.valid(left, content, 0);
-    if params.texture > 0 {
-        map = trace.stage("texture", texture(&map, &luma, params));
-    }
-    if let Some(max_difference) = params.lr_check {
-        map = trace.stage("lr_check", lr_check(&map, &right, max_difference));
-    }
-    if params.speckle_window > 0 {
-        map = trace.stage("speckle", speckle(&map, params.speckle_window, params.speckle_range));
-    }
-    if let Some(side) = params.median.side() {
-        map = trace.stage("median", median(&map, side));
-        map = trace.valid(map, content, 0);
-    }
-    if params.fill != Fill::None {
-        map = trace.stage("fill", fill(&map, &right, params));
-        map = trace.valid(map, content, 0);
-    }
-    if let Some(radius) = params.weighted_median {
-        map = trace.stage("weighted_median", weighted_median(&map, &luma, radius, params));
-        map = trace.valid(map, content, 0);
-    }
-    if let Some(settings) = &params.wls {
-        map = trace.stage("wls", wls(&map, &luma, settings, params));
-        map = trace.valid(map, content, 0);
+    for &filter in Filter::ALL {
+        let Some(filtered) = filtered(filter, &map, &right, &luma, params) else { continue };
+        map = trace.stage(filter.stage(), filtered);
+        if filter.gives_disparities() {
+            map = trace.valid(map, content, 0);
+        }
     }
     let confidence = params.confidence.then(|| trace.stage("confidence", confidence(&map, &margins)));
     let depth = params.depth.as_ref().map(|camera| trace.stage("depth", depth(&map, camera)));

@@ -40,6 +40,7 @@ pub use cost::mi_table::{logarithm, mi_narrowing, mi_prior, mi_table};
 pub use filters::confidence::{confidence, margin};
 pub use filters::depth::depth;
 pub use filters::fill::fill;
+pub(crate) use filters::filtered::filtered;
 pub use filters::lr_check::lr_check;
 pub use filters::median::median;
 pub use filters::speckle::speckle;

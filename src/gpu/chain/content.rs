@@ -3,7 +3,7 @@
 use crate::gpu::chain::view_maps::ViewMaps;
 use crate::gpu::layout::{Frame, Pass};
 use crate::gpu::recording::Bound::{Buffer, Rows};
-use crate::gpu::recording::{Builder, Output};
+use crate::gpu::recording::{Builder, Written};
 use crate::reference;
 
 /// Which pixels have content, a bit a pixel: of the pair and of the mirrored one, each halved ever more often.
@@ -36,7 +36,7 @@ impl ContentBits {
         let valid = b.buffer("validity", b.sizes.map);
         let (row, pass) = (4 * u64::from(map_stride), Pass { side: side as u32, ..Pass::default() });
         let storage = [Rows(map, row), Buffer(content), Rows(&valid, row)];
-        b.step_rows("validity", &storage, pass, map_stride / 4, 1, Output::Validity { side });
+        b.step_rows("validity", &storage, pass, map_stride / 4, 1, Written::Validity { side });
         valid
     }
 }

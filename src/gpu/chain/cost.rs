@@ -4,7 +4,7 @@ use crate::gpu::chain::planes::Planes;
 use crate::gpu::layout::{Frame, Pass, Piece, Rows, Sizes};
 use crate::gpu::plan;
 use crate::gpu::recording::Bound::{self, Buffer, Texture};
-use crate::gpu::recording::{Builder, Output};
+use crate::gpu::recording::{Builder, Written};
 
 /// Rows of the largest chunk.
 fn most_rows(b: &Builder<'_>) -> u64 {
@@ -30,7 +30,7 @@ impl Columns {
         let segments = chunk.count.div_ceil(plan::segment(&b.plan));
         let [left, right] = &planes.buffers;
         let storage = planes.with_table(&[Buffer(left), Buffer(right), Buffer(&self.buffer)]);
-        b.step("cost_columns", &storage, pass, invocations, segments, Output::Columns { chunk });
+        b.step("cost_columns", &storage, pass, invocations, segments, Written::Columns { chunk });
         pass
     }
 }
@@ -55,8 +55,8 @@ impl Statistics {
             let pass = Pass { first_row: chunk.first, rows: chunk.count, first_line, lines, stride, ..place };
             let segments = chunk.count.div_ceil(plan::segment(&b.plan));
             let storage = [Buffer(&planes.buffers[side]), Buffer(&self.buffer)];
-            let output = Output::BlockStatistics { side, chunk };
-            b.step("block_statistics", &storage, pass, lines.div_ceil(4), segments, output);
+            let written = Written::BlockStatistics { side, chunk };
+            b.step("block_statistics", &storage, pass, lines.div_ceil(4), segments, written);
         }
     }
 }
@@ -78,10 +78,10 @@ pub(super) fn matching_cost(b: &mut Builder<'_>, planes: &mut Planes, computed: 
             for &chunk in &piece.chunks {
                 let volume_row = chunk.first - rows.first;
                 let pass = Pass { volume_row, ..columns.compute(b, planes, chunk, place) };
-                let output = Output::Cost { chunk, volume_row };
+                let written = Written::Cost { chunk, volume_row };
                 let spans = sizes.frame.width.div_ceil(plan::span(&b.plan));
                 let lines = chunk.count * b.params.quads();
-                b.step("matching_cost", &[Buffer(&columns.buffer), Buffer(cost)], pass, lines, spans, output);
+                b.step("matching_cost", &[Buffer(&columns.buffer), Buffer(cost)], pass, lines, spans, written);
             }
         }
         costs.push(if b.plan.per_subgroup {
@@ -98,12 +98,12 @@ pub(super) fn matching_cost(b: &mut Builder<'_>, planes: &mut Planes, computed: 
 fn small_cost(b: &mut Builder<'_>, planes: &Planes, piece: &Piece, place: Pass, cost: &wgpu::Buffer) {
     let (rows, quads) = (piece.rows, b.params.quads());
     let pass = Pass { first_row: rows.first, rows: rows.count, ..place };
-    let output = Output::Cost { chunk: rows, volume_row: place.volume_row };
+    let written = Written::Cost { chunk: rows, volume_row: place.volume_row };
     if b.plan.per_subgroup {
         let [left, right] = &planes.buffers;
         let storage = planes.with_table(&[Buffer(left), Buffer(right), Buffer(cost)]);
         let segments = rows.count.div_ceil(plan::segment(&b.plan));
-        b.step("matching_cost_parallel", &storage, pass, b.sizes.frame.width * quads, segments, output);
+        b.step("matching_cost_parallel", &storage, pass, b.sizes.frame.width * quads, segments, written);
         return;
     }
     let [left, right] = [0, 1].map(|side: usize| Texture(&planes.views[side]));
@@ -112,7 +112,7 @@ fn small_cost(b: &mut Builder<'_>, planes: &Planes, piece: &Piece, place: Pass, 
         1 => ("matching_cost_pixels", rows.count),
         _ => ("matching_cost_small", rows.count.div_ceil(2)),
     };
-    b.step(kernel, &storage, pass, lines * quads, 1, output);
+    b.step(kernel, &storage, pass, lines * quads, 1, written);
 }
 
 /// Where the cost of a band is read.

@@ -3,7 +3,7 @@
 use crate::gpu::layout::{Frame, Pass};
 use crate::gpu::plan;
 use crate::gpu::recording::Bound::{self, Buffer, Texture};
-use crate::gpu::recording::{Builder, Output};
+use crate::gpu::recording::{Builder, Written};
 use crate::{PixelFormat, Prefilter};
 
 /// An image with a value a pixel: in a texture, of 8 or 16 bits.
@@ -26,11 +26,11 @@ impl Picture {
         storage: &[Bound<'_>],
         pass: Pass,
         [lines, rows]: [u32; 2],
-        output: Output,
+        written: Written,
     ) {
         let depth = if self.deep { PixelFormat::Gray16 } else { PixelFormat::Gray8 };
         let format = std::mem::replace(&mut b.format, depth);
-        b.step(name, storage, pass, lines, rows, output);
+        b.step(name, storage, pass, lines, rows, written);
         b.format = format;
     }
 }
@@ -57,7 +57,7 @@ pub(super) fn rectified(b: &mut Builder<'_>, sources: [wgpu::TextureView; 2]) ->
         let positions = b.table("rectify.positions", numbers);
         let image = b.buffer("rectify", b.sizes.source);
         let storage = [Texture(&source), Buffer(&positions), Buffer(&image)];
-        b.step("rectify", &storage, Pass::default(), size[0], size[1], Output::Rectified { side });
+        b.step("rectify", &storage, Pass::default(), size[0], size[1], Written::Rectified { side });
         side += 1;
         b.copy_to_texture(size, size[1], wgpu::TextureFormat::Rgba32Uint)
     })
@@ -88,10 +88,10 @@ pub(super) fn picture_of(
 pub(super) fn gray(b: &mut Builder<'_>, source: &wgpu::TextureView, side: usize) -> wgpu::TextureView {
     let Frame { gray_stride, .. } = b.sizes.frame;
     let gray = b.buffer("gray", b.sizes.gray);
-    let output = Output::Gray { side, channel: 0, deep: false };
+    let written = Written::Gray { side, channel: 0, deep: false };
     let pass = Pass { reversed: b.mirrored.into(), ..Pass::default() };
     let storage = [Texture(source), Bound::Rows(&gray, 16 * u64::from(gray_stride))];
-    b.step_rows("gray", &storage, pass, gray_stride, 1, output);
+    b.step_rows("gray", &storage, pass, gray_stride, 1, written);
     b.copy_to_texels()
 }
 
@@ -101,23 +101,23 @@ fn channel_of(b: &mut Builder<'_>, source: &wgpu::TextureView, side: usize, chan
     let deep = b.format.is_deep();
     let channel_number = if b.params.color_cost { channel + 1 } else { 0 };
     let pass = Pass { channel: channel_number, reversed: b.mirrored.into(), ..Pass::default() };
-    let output = Output::Gray { side, channel: pass.channel as usize, deep };
+    let written = Written::Gray { side, channel: pass.channel as usize, deep };
     let (name, bytes, stride) = match deep {
         true => ("deep_gray", 2 * b.sizes.gray, 2 * gray_stride),
         false => ("gray", b.sizes.gray, gray_stride),
     };
     let picture = b.buffer(name, bytes);
     let storage = [Texture(source), Bound::Rows(&picture, 16 * u64::from(stride))];
-    b.step_rows(name, &storage, pass, stride, 1, output);
+    b.step_rows(name, &storage, pass, stride, 1, written);
     Picture { filtered: false, side, channel: channel as usize, texels: b.copy_to_texels(), deep }
 }
 
 /// The prefiltered image, laid out like a gray one.
-pub(super) fn filtered(b: &mut Builder<'_>, picture: &Picture, scratch: &Sums, output: Output) -> Picture {
+pub(super) fn filtered(b: &mut Builder<'_>, picture: &Picture, scratch: &Sums, written: Written) -> Picture {
     let filtered = b.buffer("prefilter", b.sizes.gray);
     let stride = 4 * b.sizes.frame.gray_stride;
     let to = Bound::Rows(&filtered, 4 * u64::from(stride));
-    prefilter(b, picture, scratch, to, Pass { lead: 16, stride, ..Pass::default() }, output);
+    prefilter(b, picture, scratch, to, Pass { lead: 16, stride, ..Pass::default() }, written);
     let Picture { side, channel, .. } = *picture;
     Picture { filtered: true, side, channel, texels: b.copy_to_texels(), deep: false }
 }
@@ -129,7 +129,7 @@ pub(super) fn prefilter(
     scratch: &Sums,
     to: Bound<'_>,
     pass: Pass,
-    output: Output,
+    written: Written,
 ) {
     let (side, channel) = (picture.side, picture.channel);
     // What was prefiltered is only laid out.
@@ -139,7 +139,7 @@ pub(super) fn prefilter(
     }
     if b.params.prefilter == Prefilter::Normalized {
         let window = b.params.prefilter_window;
-        scratch.compute(b, picture, window, Output::WindowSums { side, channel, filtered: false, window });
+        scratch.compute(b, picture, window, Written::WindowSums { side, channel, filtered: false, window });
     }
     let storage = [Texture(&picture.texels), Buffer(&scratch.sums), to];
     match to {
@@ -148,11 +148,11 @@ pub(super) fn prefilter(
             for (i, &rows) in lots.iter().enumerate() {
                 let bound = [storage[0], storage[1], b.lot(to, rows)];
                 let pass = Pass { first_row: rows.first, rows: rows.count, ..pass };
-                picture.step(b, "prefilter", &bound, pass, [pass.stride / 4, rows.count], output.clone());
+                picture.step(b, "prefilter", &bound, pass, [pass.stride / 4, rows.count], written.clone());
                 b.part_of(i, lots.len());
             }
         }
-        _ => picture.step(b, "prefilter", &storage, pass, [pass.stride / 4, pass.rows], output),
+        _ => picture.step(b, "prefilter", &storage, pass, [pass.stride / 4, pass.rows], written),
     }
     b.params.prefilter = wanted;
 }
@@ -171,14 +171,14 @@ impl Sums {
     }
 
     /// The sums over the windows around all pixels of a picture.
-    pub(super) fn compute(&self, b: &mut Builder<'_>, picture: &Picture, window: u32, output: Output) {
+    pub(super) fn compute(&self, b: &mut Builder<'_>, picture: &Picture, window: u32, written: Written) {
         let Frame { width, height, .. } = b.sizes.frame;
         let pass = Pass { window, ..Pass::default() };
         let segments = |side: u32| side.div_ceil(plan::segment(&b.plan));
         let (across, down) = (segments(width), segments(height));
         let storage = [Texture(&picture.texels), Buffer(&self.columns)];
-        picture.step(b, "window_columns", &storage, pass, [width.div_ceil(4), down], Output::Part);
-        b.step("window_sums", &[Buffer(&self.columns), Buffer(&self.sums)], pass, height, across, output);
+        picture.step(b, "window_columns", &storage, pass, [width.div_ceil(4), down], Written::Part);
+        b.step("window_sums", &[Buffer(&self.columns), Buffer(&self.sums)], pass, height, across, written);
     }
 }
 
@@ -198,7 +198,7 @@ pub(super) fn values(
         if b.params.prefilter == Prefilter::None && !picture.deep {
             return luma;
         }
-        filtered(b, &picture, &scratch, Output::Values { side }).texels
+        filtered(b, &picture, &scratch, Written::Values { side }).texels
     });
     (grays, values)
 }
@@ -214,7 +214,7 @@ pub(super) fn halved(b: &mut Builder<'_>, pyramid: &[[wgpu::TextureView; 2]]) ->
     [0, 1].map(|side| {
         let halved = b.buffer("halve", b.sizes.gray);
         let storage = [Texture(&pyramid[pyramid.len() - 1][side]), Buffer(&halved)];
-        b.step("halve", &storage, pass, 4 * gray_stride, height, Output::Values { side });
+        b.step("halve", &storage, pass, 4 * gray_stride, height, Written::Values { side });
         b.copy_to_texels()
     })
 }

@@ -17,6 +17,7 @@ use crate::Cost;
 use crate::gpu::recording::Builder;
 use content::ContentBits;
 pub(crate) use ends::Ends;
+use filters::filtered::{confidence, depth, filtered};
 use planes::Planes;
 use view_maps::ViewMaps;
 
@@ -44,9 +45,9 @@ pub(crate) fn chain(b: &mut Builder<'_>) -> Ends {
     if let Some(content) = content {
         compared = content.views(b, compared);
     }
-    let output = filters::filtered(b, &compared, &planes.grays[0], content);
-    let confidence = b.params.confidence.then(|| filters::confidence(b, &views, &output));
-    let depth = b.params.depth.is_some().then(|| filters::depth(b, &output));
+    let output = filtered(b, &compared, &planes.grays[0], content);
+    let confidence = b.params.confidence.then(|| confidence(b, &views, &output));
+    let depth = b.params.depth.is_some().then(|| depth(b, &output));
     let right = b.params.right_map.then_some(compared.right);
     Ends { sources, output, right, confidence, depth }
 }

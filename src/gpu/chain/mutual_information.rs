@@ -2,13 +2,14 @@
 //! the map of the round before.
 
 use crate::gpu::chain::content::ContentBits;
+use crate::gpu::chain::filters::filtered::filtered;
 use crate::gpu::chain::images::{halved, values};
 use crate::gpu::chain::planes::{Planes, planes_of};
 use crate::gpu::chain::view_maps::ViewMaps;
-use crate::gpu::chain::{filters, winner};
+use crate::gpu::chain::winner;
 use crate::gpu::layout::{Frame, Pass};
 use crate::gpu::recording::Bound::{Buffer, Texture};
-use crate::gpu::recording::{Builder, Level, Output};
+use crate::gpu::recording::{Builder, Level, Written};
 use crate::reference::{mi_narrowing, mi_prior};
 
 /// All rounds but the last one, and what that one compares.
@@ -28,7 +29,7 @@ pub(super) fn planes(b: &mut Builder<'_>, sources: &[wgpu::TextureView; 2], cont
         if let Some(content) = content {
             views = content.views(b, views);
         }
-        let map = filters::filtered(b, &views, &planes.grays[0], content);
+        let map = filtered(b, &views, &planes.grays[0], content);
         b.enter(level);
         let [before, here] = [level - 1, level].map(|level| b.levels[level].halvings);
         if before != here {
@@ -84,7 +85,7 @@ impl Scratch {
             None => (Pass::default(), &self.no_map, 0),
         };
         let storage = [Texture(left), Texture(right), Buffer(map), Buffer(&self.counts)];
-        b.step("mi_histogram", &storage, pass, width, rows, Output::Histogram);
+        b.step("mi_histogram", &storage, pass, width, rows, Written::Histogram);
         b.clear();
 
         let pixels = u64::from(width) * u64::from(height);
@@ -94,20 +95,20 @@ impl Scratch {
         let [sums, marginals] = &self.marginals;
         smooth(b, &self.counts, across, Pass { narrowing: mi_narrowing(pixels), ..along });
         smooth(b, across, joint, Pass { prior: mi_prior(pixels), ..down });
-        b.step("mi_marginals", &[Buffer(joint), Buffer(sums)], Pass::default(), 512, 1, Output::Part);
+        b.step("mi_marginals", &[Buffer(joint), Buffer(sums)], Pass::default(), 512, 1, Written::Part);
         smooth(b, sums, marginals, Pass { rows: 2, logarithms: 1, ..Pass::default() });
         smooth(b, joint, across, Pass { logarithms: 1, ..along });
         smooth(b, across, joint, down);
         let storage = [Buffer(joint), Buffer(marginals), Buffer(&self.range)];
-        b.step("mi_range", &storage, Pass::default(), 256, 1, Output::Part);
+        b.step("mi_range", &storage, Pass::default(), 256, 1, Written::Part);
         let table = b.buffer("mi_table", TABLE_BYTES / 4);
         let storage = [Buffer(joint), Buffer(marginals), Buffer(&self.range), Buffer(&table)];
-        b.step("mi_table", &storage, Pass::default(), 256 * 64, 1, Output::Table);
+        b.step("mi_table", &storage, Pass::default(), 256 * 64, 1, Written::Table);
         b.copy_to_texture([64, 256], 256, wgpu::TextureFormat::R32Uint)
     }
 }
 
 /// A table smoothed along one axis.
 fn smooth(b: &mut Builder<'_>, from: &wgpu::Buffer, to: &wgpu::Buffer, pass: Pass) {
-    b.step("mi_smooth", &[Buffer(from), Buffer(to)], pass, 64 * pass.rows, 1, Output::Part);
+    b.step("mi_smooth", &[Buffer(from), Buffer(to)], pass, 64 * pass.rows, 1, Written::Part);
 }

@@ -5,7 +5,7 @@ use crate::gpu::chain::planes::Planes;
 use crate::gpu::layout::{Frame, PAIR_BUFFERS, Pass, Rows, cut};
 use crate::gpu::plan::PATHS_BYTES;
 use crate::gpu::recording::Bound::{self, Buffer, Texture};
-use crate::gpu::recording::{Builder, Output};
+use crate::gpu::recording::{Builder, Written};
 use crate::reference::Direction;
 
 /// What the paths along rows, and the winner, go on with.
@@ -56,13 +56,13 @@ impl Penalties {
         let walked = |forward: &&Direction| directions.iter().any(|d| [*d, d.opposite()].contains(forward));
         let compute = |&direction: &Direction| {
             let buffer = b.buffer("penalties", b.sizes.penalties);
-            let (storage, output) = ([Texture(gray), Buffer(&buffer)], Output::Penalties { direction });
+            let (storage, written) = ([Texture(gray), Buffer(&buffer)], Written::Penalties { direction });
             match direction.dy.unsigned_abs() {
-                0 => b.step("penalties", &storage, Pass::default(), width / 16 + 1, height, output),
+                0 => b.step("penalties", &storage, Pass::default(), width / 16 + 1, height, written),
                 step => {
                     let Direction { dx, dy } = direction;
                     let pass = Pass { dx: step_across(width, dx), dy, ..Pass::default() };
-                    b.step("penalties_lines", &storage, pass, width, step * (height.div_ceil(step) / 16 + 1), output);
+                    b.step("penalties_lines", &storage, pass, width, step * (height.div_ceil(step) / 16 + 1), written);
                 }
             }
             (direction, buffer)
@@ -157,7 +157,7 @@ fn paths_across(
                         ..paths_through(b.sizes.frame, rows, direction, set)
                     };
                     let (from, to) = (Buffer(&carry[nth % 2]), Buffer(&carry[1 - nth % 2]));
-                    let output = Output::Paths {
+                    let written = Written::Paths {
                         directions: pair.to_vec(),
                         band: rows,
                         volume_row: slot * rows.count,
@@ -166,7 +166,7 @@ fn paths_across(
                     };
                     let storage = [costs[band].bound(), Buffer(&paths[band]), from, to];
                     let (storage, pass) = penalties.bound(b.sizes.frame, direction, &storage, pass);
-                    b.step("sgm_aggregate", &storage, pass, strip.count, 1, output);
+                    b.step("sgm_aggregate", &storage, pass, strip.count, 1, written);
                 }
             }
         }

@@ -3,7 +3,7 @@
 use crate::gpu::chain::images::{Picture, Sums, filtered, gray, picture_of, prefilter, source_of};
 use crate::gpu::layout::{Frame, Pass, Piece, Rows};
 use crate::gpu::recording::Bound::{self, Buffer, Texture};
-use crate::gpu::recording::{Builder, Output};
+use crate::gpu::recording::{Builder, Written};
 use crate::{Cost, Prefilter};
 
 /// What the cost compares of each image, for a piece of its rows at a time: in buffers, and in textures if the kernel that
@@ -59,18 +59,18 @@ impl Planes {
         for (channel, picture) in (0..).zip(&self.pictures[side]) {
             let first_plane = channel * count;
             let pass = Pass { first_plane, first_row: rows.first, rows: rows.count, ..place_of(b, side) };
-            let output = Output::Descriptors { side, first: first_plane as usize, count: count as usize, rows };
+            let written = Written::Descriptors { side, first: first_plane as usize, count: count as usize, rows };
             if b.params.compares_values() {
-                prefilter(b, picture, &self.scratch, Buffer(&self.buffers[side]), pass, output);
+                prefilter(b, picture, &self.scratch, Buffer(&self.buffers[side]), pass, written);
                 continue;
             }
             if b.params.cost == Cost::ZeroMeanSad {
                 let window = b.params.block;
-                let sums = Output::WindowSums { side, channel: 0, filtered: true, window };
+                let sums = Written::WindowSums { side, channel: 0, filtered: true, window };
                 self.scratch.compute(b, picture, window, sums);
             }
             let storage = [Texture(&picture.texels), Buffer(&self.scratch.sums), Buffer(&self.buffers[side])];
-            picture.step(b, "descriptors", &storage, pass, [pass.stride / 4, rows.count], output);
+            picture.step(b, "descriptors", &storage, pass, [pass.stride / 4, rows.count], written);
         }
     }
 
@@ -93,7 +93,7 @@ pub(super) fn planes(b: &mut Builder<'_>, sources: &[wgpu::TextureView; 2]) -> P
             match b.params.prefilter {
                 Prefilter::None => picture,
                 _ if b.params.compares_values() => picture,
-                _ => filtered(b, &picture, &scratch, Output::Prefiltered { side, channel: channel as usize }),
+                _ => filtered(b, &picture, &scratch, Written::Prefiltered { side, channel: channel as usize }),
             }
         });
         pictures.collect()

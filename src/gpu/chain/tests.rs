@@ -1,9 +1,9 @@
 //! Stages after the winner on maps that are given, such as no pair of images leaves.
 
 use crate::gpu::kernels::tests::{Setup, support};
-use crate::gpu::matcher::map_of;
+use crate::gpu::maps::map_of;
 use crate::gpu::readback;
-use crate::gpu::recording::{Output, record_steps};
+use crate::gpu::recording::{Written, record_steps};
 use crate::{DisparityMap, Fill, Median, Params, PixelFormat, Schedule, StereoMatcher, reference};
 
 const INVALID: i16 = DisparityMap::INVALID;
@@ -18,9 +18,9 @@ fn run(setup: &Setup, params: &Params, stage: &str, left: &DisparityMap, right: 
     let (_, device, queue) = setup;
     let params = Params { lr_check: None, median: Median::Off, ..params.clone() };
     let matcher = StereoMatcher::new(device, queue, left.width, left.height, PixelFormat::Gray8, &params).unwrap();
-    let views = matcher.steps.iter().rposition(|step| matches!(step.output, Output::Views { .. })).unwrap();
+    let views = matcher.steps.iter().rposition(|step| matches!(step.written, Written::Views { .. })).unwrap();
     let stride = 2 * matcher.sizes.frame.map_stride as usize;
-    let Output::Views { right: behind, .. } = &matcher.steps[views].output else { unreachable!() };
+    let Written::Views { right: behind, .. } = &matcher.steps[views].written else { unreachable!() };
     for (buffer, map) in [(&matcher.steps[views].buffer, left), (behind, right)] {
         // The padding is what no kernel may take for a pixel.
         let mut bytes = Vec::new();

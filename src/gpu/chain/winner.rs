@@ -7,7 +7,7 @@ use crate::gpu::chain::view_maps::ViewMaps;
 use crate::gpu::layout::{Frame, Pass, Rows, TEXTURE_ROW, cut};
 use crate::gpu::plan::{ROWS_BYTES, parts_and_strip};
 use crate::gpu::recording::Bound::{self, Buffer, Texture};
-use crate::gpu::recording::{Builder, Output};
+use crate::gpu::recording::{Builder, Written};
 use crate::{Cost, Method};
 
 /// From what the cost compares to the winner of both views.
@@ -34,18 +34,19 @@ fn along_rows(b: &mut Builder<'_>, across: &AcrossRows, views: &ViewMaps) {
             let volume_row = strip.first - rows.first;
             let pass = Pass { first_row: strip.first, rows: strip.count, volume_row, ..Pass::default() };
             let along_row = Pass { lines: strip.count, dx: along[0].dx, dy: along[0].dy, ..pass };
-            let output =
-                Output::Paths { directions: vec![along[0]], band: strip, volume_row: 0, first: true, last: true };
+            let written =
+                Written::Paths { directions: vec![along[0]], band: strip, volume_row: 0, first: true, last: true };
             let storage = [costs[band].bound(), Buffer(&forward), Buffer(&unused[0]), Buffer(&unused[1])];
             let (storage, along_row) = penalties.bound(frame, along[0], &storage, along_row);
-            b.step("sgm_aggregate", &storage, along_row, strip.count, 1, output);
+            b.step("sgm_aggregate", &storage, along_row, strip.count, 1, written);
             let pair = |i: usize| Buffer(&paired[i.min(paired.len() - 1)][band]);
             let ([left_map, right_map], map_row) = views.bound(b, strip);
             let storage = [costs[band].bound(), Buffer(&forward), pair(0), pair(1), pair(2), left_map, right_map];
-            let output = Output::Views { right: views.right.clone(), last: strip.first + strip.count == frame.height };
+            let written =
+                Written::Views { right: views.right.clone(), last: strip.first + strip.count == frame.height };
             let pass = Pass { slot: rows.count * frame.volume_stride, map_row, ..pass };
             let (storage, pass) = penalties.bound(frame, along[1], &storage, pass);
-            b.step("winner", &storage, pass, strip.count, 1, output);
+            b.step("winner", &storage, pass, strip.count, 1, written);
         }
     }
 }
@@ -56,7 +57,7 @@ fn block_match(b: &mut Builder<'_>, planes: &mut Planes, views: &ViewMaps) {
     let columns = Columns::new(b);
     let statistics = (b.params.cost == Cost::Ncc).then(|| Statistics::new(b));
     let sizes = b.sizes;
-    let output = |rows: Rows| Output::Views { right: views.right.clone(), last: rows.end() == height };
+    let written = |rows: Rows| Written::Views { right: views.right.clone(), last: rows.end() == height };
     for piece in sizes.pieces.iter().flatten() {
         let place = planes.hold(b, piece);
         if sizes.small_block {
@@ -66,7 +67,7 @@ fn block_match(b: &mut Builder<'_>, planes: &mut Planes, views: &ViewMaps) {
             let pass = Pass { first_row: rows.first, rows: rows.count, map_row, ..place };
             let storage = [Texture(left), Texture(right), left_map, right_map];
             let (parts, strip) = parts_and_strip(b.params.disparities);
-            b.step("block_match_small", &storage, pass, parts * rows.count.div_ceil(strip), 1, output(rows));
+            b.step("block_match_small", &storage, pass, parts * rows.count.div_ceil(strip), 1, written(rows));
         }
         for &chunk in &piece.chunks {
             let pass = columns.compute(b, planes, chunk, place);
@@ -76,7 +77,7 @@ fn block_match(b: &mut Builder<'_>, planes: &mut Planes, views: &ViewMaps) {
             let known = statistics.as_ref().map_or(&columns.buffer, |statistics| &statistics.buffer);
             let ([left_map, right_map], map_row) = views.bound(b, chunk);
             let storage = [Buffer(&columns.buffer), left_map, right_map, Buffer(known)];
-            b.step("block_match", &storage, Pass { map_row, ..pass }, chunk.count, 1, output(chunk));
+            b.step("block_match", &storage, Pass { map_row, ..pass }, chunk.count, 1, written(chunk));
         }
     }
 }
@@ -86,6 +87,6 @@ pub(super) fn mirror(b: &mut Builder<'_>, left: &wgpu::Buffer) -> wgpu::Buffer {
     let map_stride = b.sizes.frame.map_stride;
     let map = b.buffer("mirror", b.sizes.map);
     let storage = [left, &map].map(|map| Bound::Rows(map, 4 * u64::from(map_stride)));
-    b.step_rows("mirror", &storage, Pass::default(), map_stride / 4, 1, Output::Mirrored);
+    b.step_rows("mirror", &storage, Pass::default(), map_stride / 4, 1, Written::Mirrored);
     map
 }

@@ -6,9 +6,9 @@ use crate::gpu::kernels::{self, Compiled, KERNELS};
 use crate::gpu::layout::{Pass, ROW_UNIT, Rows, Sizes, TEXELS, TEXTURE_ROW};
 use crate::gpu::plan::Plan;
 use crate::gpu::recording::level::Level;
-use crate::gpu::recording::output::Output;
 use crate::gpu::recording::pool::{Pool, Shared, Sized, SizedTexture, take};
 use crate::gpu::recording::step::{Part, Step};
+use crate::gpu::recording::written::Written;
 use crate::{Params, PixelFormat};
 
 /// Distance of the blocks in the uniform buffer of [`Pass`]es: the largest alignment that WebGPU allows a device to ask.
@@ -37,7 +37,7 @@ struct Planned {
     storage: Vec<Resource>,
     pass: Pass,
     workgroups: [u32; 2],
-    output: Output,
+    written: Written,
     buffer: wgpu::Buffer,
     bytes: u64,
     clears: bool,
@@ -275,7 +275,7 @@ impl<'a> Builder<'a> {
         pass: Pass,
         lines: u32,
         rows: u32,
-        output: Output,
+        written: Written,
     ) {
         let Some(kernel) = KERNELS.iter().position(|kernel| kernel.name == name) else {
             unreachable!("{name} is not in the table of kernels");
@@ -284,9 +284,8 @@ impl<'a> Builder<'a> {
         let compiled = if self.only_planned { None } else { Some(self.compiled(kernel)) };
         let accesses = row.storage(&self.params, &self.plan);
         let first = |wanted| accesses.iter().position(|access| *access == wanted);
-        let written = first(kernels::Access::Write).or_else(|| first(kernels::Access::Trees));
-        let Some(Bound::Buffer(buffer) | Bound::Rows(buffer, _) | Bound::Part(buffer, ..)) =
-            written.map(|i| storage[i])
+        let target = first(kernels::Access::Write).or_else(|| first(kernels::Access::Trees));
+        let Some(Bound::Buffer(buffer) | Bound::Rows(buffer, _) | Bound::Part(buffer, ..)) = target.map(|i| storage[i])
         else {
             unreachable!("{name} writes no buffer");
         };
@@ -308,7 +307,7 @@ impl<'a> Builder<'a> {
             storage: storage.iter().map(resource).collect(),
             pass,
             workgroups: [invocations.div_ceil(row.lanes(&self.plan)), rows],
-            output,
+            written,
             buffer: buffer.clone(),
             bytes: self.bytes_of(buffer),
             clears: false,
@@ -349,18 +348,18 @@ impl<'a> Builder<'a> {
         pass: Pass,
         lines: u32,
         rows_each: u32,
-        output: Output,
+        written: Written,
     ) {
         let lots = self.lots(storage);
         for (i, &rows) in lots.iter().enumerate() {
             let bound: Vec<_> = storage.iter().map(|&bound| self.lot(bound, rows)).collect();
             let pass = Pass { first_row: rows.first, rows: rows.count, ..pass };
-            self.step(name, &bound, pass, lines, rows.count.div_ceil(rows_each), output.clone());
+            self.step(name, &bound, pass, lines, rows.count.div_ceil(rows_each), written.clone());
             self.part_of(i, lots.len());
         }
     }
 
-    /// The last step is one of several that leave an output together.
+    /// The last step is one of several that leave an written together.
     pub(crate) fn part_of(&mut self, i: usize, count: usize) {
         if let Some(step) = self.planned.last_mut() {
             step.part = Part { first: i == 0, last: i + 1 == count };
@@ -437,7 +436,7 @@ impl<'a> Builder<'a> {
                 bind_group,
                 pass: pass * PASS_STRIDE,
                 workgroups: step.workgroups,
-                output: step.output,
+                written: step.written,
                 buffer: step.buffer,
                 bytes: step.bytes,
                 clears: step.clears,

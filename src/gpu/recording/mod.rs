@@ -2,12 +2,12 @@
 
 mod builder;
 mod level;
-mod output;
 mod pool;
 mod step;
+mod written;
 
 pub(crate) use builder::{Bound, Builder};
 pub(crate) use level::{Level, levels, rooms};
-pub(crate) use output::Output;
 pub(crate) use pool::Pool;
 pub(crate) use step::{Step, record_steps};
+pub(crate) use written::Written;

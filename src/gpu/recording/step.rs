@@ -1,10 +1,10 @@
 //! A step: one dispatch.
 
 use crate::gpu::kernels::KERNELS;
-use crate::gpu::recording::output::Output;
 use crate::gpu::recording::pool::row_bytes;
+use crate::gpu::recording::written::Written;
 
-/// A step's place among those that leave an output together.
+/// A step's place among those that leave an written together.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Part {
     pub(crate) first: bool,
@@ -23,7 +23,7 @@ pub(crate) struct Step {
     /// The offset of its [`Pass`] in the uniform buffer.
     pub(crate) pass: u32,
     pub(crate) workgroups: [u32; 2],
-    pub(crate) output: Output,
+    pub(crate) written: Written,
     pub(crate) buffer: wgpu::Buffer,
     /// Bytes of it that are in use.
     pub(crate) bytes: u64,
@@ -31,7 +31,7 @@ pub(crate) struct Step {
     pub(crate) clears: bool,
     /// Whether this is of the mirrored pair.
     pub(crate) mirrored: bool,
-    /// Whether it is the first, and the last, of the steps that leave the output together, some rows each.
+    /// Whether it is the first, and the last, of the steps that leave the written together, some rows each.
     pub(crate) part: Part,
     /// The texture that `buffer` is copied into when it is complete, and how many texels and rows of them.
     pub(crate) copy_to: Option<(wgpu::Texture, [u32; 2])>,

@@ -3,6 +3,7 @@
 pub(crate) mod confidence;
 pub(crate) mod depth;
 pub(crate) mod fill;
+pub(crate) mod filtered;
 pub(crate) mod lr_check;
 pub(crate) mod median;
 pub(crate) mod speckle;

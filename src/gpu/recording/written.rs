@@ -1,11 +1,12 @@
 //! What a step leaves behind.
 
 use crate::gpu::layout::Rows;
+use crate::params::Filter;
 use crate::reference::Direction;
 
 /// What a step leaves behind, and where: for the comparison with the reference.
 #[derive(Clone, Debug)]
-pub(crate) enum Output {
+pub(crate) enum Written {
     /// The rectified image of a side, laid out like the uploaded one.
     Rectified {
         side: usize,
@@ -78,13 +79,28 @@ pub(crate) enum Output {
     Validity {
         side: usize,
     },
-    Textured,
-    Checked,
-    Speckle,
-    Median,
-    Fill,
-    WeightedMedian,
-    Wls,
+    /// The map of a filter.
+    Filter(Filter),
     Confidence,
     Depth,
+}
+
+impl Written {
+    /// Whether all of it is there, as far as its own kind of step tells.
+    pub(crate) fn is_whole(&self) -> bool {
+        !matches!(self, Self::Part | Self::Views { last: false, .. } | Self::Paths { last: false, .. })
+    }
+
+    /// Whether it is made of the images alone, before the first round of mutual information begins.
+    pub(crate) fn precedes_rounds(&self) -> bool {
+        matches!(
+            self,
+            Self::Rectified { .. }
+                | Self::Gray { .. }
+                | Self::WindowSums { .. }
+                | Self::Prefiltered { .. }
+                | Self::Values { .. }
+                | Self::Descriptors { .. }
+        )
+    }
 }

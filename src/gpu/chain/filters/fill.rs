@@ -1,0 +1,115 @@
+//! The filling of holes.
+
+use crate::Fill;
+use crate::gpu::chain::filters::map_step::by_rows;
+use crate::gpu::layout::{Frame, Pass};
+use crate::gpu::recording::Bound::{self, Buffer, Texture};
+use crate::gpu::recording::{Builder, Written};
+use crate::params::Filter;
+
+/// What the kernels of the stage `fill` leave each other.
+struct Filling {
+    /// The pixels that a right pixel's disparity leads to.
+    seen: wgpu::Buffer,
+    /// The nearest values along rows, and on lines that go 0, 1 and -1 columns to the right from row to row.
+    along: wgpu::Buffer,
+    lines: [wgpu::Buffer; 3],
+    /// What the lines found in the rows before a lot of them.
+    carry: wgpu::Buffer,
+}
+
+const SLOPES: [i32; 3] = [0, 1, -1];
+
+/// Stage `fill` on the map of the last step.
+pub(super) fn fill(b: &mut Builder<'_>, right: &wgpu::Buffer) -> wgpu::Buffer {
+    let Frame { width, height, map_stride, .. } = b.sizes.frame;
+    let lines = u64::from(width.div_ceil(8)) + u64::from(height.div_ceil(8)) + 2;
+    let filling = Filling {
+        seen: b.buffer("fill.seen", u64::from(map_stride) * u64::from(height)),
+        along: b.buffer("fill.along", b.sizes.nearest),
+        lines: SLOPES.map(|_| b.buffer("fill.lines", b.sizes.nearest)),
+        carry: b.buffer("fill.carry", 2 * 16 * lines),
+    };
+    let occlusions = Pass { occlusions: 1, ..Pass::default() };
+    let mut texels = b.copy_to_texels();
+    if b.params.fill != Fill::Background {
+        filling.rows(b, &texels);
+        let storage = [by_rows(b, right), Buffer(&filling.seen)];
+        b.step_rows("fill_seen", &storage, Pass::default(), map_stride / 4, 1, Written::Part);
+        let mut pass = occlusions;
+        if b.params.fill == Fill::Rays {
+            filling.between(b, &texels, &filling.along, occlusions, Written::Part);
+            texels = b.copy_to_texels();
+            filling.rows(b, &texels);
+            pass = Pass::default();
+        }
+        for i in 0..SLOPES.len() {
+            filling.lines(b, &texels, i);
+        }
+        let filled = b.buffer("fill", b.sizes.map);
+        let [upright, falling, rising] = &filling.lines;
+        let nearest = [&filling.along, falling, upright, rising].map(|nearest| nearest_rows(b, nearest));
+        let storage: Vec<_> =
+            [&[Texture(&texels)][..], &nearest[..], &[Buffer(&filling.seen), by_rows(b, &filled)][..]].concat();
+        b.step_rows("fill_rays", &storage, pass, map_stride / 4, 1, Written::Part);
+        texels = b.copy_to_texels();
+    }
+    filling.rows(b, &texels);
+    filling.between(b, &texels, &filling.along, Pass::default(), Written::Part);
+    texels = b.copy_to_texels();
+    filling.lines(b, &texels, 0);
+    filling.between(b, &texels, &filling.lines[0], Pass::default(), Written::Filter(Filter::Fill))
+}
+
+/// Nearest values by the rows of the image.
+fn nearest_rows<'a>(b: &Builder<'_>, nearest: &'a wgpu::Buffer) -> Bound<'a> {
+    Bound::Rows(nearest, 32 * u64::from(b.sizes.frame.map_stride / 4 + 1))
+}
+
+impl Filling {
+    fn rows(&self, b: &mut Builder<'_>, map: &wgpu::TextureView) {
+        let storage = [Texture(map), nearest_rows(b, &self.along), Buffer(&self.seen)];
+        let lots = b.lots(&storage);
+        for &rows in &lots {
+            let storage = storage.map(|bound| b.lot(bound, rows));
+            let pass = Pass { first_row: rows.first, rows: rows.count, ..Pass::default() };
+            b.step("fill_rows", &storage, pass, rows.count, 2, Written::Part);
+        }
+    }
+
+    /// The lines of a slope, eight together: those that enter at the left come first, those at the right last.
+    fn lines(&self, b: &mut Builder<'_>, map: &wgpu::TextureView, slope: usize) {
+        let Frame { width, height, .. } = b.sizes.frame;
+        let (dx, sideways) = (SLOPES[slope], SLOPES[slope].unsigned_abs() * (height - 1));
+        let shift = if dx > 0 { sideways.div_ceil(8) } else { 0 };
+        let lines = if dx > 0 { shift + width.div_ceil(8) } else { (width + sideways).div_ceil(8) };
+        let nearest = nearest_rows(b, &self.lines[slope]);
+        let lots = b.lots(&[nearest]);
+        // Both ways at once, or down and then up.
+        let ways = if lots.len() == 1 { 0..1 } else { 0..2 };
+        let at_once = 2 / ways.len() as u32;
+        for way in ways {
+            for nth in 0..lots.len() {
+                let rows = if way == 0 { lots[nth] } else { lots[lots.len() - 1 - nth] };
+                let pass = Pass { dx, shift, lines, first_row: rows.first, rows: rows.count, ..Pass::default() };
+                let pass = Pass { entry: way, carried: (nth > 0).into(), ..pass };
+                let storage = [Texture(map), b.lot(nearest, rows), Buffer(&self.carry)];
+                b.step("fill_lines", &storage, pass, lines, at_once, Written::Part);
+            }
+        }
+    }
+
+    fn between(
+        &self,
+        b: &mut Builder<'_>,
+        map: &wgpu::TextureView,
+        nearest: &wgpu::Buffer,
+        pass: Pass,
+        written: Written,
+    ) -> wgpu::Buffer {
+        let filled = b.buffer("fill", b.sizes.map);
+        let storage = [Texture(map), nearest_rows(b, nearest), Buffer(&self.seen), by_rows(b, &filled)];
+        b.step_rows("fill_between", &storage, pass, b.sizes.frame.map_stride / 4, 1, written);
+        filled
+    }
+}

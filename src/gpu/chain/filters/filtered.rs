@@ -1,0 +1,92 @@
+//! From the views to the map: the filters of the table, and what is made of the final map.
+
+use crate::gpu::chain::content::ContentBits;
+use crate::gpu::chain::filters::fill::fill;
+use crate::gpu::chain::filters::map_step::{by_rows, map_step};
+use crate::gpu::chain::filters::speckle::speckle;
+use crate::gpu::chain::filters::wls::wls;
+use crate::gpu::chain::view_maps::ViewMaps;
+use crate::gpu::layout::{Frame, Pass};
+use crate::gpu::plan;
+use crate::gpu::recording::Bound::{self, Buffer, Texture};
+use crate::gpu::recording::{Builder, Written};
+use crate::params::Filter;
+use crate::{Median, reference};
+
+/// The filters that are asked for, and `validity` after each that may give a pixel another disparity. Returns the buffer of
+/// the map.
+pub(in crate::gpu::chain) fn filtered(
+    b: &mut Builder<'_>,
+    views: &ViewMaps,
+    gray: &wgpu::TextureView,
+    content: Option<&ContentBits>,
+) -> wgpu::Buffer {
+    let mut map = views.left.clone();
+    for &filter in Filter::ALL {
+        if !filter.wanted(&b.params) {
+            continue;
+        }
+        map = filter_step(b, filter, &map, &views.right, gray);
+        if let Some(content) = content.filter(|_| filter.gives_disparities()) {
+            map = content.valid(b, &map, 0);
+        }
+    }
+    map
+}
+
+/// One filter of `map`, which the last step left. Returns the buffer of its map.
+fn filter_step(
+    b: &mut Builder<'_>,
+    filter: Filter,
+    map: &wgpu::Buffer,
+    right: &wgpu::Buffer,
+    gray: &wgpu::TextureView,
+) -> wgpu::Buffer {
+    let written = Written::Filter(filter);
+    match filter {
+        Filter::Texture => {
+            let columns = b.buffer("texture_columns", b.sizes.map);
+            let (storage, lines) = ([Texture(gray), by_rows(b, &columns)], b.sizes.frame.map_stride.div_ceil(8));
+            b.step_rows("texture_columns", &storage, Pass::default(), lines, plan::segment(&b.plan), Written::Part);
+            let reads = [by_rows(b, &columns), by_rows(b, map)];
+            map_step(b, "texture", [&reads, &[]], written)
+        }
+        Filter::LrCheck => {
+            let reads = [by_rows(b, map), by_rows(b, right)];
+            map_step(b, "lr_check", [&reads, &[]], written)
+        }
+        Filter::Speckle => speckle(b),
+        Filter::Median => {
+            let kernel = if b.params.median == Median::Five { "median_five" } else { "median" };
+            let texels = b.copy_to_texels();
+            map_step(b, kernel, [&[Texture(&texels)], &[]], written)
+        }
+        Filter::Fill => fill(b, right),
+        Filter::WeightedMedian => {
+            let texels = b.copy_to_texels();
+            map_step(b, "weighted_median", [&[Texture(&texels)], &[Texture(gray)]], written)
+        }
+        Filter::Wls => {
+            let couplings = b.params.wls.as_ref().map_or_else(Vec::new, reference::wls_couplings);
+            wls(b, gray, couplings)
+        }
+    }
+}
+
+/// Stage `confidence` of the final `map`.
+pub(in crate::gpu::chain) fn confidence(b: &mut Builder<'_>, views: &ViewMaps, map: &wgpu::Buffer) -> wgpu::Buffer {
+    let Frame { height, map_stride, .. } = b.sizes.frame;
+    let confidence = b.buffer("confidence", b.sizes.confidence);
+    let storage = [Buffer(map), Buffer(&views.right), Buffer(&confidence)];
+    b.step("confidence", &storage, Pass::default(), map_stride / 4, height, Written::Confidence);
+    confidence
+}
+
+/// Stage `depth` of the final `map`.
+pub(in crate::gpu::chain) fn depth(b: &mut Builder<'_>, map: &wgpu::Buffer) -> wgpu::Buffer {
+    let Frame { map_stride, .. } = b.sizes.frame;
+    let depth = b.buffer("depth", b.sizes.regions);
+    let storage = [by_rows(b, map), Bound::Rows(&depth, 8 * u64::from(map_stride))];
+    b.step_rows("depth", &storage, Pass::default(), map_stride / 2, 1, Written::Depth);
+    depth
+}

@@ -1,0 +1,8 @@
+//! The comparison of every stage's buffer with the reference.
+
+mod compare;
+mod expected;
+mod report;
+mod run;
+
+pub use report::{Mismatch, StageCheck};

@@ -1,0 +1,68 @@
+//! From the bytes of the device's buffers to maps.
+
+use crate::gpu::layout::{Frame, Sizes};
+use crate::{ConfidenceMap, DepthMap, DisparityMap, Matched, Params};
+
+/// The bytes of the maps of a frame, in the order in which they lie in the buffer that is read back.
+#[derive(Clone, Debug)]
+pub(crate) struct MapBytes {
+    frame: Frame,
+    /// Bytes of a map.
+    pub(crate) map: u64,
+    /// Whether there is a right view.
+    right: bool,
+    /// Bytes of the confidence, if there is one.
+    pub(crate) confidence: Option<u64>,
+    /// Bytes of the depth, if there is one.
+    pub(crate) depth: Option<u64>,
+}
+
+impl MapBytes {
+    pub(crate) fn new(params: &Params, sizes: &Sizes) -> Self {
+        let confidence = params.confidence.then_some(sizes.confidence);
+        let depth = params.depth.is_some().then_some(sizes.regions);
+        Self { frame: sizes.frame, map: sizes.map, right: params.right_map, confidence, depth }
+    }
+
+    pub(crate) fn bytes(&self) -> u64 {
+        self.map + if self.right { self.map } else { 0 } + self.confidence.unwrap_or(0) + self.depth.unwrap_or(0)
+    }
+
+    pub(crate) fn matched(&self, bytes: &[u8]) -> Matched {
+        let map = self.map as usize;
+        let (left, rest) = bytes.split_at(map);
+        let (right, rest) = rest.split_at(if self.right { map } else { 0 });
+        let (confidence, depth) = rest.split_at(self.confidence.unwrap_or(0) as usize);
+        Matched {
+            map: map_of(&self.frame, left),
+            right: self.right.then(|| map_of(&self.frame, right)),
+            confidence: self.confidence.map(|_| confidence_of(&self.frame, confidence)),
+            depth: self.depth.map(|_| depth_of(&self.frame, depth)),
+        }
+    }
+}
+
+/// A disparity map from the bytes of its buffer.
+pub(crate) fn map_of(frame: &Frame, bytes: &[u8]) -> DisparityMap {
+    let Frame { width, height, map_stride, .. } = *frame;
+    let mut data = Vec::with_capacity(width as usize * height as usize);
+    for row in bytes.chunks_exact(4 * map_stride as usize).take(height as usize) {
+        data.extend(row[..2 * width as usize].chunks_exact(2).map(|v| i16::from_le_bytes([v[0], v[1]])));
+    }
+    DisparityMap { width, height, data }
+}
+
+/// A confidence from the bytes of its buffer.
+pub(crate) fn confidence_of(frame: &Frame, bytes: &[u8]) -> ConfidenceMap {
+    let Frame { width, height, map_stride, .. } = *frame;
+    let rows = bytes.chunks_exact(2 * map_stride as usize).take(height as usize);
+    ConfidenceMap { width, height, data: rows.flat_map(|row| &row[..width as usize]).copied().collect() }
+}
+
+/// A depth from the bytes of its buffer.
+pub(crate) fn depth_of(frame: &Frame, bytes: &[u8]) -> DepthMap {
+    let Frame { width, height, map_stride, .. } = *frame;
+    let rows = bytes.chunks_exact(8 * map_stride as usize).take(height as usize);
+    let words = rows.flat_map(|row| row[..4 * width as usize].chunks_exact(4));
+    DepthMap { width, height, data: words.map(|v| u32::from_le_bytes([v[0], v[1], v[2], v[3]])).collect() }
+}

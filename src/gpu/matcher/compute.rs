@@ -1,0 +1,100 @@
+//! Frames whose maps come to the host.
+
+use std::sync::atomic::Ordering;
+
+use crate::gpu::maps::MapBytes;
+use crate::gpu::matcher::stereo_matcher::StereoMatcher;
+use crate::gpu::readback::Mapping;
+use crate::gpu::reading::{Awaited, Reading};
+use crate::gpu::scopes;
+use crate::{Error, Image, Matched};
+
+impl StereoMatcher {
+    /// Brings what the work submitted last leaves to the host: work of the matcher's present size and settings. Submits the
+    /// copy, and does not wait: the result is a future. Where work was recorded but never submitted, no pixel has a disparity.
+    ///
+    /// [`Error::Misuse`] comes of it if nothing was recorded or computed with the present size and settings.
+    pub fn read(&self) -> Reading {
+        let computed = self.computed.load(Ordering::Relaxed);
+        let absent = || {
+            let (width, height) = self.size();
+            Error::Misuse(format!(
+                "there is no map of {width}x{height} with the present settings to read; record and submit a pair, or compute \
+                 one, before"
+            ))
+        };
+        let started = self.pulse.check().and_then(|()| computed.then_some(()).ok_or_else(absent));
+        started.and_then(|()| self.start(|_| ())).unwrap_or_else(Reading::failed)
+    }
+
+    /// As [`StereoMatcher::read`]; blocks until the maps are there.
+    ///
+    /// # Errors
+    /// [`Error::Lost`] if the device fails on the way.
+    #[cfg(not(target_arch = "wasm32"))]
+    pub fn read_blocking(&self) -> Result<Matched, Error> {
+        self.read().wait_blocking()
+    }
+
+    /// Computes the maps of a pair of the host's, and reads them back.
+    ///
+    /// # Errors
+    /// [`Error::Image`] if a size or a format is not the matcher's; [`Error::Lost`] if the device fails on the way.
+    pub async fn compute(&self, left: &Image, right: &Image) -> Result<Matched, Error> {
+        self.submit(left, right, |encoder| self.record_chain(encoder))?.await
+    }
+
+    /// As [`StereoMatcher::compute`]; blocks until the maps are there.
+    ///
+    /// # Errors
+    /// As [`StereoMatcher::compute`].
+    #[cfg(not(target_arch = "wasm32"))]
+    pub fn compute_blocking(&self, left: &Image, right: &Image) -> Result<Matched, Error> {
+        self.submit(left, right, |encoder| self.record_chain(encoder))?.wait_blocking()
+    }
+
+    pub(super) fn submit(
+        &self,
+        left: &Image,
+        right: &Image,
+        record: impl FnOnce(&mut wgpu::CommandEncoder),
+    ) -> Result<Reading, Error> {
+        self.accepts(left, right)?;
+        let started = self.start(|encoder| {
+            self.write_sources(left, right);
+            record(encoder);
+        })?;
+        self.has_computed();
+        Ok(started)
+    }
+
+    /// Submits what `record` records, and the way of the maps to the host.
+    pub(crate) fn start(&self, record: impl FnOnce(&mut wgpu::CommandEncoder)) -> Result<Reading, Error> {
+        self.pulse.check()?;
+        let maps = MapBytes::new(&self.params, &self.sizes);
+        let ((buffer, mapping), verdict) = scopes::watched(&self.device, || {
+            let mut encoder = self.device.create_command_encoder(&wgpu::CommandEncoderDescriptor::default());
+            record(&mut encoder);
+            let buffer = self.readback_buffer();
+            let mut at = 0;
+            for (from, bytes) in [
+                (Some(&self.ends.output), maps.map),
+                (self.ends.right.as_ref(), maps.map),
+                (self.ends.confidence.as_ref(), maps.confidence.unwrap_or(0)),
+                (self.ends.depth.as_ref(), maps.depth.unwrap_or(0)),
+            ] {
+                if let Some(from) = from {
+                    encoder.copy_buffer_to_buffer(from, 0, &buffer, at, bytes);
+                    at += bytes;
+                }
+            }
+            self.queue.submit([encoder.finish()]);
+            let mapping = Mapping::new(&buffer, wgpu::MapMode::Read);
+            (buffer, mapping)
+        });
+        let verdict = verdict.or_later().map_err(|error| self.pulse.cause(error))?;
+        let (device, pulse) = (self.device.clone(), self.pulse.clone());
+        let (waiter, spare) = (self.waiter.clone(), self.spare.clone());
+        Ok(Reading::awaited(Awaited { device, pulse, verdict, waiter, mapping, buffer, maps, spare }))
+    }
+}

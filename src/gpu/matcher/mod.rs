@@ -1,0 +1,12 @@
+//! The matcher: images in, maps out, on the caller's device.
+
+mod build;
+mod compute;
+mod rebuild;
+mod record;
+mod stereo_matcher;
+mod timed;
+mod timer;
+mod upload;
+
+pub use stereo_matcher::StereoMatcher;

@@ -1,0 +1,99 @@
+//! The work of a frame, recorded into the caller's encoder.
+
+use crate::Error;
+use crate::gpu::interop::{Context, Inputs, Outputs, Regions};
+use crate::gpu::matcher::stereo_matcher::StereoMatcher;
+use crate::gpu::recording::record_steps;
+use crate::gpu::scopes;
+
+impl StereoMatcher {
+    /// Records the work of one frame into the caller's encoder: takes the pair from `inputs`, leaves the map in
+    /// [`StereoMatcher::output`] and in what `outputs` names. It neither submits nor waits.
+    ///
+    /// What is recorded is whole: whatever is uploaded, computed, resized or set before it is submitted, it gives the maps of
+    /// the pair, the size and the settings that it was recorded with.
+    ///
+    /// # Errors
+    /// [`Error::Image`] if an input or an output does not fit the matcher; [`Error::Misuse`] if no pair of this size was
+    /// uploaded, or the encoder is another device's: then nothing is recorded. [`Error::Misuse`], too, if a pass of the encoder
+    /// is open, which spoils it. [`Error::Lost`] if the device is lost. In a browser, what the device itself objects to comes
+    /// to the caller's error scopes and error handler.
+    pub fn record(
+        &self,
+        encoder: &mut wgpu::CommandEncoder,
+        inputs: &Inputs<'_>,
+        outputs: &Outputs<'_>,
+    ) -> Result<(), Error> {
+        self.pulse.check()?;
+        if !self.pulse.owns(encoder) {
+            return Err(Error::Misuse(
+                "the encoder is of another wgpu device than the matcher; create it with the device that the matcher was \
+                 made with"
+                    .into(),
+            ));
+        }
+        let context = self.interop();
+        let mut regions = Regions::default();
+        let before = context.before(&self.passes, inputs, &mut regions)?;
+        let after = context.after(&self.passes, outputs, &mut regions)?;
+        let uploaded = match inputs {
+            Inputs::Uploaded => Some(self.uploads.last().filter(|pair| pair.size == self.size()).ok_or_else(|| {
+                let (width, height) = self.size();
+                Error::Misuse(format!(
+                    "no pair of {width}x{height} was uploaded since the matcher takes that size; upload one before it is \
+                     recorded"
+                ))
+            })?),
+            _ => None,
+        };
+        let recorded = scopes::guarded_or_left(&self.device, || {
+            if let Some(pair) = &uploaded {
+                self.record_sources(encoder, &pair.buffer);
+            }
+            before.iter().for_each(|work| work.record(encoder));
+            self.record_chain(encoder);
+            after.iter().for_each(|work| work.record(encoder));
+        });
+        recorded.map_err(|error| match self.pulse.cause(error) {
+            Error::Lost(text) if scopes::refusal(&text).is_some() => Error::Misuse(format!(
+                "the encoder refused the work: {}; end its open passes before, and begin with a new encoder",
+                scopes::refusal(&text).unwrap_or_default()
+            )),
+            other => other,
+        })?;
+        let held = (self.recorded.clone(), uploaded.map(|pair| pair.held));
+        encoder.on_submitted_work_done(move || drop(held));
+        self.has_computed();
+        Ok(())
+    }
+
+    fn interop(&self) -> Context<'_> {
+        Context {
+            device: &self.device,
+            queue: &self.queue,
+            pulse: &self.pulse,
+            frame: &self.sizes.frame,
+            format: self.format,
+            params: &self.params,
+            sources: &self.ends.sources,
+            output: &self.ends.output,
+            right: self.ends.right.as_ref(),
+            confidence: self.ends.confidence.as_ref(),
+            depth: self.ends.depth.as_ref(),
+        }
+    }
+
+    /// Lets go of the textures and buffers of [`Inputs`] and [`Outputs`]. What binds the last of them (those of about eight
+    /// pairs) is kept for the next frames, and keeps them alive.
+    pub fn forget_surfaces(&self) {
+        self.passes.forget();
+    }
+
+    /// Records the work of one frame, from the uploaded pair to [`StereoMatcher::output`].
+    pub(crate) fn record_chain(&self, encoder: &mut wgpu::CommandEncoder) {
+        // A compute pass ends where something is copied or cleared.
+        for steps in self.steps.chunk_by(|a, b| a.copy_to.is_none() && !b.clears) {
+            record_steps(encoder, "gpu-stereo", steps, None);
+        }
+    }
+}
