@@ -6,13 +6,11 @@ use crate::gpu::kernels::{self, Compiled, KERNELS};
 use crate::gpu::layout::{Pass, ROW_UNIT, Rows, Sizes, TEXELS, TEXTURE_ROW};
 use crate::gpu::plan::Plan;
 use crate::gpu::recording::level::Level;
+use crate::gpu::recording::planned::{PASS_STRIDE, Planned, Resource};
 use crate::gpu::recording::pool::{Pool, Shared, Sized, SizedTexture, take};
 use crate::gpu::recording::step::{Part, Step};
 use crate::gpu::recording::written::Written;
 use crate::{Params, PixelFormat};
-
-/// Distance of the blocks in the uniform buffer of [`Pass`]es: the largest alignment that WebGPU allows a device to ask.
-const PASS_STRIDE: u32 = 256;
 
 /// Compiled kernels that are kept though no step needs them: settings that change to and fro find theirs again.
 const MOST_SPARE_KERNELS: usize = 256;
@@ -26,30 +24,6 @@ pub(crate) enum Bound<'a> {
     Rows(&'a wgpu::Buffer, u64),
     /// Bytes of a buffer: where they begin, and how many.
     Part(&'a wgpu::Buffer, u64, u64),
-}
-
-/// A step whose bind group is not made yet.
-struct Planned {
-    kernel: usize,
-    level: usize,
-    /// None if it is only planned.
-    compiled: Option<Compiled>,
-    storage: Vec<Resource>,
-    pass: Pass,
-    workgroups: [u32; 2],
-    written: Written,
-    buffer: wgpu::Buffer,
-    bytes: u64,
-    clears: bool,
-    mirrored: bool,
-    part: Part,
-    copy_to: Option<(wgpu::Texture, [u32; 2])>,
-}
-
-enum Resource {
-    /// Where it begins, and how many bytes.
-    Buffer(wgpu::Buffer, u64, u64),
-    Texture(wgpu::TextureView),
 }
 
 /// Makes buffers and steps.
@@ -408,42 +382,9 @@ impl<'a> Builder<'a> {
             .map(|level| self.uniform(queue, "frame", bytemuck::bytes_of(&level.sizes.frame), 0))
             .collect();
         let passes = self.uniform(queue, "passes", &blocks, room);
-        let block = (size_of::<Pass>() as u64).try_into().ok();
-        let finished = |(pass, step): (u32, Planned)| {
-            let Compiled { layout, pipeline } = step.compiled?;
-            let passes = wgpu::BufferBinding { buffer: &passes, offset: 0, size: block };
-            let uniforms = [frames[step.level].as_entire_binding(), wgpu::BindingResource::Buffer(passes)];
-            let storage = step.storage.iter().map(|resource| match resource {
-                Resource::Buffer(buffer, offset, bytes) => {
-                    let (offset, size) = (*offset, std::num::NonZeroU64::new(*bytes));
-                    wgpu::BindingResource::Buffer(wgpu::BufferBinding { buffer, offset, size })
-                }
-                Resource::Texture(view) => wgpu::BindingResource::TextureView(view),
-            });
-            let entries: Vec<_> = (0..)
-                .zip(uniforms.into_iter().chain(storage))
-                .map(|(binding, resource)| wgpu::BindGroupEntry { binding, resource })
-                .collect();
-            let bind_group = self.device.create_bind_group(&wgpu::BindGroupDescriptor {
-                label: Some(&format!("gpu-stereo.{}", KERNELS[step.kernel].name)),
-                layout: &layout,
-                entries: &entries,
-            });
-            Some(Step {
-                kernel: step.kernel,
-                level: step.level,
-                pipeline,
-                bind_group,
-                pass: pass * PASS_STRIDE,
-                workgroups: step.workgroups,
-                written: step.written,
-                buffer: step.buffer,
-                bytes: step.bytes,
-                clears: step.clears,
-                mirrored: step.mirrored,
-                part: step.part,
-                copy_to: step.copy_to,
-            })
+        let finished = |(i, step): (u32, Planned)| {
+            let frame = &frames[step.level];
+            step.finished(self.device, frame, &passes, i * PASS_STRIDE)
         };
         let steps = (0..).zip(self.planned).filter_map(finished).collect();
         if self.free.compiled.len() < MOST_SPARE_KERNELS {

@@ -2,6 +2,7 @@
 
 mod builder;
 mod level;
+mod planned;
 mod pool;
 mod step;
 mod written;

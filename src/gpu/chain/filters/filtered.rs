@@ -15,7 +15,7 @@ use crate::{Median, reference};
 
 /// The filters that are asked for, and `validity` after each that may give a pixel another disparity. Returns the buffer of
 /// the map.
-pub(in crate::gpu::chain) fn filtered(
+pub(crate) fn filtered(
     b: &mut Builder<'_>,
     views: &ViewMaps,
     gray: &wgpu::TextureView,
@@ -74,7 +74,7 @@ fn filter_step(
 }
 
 /// Stage `confidence` of the final `map`.
-pub(in crate::gpu::chain) fn confidence(b: &mut Builder<'_>, views: &ViewMaps, map: &wgpu::Buffer) -> wgpu::Buffer {
+pub(crate) fn confidence(b: &mut Builder<'_>, views: &ViewMaps, map: &wgpu::Buffer) -> wgpu::Buffer {
     let Frame { height, map_stride, .. } = b.sizes.frame;
     let confidence = b.buffer("confidence", b.sizes.confidence);
     let storage = [Buffer(map), Buffer(&views.right), Buffer(&confidence)];
@@ -83,7 +83,7 @@ pub(in crate::gpu::chain) fn confidence(b: &mut Builder<'_>, views: &ViewMaps, m
 }
 
 /// Stage `depth` of the final `map`.
-pub(in crate::gpu::chain) fn depth(b: &mut Builder<'_>, map: &wgpu::Buffer) -> wgpu::Buffer {
+pub(crate) fn depth(b: &mut Builder<'_>, map: &wgpu::Buffer) -> wgpu::Buffer {
     let Frame { map_stride, .. } = b.sizes.frame;
     let depth = b.buffer("depth", b.sizes.regions);
     let storage = [by_rows(b, map), Bound::Rows(&depth, 8 * u64::from(map_stride))];

@@ -1,0 +1,82 @@
+//! Steps whose bind groups are not made yet.
+
+use std::num::NonZeroU64;
+
+use crate::gpu::kernels::{Compiled, KERNELS};
+use crate::gpu::layout::Pass;
+use crate::gpu::recording::step::{Part, Step};
+use crate::gpu::recording::written::Written;
+
+/// Distance of the blocks in the uniform buffer of [`Pass`]es: the largest alignment that WebGPU allows a device to ask.
+pub(super) const PASS_STRIDE: u32 = 256;
+
+/// A step whose bind group is not made yet.
+pub(super) struct Planned {
+    pub(super) kernel: usize,
+    pub(super) level: usize,
+    /// None if it is only planned.
+    pub(super) compiled: Option<Compiled>,
+    pub(super) storage: Vec<Resource>,
+    pub(super) pass: Pass,
+    pub(super) workgroups: [u32; 2],
+    pub(super) written: Written,
+    pub(super) buffer: wgpu::Buffer,
+    pub(super) bytes: u64,
+    pub(super) clears: bool,
+    pub(super) mirrored: bool,
+    pub(super) part: Part,
+    pub(super) copy_to: Option<(wgpu::Texture, [u32; 2])>,
+}
+
+/// What a kernel is bound to.
+pub(super) enum Resource {
+    /// Where it begins, and how many bytes.
+    Buffer(wgpu::Buffer, u64, u64),
+    Texture(wgpu::TextureView),
+}
+
+impl Planned {
+    /// The step, bound to the uniform blocks of its frame and to those of all passes, of which its own begins at `pass`.
+    /// `None` if it is only planned.
+    pub(super) fn finished(
+        self,
+        device: &wgpu::Device,
+        frame: &wgpu::Buffer,
+        passes: &wgpu::Buffer,
+        pass: u32,
+    ) -> Option<Step> {
+        let Compiled { layout, pipeline } = self.compiled?;
+        let part_of = |buffer, offset, bytes| {
+            wgpu::BindingResource::Buffer(wgpu::BufferBinding { buffer, offset, size: NonZeroU64::new(bytes) })
+        };
+        let uniforms = [frame.as_entire_binding(), part_of(passes, 0, size_of::<Pass>() as u64)];
+        let storage = self.storage.iter().map(|resource| match resource {
+            Resource::Buffer(buffer, offset, bytes) => part_of(buffer, *offset, *bytes),
+            Resource::Texture(view) => wgpu::BindingResource::TextureView(view),
+        });
+        let entries: Vec<_> = (0..)
+            .zip(uniforms.into_iter().chain(storage))
+            .map(|(binding, resource)| wgpu::BindGroupEntry { binding, resource })
+            .collect();
+        let bind_group = device.create_bind_group(&wgpu::BindGroupDescriptor {
+            label: Some(&format!("gpu-stereo.{}", KERNELS[self.kernel].name)),
+            layout: &layout,
+            entries: &entries,
+        });
+        Some(Step {
+            kernel: self.kernel,
+            level: self.level,
+            pipeline,
+            bind_group,
+            pass,
+            workgroups: self.workgroups,
+            written: self.written,
+            buffer: self.buffer,
+            bytes: self.bytes,
+            clears: self.clears,
+            mirrored: self.mirrored,
+            part: self.part,
+            copy_to: self.copy_to,
+        })
+    }
+}
