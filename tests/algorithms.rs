@@ -48,7 +48,7 @@ fn median_side(params: &Params) -> Option<usize> {
 /// The settings by the page's names.
 fn settings(params: &Params) -> Vec<(&'static str, String)> {
     let number = |n: u32| n.to_string();
-    vec![
+    let mut settings = vec![
         ("min_disparity", params.min_disparity.to_string()),
         ("disparities", number(params.disparities)),
         ("method", if params.method == Method::Sgm { "sgm" } else { "bm" }.into()),
@@ -77,7 +77,16 @@ fn settings(params: &Params) -> Vec<(&'static str, String)> {
         ("weighted_median", params.weighted_median.map_or("off".into(), number)),
         ("weighted_median_sigma", number(params.weighted_median_sigma)),
         ("wls", params.wls.map_or("off".into(), |wls| format!("{},{}", f64::from(wls.lambda), f64::from(wls.sigma)))),
-    ]
+    ];
+    // All other options by their own names.
+    let written = ["disp", "min-disp", "wls-lambda", "wls-sigma", "schedule", "shader-checks", "memory-check"];
+    for option in Params::OPTIONS.iter().filter(|option| !written.contains(&option.name)) {
+        let name = option.name.replace('-', "_");
+        if settings.iter().all(|(known, _)| *known != name) {
+            settings.push((name.leak(), option.get(params)));
+        }
+    }
+    settings
 }
 
 fn json(Case { left, right, params }: &Case) -> String {

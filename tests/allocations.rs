@@ -110,7 +110,7 @@ fn a_frame_after_the_first_makes_nothing() {
     assert!(after.is_empty(), "made over {FRAMES} frames after the first: {after:?}");
 
     // What is forgotten is made again, once.
-    matcher.forget_surfaces();
+    matcher.forget_resources();
     frame();
     let again = made();
     assert!(again.contains_key("Device::create_bind_group"), "{again:?}");

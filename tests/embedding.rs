@@ -607,7 +607,7 @@ fn a_lost_device_is_told_as_such() {
     let mut encoder = gpu.encoder();
     let (inputs, outputs) = (Inputs::textures(&views[0], &views[1]), Outputs::default().disparity(&target));
     matcher.record(&mut encoder, &inputs, &outputs).unwrap();
-    matcher.forget_surfaces(); // all pipelines are there, and only bind groups are to be made
+    matcher.forget_resources(); // all pipelines are there, and only bind groups are to be made
     drop(encoder);
     gpu.device.destroy();
     let mut encoder = gpu.encoder();

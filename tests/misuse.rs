@@ -377,7 +377,7 @@ fn lost_device() {
         call("stream set_params_async", pollster::block_on(stream.set_params_async(&Params::bm(8))).err());
         // Those that only look still do.
         assert!(matcher.device_bytes() > 0 && matcher.size() == size && stream.capacity() == 2);
-        matcher.forget_surfaces();
+        matcher.forget_resources();
         let _ = gpu.device.poll(wgpu::PollType::wait_indefinitely()); // lets go of what was made
     }
     for (i, mut reading) in readings.into_iter().enumerate() {

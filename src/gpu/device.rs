@@ -1,4 +1,4 @@
-//! Whether the caller's device is still there, and what belongs to it.
+//! Whether the caller's device is lost, and which resources belong to it.
 
 use std::fmt::{self, Debug, Write};
 
@@ -10,9 +10,9 @@ use crate::gpu::scopes;
 pub(crate) struct Pulse {
     device: wgpu::Device,
     queue: wgpu::Queue,
-    /// What is written to it is never written: see [`Pulse::check`].
+    /// Only written to by calls that must fail: see [`Pulse::check`].
     probe: wgpu::Buffer,
-    /// Whether it can be found out what belongs to the device.
+    /// Whether the owner of a resource can be found out.
     knows: bool,
 }
 

@@ -2,7 +2,7 @@
 
 use crate::{Method, Params, Paths, Schedule};
 
-/// How invocations that share the disparities of a pixel tell each other what they have.
+/// How invocations that share the disparities of a pixel exchange values.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub(crate) enum Exchange {
     Alone,
@@ -20,7 +20,7 @@ pub(crate) struct Plan {
     pub(crate) exchange: Exchange,
     /// Vectors of 16 disparities that each of them owns.
     pub(crate) own_quads: u32,
-    /// Neighbours that can talk through a subgroup, whether or not they share a path; 1 if none can.
+    /// Neighbours that can exchange values through a subgroup, whether or not they share a path; 1 if none can.
     pub(crate) subgroup: u32,
     /// Threads of a CPU device: few lines at once for each, so that what one step leaves is in a cache for the next.
     pub(crate) threads: Option<u32>,
@@ -103,7 +103,7 @@ impl Plan {
         most.max(u64::from(least) * bytes).min(u64::from(lines) * bytes)
     }
 
-    /// The plan for pixels of `quads` vectors, where `subgroup` neighbours can talk (at most 1: none can), with or
+    /// The plan for pixels of `quads` vectors, where `subgroup` neighbours can exchange values (at most 1: none can), with or
     /// without integers of 64 bits.
     pub(crate) fn of(quads: u32, per_subgroup: bool, subgroup: u32, int64: bool) -> Self {
         // Members lie in one workgroup.

@@ -29,8 +29,8 @@ struct Request {
     waker: Option<Waker>,
 }
 
-/// A buffer that is going to be mapped, when all that was submitted before is done. A future that the device, or the
-/// [`Waiter`] beside it, drives; dropped before, it leaves the buffer to be unmapped.
+/// A request to map a buffer once all work submitted before is done. A future, driven by the device or by the [`Waiter`]. If it
+/// is dropped before, the buffer remains to be unmapped.
 #[derive(Clone, Debug)]
 pub(crate) struct Mapping(Arc<Mutex<Request>>);
 
@@ -67,7 +67,7 @@ impl Mapping {
         self.request().result.clone().map(|result| result.map_err(|text| lost(&text)))
     }
 
-    /// Has the device tell what is done, and then the result, if it is there. Does not wait.
+    /// Polls the device, and returns the result if there is one. Does not wait.
     pub(crate) fn now(&self, device: &wgpu::Device) -> Option<Result<(), Error>> {
         if !self.is_done() {
             let _ = device.poll(wgpu::PollType::Poll); // that nothing is done yet is no error
@@ -91,7 +91,7 @@ impl Mapping {
                 Err(wgpu::PollError::Timeout) => {}
                 Err(error) => self.tell(Err(error.to_string())),
                 Ok(status) if !status.is_queue_empty() || self.is_done() => {}
-                // Nothing is left to be done, so another thread, which was told, is about to tell this one.
+                // The queue is empty, so another thread polled the callback and is about to store the result.
                 Ok(_) if idle < 1000 => {
                     idle += 1;
                     std::thread::sleep(Duration::from_millis(1));
@@ -102,8 +102,7 @@ impl Mapping {
     }
 }
 
-/// Has a device tell what is done while futures are waited for: a thread, at the first need. In a browser nothing is to be
-/// done for that.
+/// Polls a device while futures are awaited: a thread, started at the first need. In a browser the device polls itself.
 #[derive(Debug, Default)]
 pub(crate) struct Waiter {
     #[cfg(not(target_arch = "wasm32"))]

@@ -23,7 +23,7 @@ pub struct Reading {
 pub(crate) struct Awaited {
     pub(crate) device: wgpu::Device,
     pub(crate) pulse: Pulse,
-    /// What the device objects to, where that was not known yet.
+    /// The errors that the device reports, where they were not known yet.
     pub(crate) verdict: Option<Verdict>,
     pub(crate) waiter: Arc<Waiter>,
     pub(crate) mapping: Mapping,
@@ -43,7 +43,7 @@ impl Awaited {
         matched
     }
 
-    /// What the device objects to, if that is known; then `mapped` says whether the buffer is mapped.
+    /// The error that the device reports, if there is one; then `mapped` tells whether the buffer is mapped.
     fn poll_with(
         &mut self,
         context: &mut Context<'_>,
@@ -68,7 +68,7 @@ impl Reading {
         Self { state: Some(Err(error)) }
     }
 
-    /// The maps, if they are there. Does not wait. `None` ever after they were taken.
+    /// The maps, if they have arrived. Does not wait. `None` once they were taken.
     pub fn try_take(&mut self) -> Option<Result<Matched, Error>> {
         let mapped = match self.state.as_mut()? {
             Ok(awaited) => {

@@ -15,7 +15,7 @@ pub(crate) const MOST: u32 = 65_535;
 /// The longest side that is taken: a row and the smallest disparity take a round a pixel ([`rounds`]).
 pub(crate) const MOST_SIDE: u32 = 60_000;
 
-/// Groups of eight columns that are joined across a border of two bands at a time, so that no way to a root is long ([`rounds`]).
+/// Groups of eight columns that are joined across a border of two bands at a time, so that no path to a root is long ([`rounds`]).
 pub(crate) const SEGMENT_GROUPS: u32 = 128;
 
 /// A loop of `count` rounds that take `inner` rounds of other loops each; the last one only finds that it is over.

@@ -1,4 +1,4 @@
-//! The only code that asks a device what it objects to.
+//! The only code that opens error scopes: the errors that a device reports become [`Error`].
 
 use std::pin::Pin;
 use std::sync::{Mutex, PoisonError};
@@ -11,8 +11,8 @@ type Pending = dyn Future<Output = Result<(), Error>> + Send;
 #[cfg(target_arch = "wasm32")]
 type Pending = dyn Future<Output = Result<(), Error>>;
 
-/// What a device objects to: known at once outside browsers, and in a browser later. A future.
-#[must_use = "what the device objects to is lost if nobody looks"]
+/// The errors that a device reports for some work: known at once outside browsers, in a browser later. A future.
+#[must_use = "the errors that the device reports are lost if nobody looks"]
 pub(crate) struct Verdict(State);
 
 enum State {
@@ -58,7 +58,7 @@ impl Verdict {
         }
     }
 
-    /// The error, if it is known that there is one; else the verdict, unless it is known that there is none.
+    /// The error, if one is known; `None` if there is known to be none; else the verdict, to be awaited.
     pub(crate) fn or_later(self) -> Result<Option<Self>, Error> {
         match self.0 {
             State::Known(result) => result.map(|()| None),
@@ -67,7 +67,7 @@ impl Verdict {
         }
     }
 
-    /// The verdict, where it is known. That it is not is an error: nobody may take the work for done.
+    /// The verdict, where it is known. It is an error if it is not: the work must not pass for done.
     #[cfg(any(not(target_arch = "wasm32"), test))]
     pub(crate) fn now(self) -> Result<(), Error> {
         let unknown = "it has not said yet whether it takes the work; await the asynchronous function of that name";
@@ -97,15 +97,15 @@ impl Future for Verdict {
     }
 }
 
-/// What the text of an error of the device's lies between.
+/// The words around the text of an error that the device reported.
 const REFUSED: [&str; 2] = ["it refused the work: ", "; update its driver, or take another adapter"];
 
-/// What the device said, if an error is one of its.
+/// The text that the device reported, if the error is one of these.
 pub(crate) fn refusal(text: &str) -> Option<&str> {
     text.strip_prefix(REFUSED[0])?.strip_suffix(REFUSED[1])
 }
 
-/// Does work, and has what the device objects to come here instead of to the caller's error handler.
+/// Does work, and catches the errors that the device reports, which would else reach the caller's error handler.
 pub(crate) fn watched<T>(device: &wgpu::Device, work: impl FnOnce() -> T) -> (T, Verdict) {
     let memory = device.push_error_scope(wgpu::ErrorFilter::OutOfMemory);
     let internal = device.push_error_scope(wgpu::ErrorFilter::Internal);
@@ -123,8 +123,8 @@ pub(crate) fn guarded<T>(device: &wgpu::Device, work: impl FnOnce() -> T) -> Res
     verdict.now().map(|()| result)
 }
 
-/// As [`guarded`]. In a browser, where what it objects to is not known yet, that goes to the caller's own error scopes and
-/// error handler, as what the caller itself does.
+/// As [`guarded`]. In a browser, where errors are not known yet, they go to the caller's own error scopes and error handler,
+/// like those of the caller's own calls.
 pub(crate) fn guarded_or_left<T>(device: &wgpu::Device, work: impl FnOnce() -> T) -> Result<T, Error> {
     #[cfg(not(target_arch = "wasm32"))]
     return guarded(device, work);
@@ -168,7 +168,7 @@ mod tests {
         Some(wgpu::Error::OutOfMemory { source: "no room".into() })
     }
 
-    /// What becomes known late is waited for, whichever scope it is of.
+    /// An error that arrives late is awaited, whichever scope it comes from.
     #[test]
     fn a_scope_that_answers_late_is_awaited() {
         for polls in 0..4 {
@@ -185,7 +185,7 @@ mod tests {
         }
     }
 
-    /// Who cannot wait is not told that all is well.
+    /// Without waiting, an unknown outcome is no success.
     #[test]
     fn what_is_not_known_is_no_success() {
         let late = || Verdict::of([Late(1, None), Late(0, None), Late(0, None)]);

@@ -11,7 +11,7 @@ use crate::{Error, Image, Matched, Params, Reading, StereoMatcher};
 ///
 /// At most [`StereoStream::capacity`] pairs are in flight, from the push until their result is taken.
 /// [`StereoStream::try_push`] refuses a pair beyond that, so that a source can wait; [`StereoStream::push_or_drop`] drops it,
-/// for a source that cannot, and the result that comes in its place says so.
+/// for a source that cannot; its result is then [`Error::Dropped`].
 #[derive(Debug)]
 pub struct StereoStream {
     matcher: StereoMatcher,
@@ -33,7 +33,7 @@ struct InFlight {
     upload: Option<(wgpu::Buffer, Mapping)>,
 }
 
-/// What came of a pair of a [`StereoStream`].
+/// The result of a pair of a [`StereoStream`].
 #[derive(Debug)]
 #[non_exhaustive]
 pub struct StreamFrame {
@@ -45,7 +45,7 @@ pub struct StreamFrame {
 
 impl StereoStream {
     /// A stream of pairs for `matcher`, at most `in_flight` of them at a time (at least 1; 3 keep the device busy). In a
-    /// browser only [`StereoStream::new_async`] can say what the device objects to.
+    /// browser only [`StereoStream::new_async`] can return the errors that the device reports.
     ///
     /// # Errors
     /// [`Error::OutOfMemory`] if there is no room for the buffers of so many pairs; [`Error::Lost`] if the device is lost;
@@ -57,7 +57,7 @@ impl StereoStream {
         Ok(stream)
     }
 
-    /// As [`StereoStream::new`], and waits for what the device objects to, without blocking: in a browser that comes later.
+    /// As [`StereoStream::new`], and awaits the errors that the device reports, without blocking: in a browser they arrive later.
     ///
     /// # Errors
     /// As [`StereoStream::new`].
@@ -149,7 +149,7 @@ impl StereoStream {
         number
     }
 
-    /// Writes a pair into a buffer, and submits its way from there through the device.
+    /// Writes a pair into a buffer, and submits the work of its frame.
     fn send(&mut self, left: &Image, right: &Image) -> Result<(Reading, (wgpu::Buffer, Mapping)), Error> {
         let Self { matcher, uploads, .. } = self;
         let side = matcher.sizes.source;

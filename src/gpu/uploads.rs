@@ -1,4 +1,4 @@
-//! Pairs of the host's, on their way into what is recorded.
+//! Uploaded pairs that recorded work may still need.
 
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 
@@ -8,11 +8,11 @@ pub(crate) struct Uploaded {
     pub(crate) buffer: wgpu::Buffer,
     /// Columns and rows.
     pub(crate) size: (u32, u32),
-    /// Held by what was recorded, until it is done: then another pair may be written into the buffer.
+    /// A token that recorded work holds until it is done: then another pair may be written into the buffer.
     pub(crate) held: Arc<()>,
 }
 
-/// The buffers of the pairs that what is recorded may still need, and the pair that was uploaded last.
+/// The buffers of pairs that recorded work may still need, and the pair that was uploaded last.
 #[derive(Debug, Default)]
 pub(crate) struct Uploads(Mutex<Places>);
 
@@ -39,8 +39,7 @@ impl Uploads {
         last + places.others.iter().map(|(buffer, _)| buffer.size()).sum::<u64>()
     }
 
-    /// Takes out a buffer of at least `bytes` that nothing needs, and lets go of smaller ones. The pair uploaded last is no
-    /// longer one.
+    /// Takes a buffer of at least `bytes` that no work needs, and drops unused smaller ones. There is no last pair any more.
     pub(crate) fn free(&self, bytes: u64) -> Option<wgpu::Buffer> {
         let mut places = self.places();
         if let Some(Uploaded { buffer, held, .. }) = places.last.take() {

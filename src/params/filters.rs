@@ -10,7 +10,7 @@ macro_rules! filters {
         reads_right: $reads_right:expr,
         gives_disparities: $gives:literal,
     })+) => {
-        /// A filter of the map of the left view. What computes it is in src/reference/filters/filtered.rs and
+        /// A filter of the map of the left view. What computes it is in src/reference/filters/mod.rs and
         /// src/gpu/chain/filters/filtered.rs, which do not compile until they have an arm for each variant.
         #[derive(Clone, Copy, Debug, PartialEq, Eq)]
         pub(crate) enum Filter {

@@ -40,7 +40,7 @@ pub(super) fn planes(b: &mut Builder<'_>, sources: &[wgpu::TextureView; 2], cont
     planes
 }
 
-/// What the kernels of the stages `mi_histogram` and `mi_table` leave each other.
+/// The buffers between the kernels of the stages `mi_histogram` and `mi_table`.
 struct Scratch {
     counts: wgpu::Buffer,
     /// The table smoothed along rows, then along both axes.

@@ -8,7 +8,7 @@ use crate::gpu::recording::Bound::{self, Buffer, Texture};
 use crate::gpu::recording::{Builder, Written};
 use crate::reference::Direction;
 
-/// What the paths along rows, and the winner, go on with.
+/// What the paths along rows, and the winner, continue from.
 pub(super) struct AcrossRows {
     /// The two directions along rows, which are not walked yet.
     pub(super) along: Vec<Direction>,
@@ -45,7 +45,7 @@ pub(super) fn across_rows(b: &mut Builder<'_>, planes: &mut Planes) -> AcrossRow
     AcrossRows { along: along.to_vec(), costs, penalties, paired, unused: carries[0].clone() }
 }
 
-/// P2 of the steps of each forward direction that is walked, one way or the other; nothing where it is the same for all.
+/// P2 of the steps of each forward direction that is walked, forwards or backwards; empty where it is the same for all.
 pub(super) struct Penalties(Vec<(Direction, wgpu::Buffer)>);
 
 impl Penalties {

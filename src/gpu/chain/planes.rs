@@ -6,13 +6,13 @@ use crate::gpu::recording::Bound::{self, Buffer, Texture};
 use crate::gpu::recording::{Builder, Written};
 use crate::{Cost, Prefilter};
 
-/// What the cost compares of each image, for a piece of its rows at a time: in buffers, and in textures if the kernel that
-/// takes them wants those.
+/// The bytes of each image that the cost compares, for a piece of its rows at a time: in buffers, and in textures if the kernel
+/// that reads them wants those.
 pub(super) struct Planes {
     pub(super) buffers: [wgpu::Buffer; 2],
     textures: Vec<wgpu::Texture>,
     pub(super) views: Vec<wgpu::TextureView>,
-    /// What they are made of, of each side: a picture a channel.
+    /// The images that they are made from, of each side: one a channel.
     pictures: [Vec<Picture>; 2],
     scratch: Sums,
     /// The rows that they hold.

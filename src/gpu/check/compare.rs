@@ -1,4 +1,4 @@
-//! The comparison of what each kind of step left with what the reference gives.
+//! The comparison of what each kind of step writes with the reference.
 
 use crate::PixelFormat;
 use crate::gpu::check::expected::Expected;
@@ -10,7 +10,7 @@ use crate::params::Filter;
 use crate::reference::{self, Direction, Volume};
 use crate::{DisparityMap, Params};
 
-/// What a step left, beside what it should have left.
+/// What a step wrote, and what the reference gives.
 pub(super) struct Comparison<'a> {
     pub(super) level: &'a Level,
     pub(super) format: PixelFormat,

@@ -11,13 +11,13 @@ pub struct Mismatch {
     pub y: u32,
     /// Index of the disparity, for stages that have one value for each.
     pub d: Option<u32>,
-    /// What the reference says.
+    /// The value of the reference.
     pub expected: i64,
-    /// What the device left.
+    /// The value on the device.
     pub got: i64,
 }
 
-/// What became of one stage.
+/// The result of the comparison of one stage.
 #[derive(Clone, Debug, PartialEq, Eq)]
 #[non_exhaustive]
 pub struct StageCheck {

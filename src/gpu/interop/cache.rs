@@ -16,7 +16,7 @@ use wgpu::TextureFormat;
 /// Bind groups that are kept: those of eight pairs, and of all that may be shown of them.
 const KEPT: usize = 32;
 
-/// Targets that are known to be ones of their format.
+/// Hashes that are kept of targets which can be drawn to.
 const KNOWN: usize = 64;
 
 /// All that a bind group follows from.
@@ -90,7 +90,7 @@ impl PassCache {
         made.known.clear();
     }
 
-    /// Work between one resource of the caller's and one of the matcher's.
+    /// The work between one resource of the caller's and one of the matcher's.
     pub(super) fn prepare(
         &self,
         context: &Context<'_>,

@@ -66,7 +66,7 @@ impl Context<'_> {
         Ok(())
     }
 
-    /// Comes before all else: what is another device's may be taken for something of this one's.
+    /// The first check: a resource of another device may pass for one of this device.
     fn check_owner(&self, name: &str, thing: &dyn std::fmt::Debug) -> Result<(), Error> {
         if self.pulse.owns(thing) {
             return Ok(());

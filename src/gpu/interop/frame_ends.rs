@@ -1,4 +1,4 @@
-//! The work of a frame before and behind the chain: all is checked and made before anything is recorded.
+//! The work of a frame before and after the chain: all is checked and made before anything is recorded.
 
 use crate::Error;
 use crate::gpu::interop::cache::PassCache;
@@ -63,7 +63,7 @@ impl Context<'_> {
         prepared.collect()
     }
 
-    /// The work behind the chain.
+    /// The work after the chain.
     pub(crate) fn after<'a>(
         &self,
         cache: &PassCache,

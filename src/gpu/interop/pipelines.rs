@@ -22,7 +22,7 @@ pub(super) enum CallerResource<'a> {
 }
 
 impl CallerResource<'_> {
-    /// Why a resource that looked right does not do.
+    /// The error for a resource that passed the checks and that the device refused.
     pub(super) fn refused(&self, context: &Context<'_>, name: &str, error: Error) -> Error {
         let error = context.pulse.cause(error);
         let Error::Lost(text) = &error else { return error };

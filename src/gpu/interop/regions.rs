@@ -8,7 +8,7 @@ use crate::gpu::interop::resources::TextureLayer;
 #[derive(Clone, Copy, Debug)]
 pub(super) enum Region<'a> {
     Layer(&'a wgpu::Texture, u32),
-    /// From the first byte to the one behind the last.
+    /// From the first byte to the one after the last.
     Bytes(&'a wgpu::Buffer, u64, u64),
 }
 

@@ -18,7 +18,7 @@ pub(super) const INPUTS: [(TextureFormat, PixelFormat); 7] = [
 pub(super) type Seen = (wgpu::Texture, u32, TextureFormat);
 
 /// A layer of a texture. The matcher makes the view of it itself: wgpu does not say in which format a view shows its
-/// texture, and a view that is taken for another would give wrong pixels. A reference to a texture of one layer is one.
+/// texture, and a view in another format would give wrong pixels. A reference to a texture of one layer is one.
 ///
 /// The texture is of the matcher's device and size, two-dimensional, with one mip level and one sample a pixel.
 #[derive(Clone, Copy, Debug)]
@@ -81,7 +81,7 @@ pub enum Inputs<'a> {
     /// The pair that [`crate::StereoMatcher::upload`] wrote last before the recording. It stays there for further recordings.
     #[default]
     Uploaded,
-    /// Two textures with the usage `TEXTURE_BINDING`. [`PixelFormat::of`] tells which formats a matcher takes. Those of 16
+    /// Two textures with the usage `TEXTURE_BINDING`. [`PixelFormat::of`] returns the format of a matcher that takes them. Those of 16
     /// bits exist where the caller asked for the feature `TEXTURE_FORMAT_16BIT_NORM`.
     ///
     /// What counts is the bytes that a texture stores, so the maps are those of an [`crate::Image`] of these bytes: the
@@ -114,8 +114,8 @@ impl<'a> Inputs<'a> {
     }
 }
 
-/// Where [`crate::StereoMatcher::record`] leaves the result, beside [`crate::StereoMatcher::output`]: nowhere, until a
-/// method names a place. A target is a `&wgpu::Texture` of one layer, or a [`TextureLayer`]. No two of them, and no input, may
+/// Where [`crate::StereoMatcher::record`] writes the result, in addition to [`crate::StereoMatcher::output`]: nowhere, until a
+/// method names a target. A target is a `&wgpu::Texture` of one layer, or a [`TextureLayer`]. No two of them, and no input, may
 /// overlap.
 ///
 /// Textures need the usage `RENDER_ATTACHMENT`; for `R32Float` and `Rgba8Unorm` `STORAGE_BINDING` does, too.

@@ -24,20 +24,20 @@ pub(crate) struct Rows {
 }
 
 impl Rows {
-    /// The row behind the last one.
+    /// The row after the last one.
     pub(crate) fn end(self) -> u32 {
         self.first + self.count
     }
 }
 
-/// Rows of a band whose cost is made from planes that are there at one time.
+/// Rows of a band whose cost is computed from planes that are held at one time.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub(crate) struct Piece {
     /// The rows whose cost is made.
     pub(crate) rows: Rows,
-    /// The rows that the planes hold: those, and what their blocks reach.
+    /// The rows that the planes hold: those, and the rows that their blocks reach.
     pub(crate) planes: Rows,
-    /// The rows whose column sums are there at one time; none if `small_block`.
+    /// The rows whose column sums are held at one time; none if `small_block`.
     pub(crate) chunks: Vec<Rows>,
 }
 
@@ -63,7 +63,7 @@ pub(super) struct Division {
     pub(super) planes_rows: u32,
 }
 
-/// What was made for larger images, and does for smaller ones.
+/// What was made for larger images, and is used for smaller ones.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Former {
     /// Bytes of one volume of the first band.
@@ -73,7 +73,7 @@ pub(super) struct Former {
 }
 
 impl Division {
-    /// `right_map`: bytes of the right view's map, and of the margins behind it.
+    /// `right_map`: bytes of the right view's map and of the margins that follow it.
     pub(super) fn new(
         request: &Request<'_>,
         strides: &Strides,

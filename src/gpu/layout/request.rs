@@ -15,7 +15,7 @@ pub(super) const SMALLER: &str = "make the images smaller";
 /// The remedy where a row of a volume is too long.
 pub(super) const FEWER: &str = "use fewer disparities or narrower images";
 
-/// What sizes are asked for.
+/// What the sizes depend on.
 #[derive(Clone, Copy)]
 pub(super) struct Request<'a> {
     pub(super) width: u32,

@@ -26,7 +26,7 @@ pub(crate) struct Sizes {
     pub(crate) map: u64,
     /// Bytes of the penalties of a direction.
     pub(crate) penalties: u64,
-    /// Bytes of the right view's map, and of the margins behind it if a confidence is wanted.
+    /// Bytes of the right view's map, followed by the margins if a confidence is wanted.
     pub(crate) right_map: u64,
     /// Bytes of the confidence.
     pub(crate) confidence: u64,
@@ -68,8 +68,7 @@ impl Sizes {
         (u64::from(rows) * self.volume_row).next_multiple_of(TEXTURE_ROW)
     }
 
-    /// The sizes for images of `width` x `height` pixels; `largest` are those for larger ones: what was made for these does for
-    /// the smaller ones.
+    /// The sizes for images of `width` x `height` pixels. `largest` are those for larger ones, whose buffers are used for these.
     pub(crate) fn new(
         width: u32,
         height: u32,
@@ -158,7 +157,7 @@ fn check_images(request: &Request<'_>, strides: &Strides, source_texels: u32, so
     request.rows_fit("rows of a disparity map", map_row, SMALLER)
 }
 
-/// Bytes of the penalties of a direction. The place behind the last one is read, too.
+/// Bytes of the penalties of a direction. The vector after the last one is read, too.
 fn penalties(request: &Request<'_>) -> Result<u64, Error> {
     let Request { width, height, plan, .. } = *request;
     let (across, along) = (width * 2 * (height.div_ceil(2) / 16 + 1), (width / 16 + 1) * height);

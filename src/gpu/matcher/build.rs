@@ -46,7 +46,7 @@ pub(super) fn ensure_memory(
     if more == 0 {
         return Ok(());
     }
-    // Of a frame: what is uploaded on its way, and the maps in the buffer that is read back and as they are given.
+    // Of a frame: the staged upload, the maps in the readback buffer, and the maps that are returned.
     let frame = 2 * sizes.source + 2 * MapBytes::new(params, sizes).bytes();
     let Frame { width, height, .. } = sizes.frame;
     let what = format!("a pair of {width}x{height} pixels at {} disparities", params.disparities);

@@ -68,7 +68,7 @@ impl StereoMatcher {
         Ok(started)
     }
 
-    /// Submits what `record` records, and the way of the maps to the host.
+    /// Submits what `record` records, and the copy of the maps to the host.
     pub(crate) fn start(&self, record: impl FnOnce(&mut wgpu::CommandEncoder)) -> Result<Reading, Error> {
         self.pulse.check()?;
         let maps = MapBytes::new(&self.params, &self.sizes);

@@ -23,13 +23,12 @@ struct Rebuilt {
     pool: Pool,
     /// Readback buffers.
     spare: Vec<wgpu::Buffer>,
-    /// Whether nothing of before is used, since it belongs to what was recorded.
+    /// Whether no buffer of before is used, since recorded work may still need them.
     fresh: bool,
 }
 
 impl StereoMatcher {
-    /// All anew for another size or other settings, from what there is: what the matcher goes on with if the device does not
-    /// object.
+    /// Rebuilds for another size or other settings from the pool: what the matcher continues with if the device reports no error.
     fn rebuilt(&self, size: [u32; 2], params: &Params) -> Result<(Rebuilt, Verdict), Error> {
         let (device, queue, format) = (&self.device, &self.queue, self.format);
         self.pulse.check()?;
@@ -38,7 +37,7 @@ impl StereoMatcher {
         let largest_levels = levels(device, largest, format, params, &[])?;
         let levels = levels(device, size, format, params, &largest_levels)?;
         #[cfg(not(target_arch = "wasm32"))]
-        let _ = device.poll(wgpu::PollType::Poll); // what is done lets go of what it needed
+        let _ = device.poll(wgpu::PollType::Poll); // work that is done drops its tokens
         let fresh = Arc::strong_count(&self.recorded) > 1;
         let mut before = Vec::new();
         if fresh || largest != self.largest || *params != self.params {
@@ -81,7 +80,7 @@ impl StereoMatcher {
         });
         if fresh {
             self.recorded = Arc::default();
-            self.passes.forget(); // what binds the matcher's former buffers
+            self.passes.forget(); // bind groups of the matcher's former buffers
         }
     }
 
@@ -112,7 +111,7 @@ impl StereoMatcher {
         self.rebuild([width, height], &params)
     }
 
-    /// As [`StereoMatcher::resize`], and waits for what the device objects to, without blocking: in a browser that comes
+    /// As [`StereoMatcher::resize`], and awaits the errors that the device reports, without blocking: in a browser they arrive
     /// later.
     ///
     /// # Errors
@@ -134,7 +133,7 @@ impl StereoMatcher {
         self.rebuild([width, height], params)
     }
 
-    /// As [`StereoMatcher::set_params`], and waits for what the device objects to, without blocking: in a browser that comes
+    /// As [`StereoMatcher::set_params`], and awaits the errors that the device reports, without blocking: in a browser they arrive
     /// later.
     ///
     /// # Errors

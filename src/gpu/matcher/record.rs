@@ -16,7 +16,7 @@ impl StereoMatcher {
     /// # Errors
     /// [`Error::Image`] if an input or an output does not fit the matcher; [`Error::Misuse`] if no pair of this size was
     /// uploaded, or the encoder is another device's: then nothing is recorded. [`Error::Misuse`], too, if a pass of the encoder
-    /// is open, which spoils it. [`Error::Lost`] if the device is lost. In a browser, what the device itself objects to comes
+    /// is open, which spoils it. [`Error::Lost`] if the device is lost. In a browser, errors that the device itself reports go
     /// to the caller's error scopes and error handler.
     pub fn record(
         &self,
@@ -83,9 +83,9 @@ impl StereoMatcher {
         }
     }
 
-    /// Lets go of the textures and buffers of [`Inputs`] and [`Outputs`]. What binds the last of them (those of about eight
-    /// pairs) is kept for the next frames, and keeps them alive.
-    pub fn forget_surfaces(&self) {
+    /// Drops the bind groups of the textures and buffers of [`Inputs`] and [`Outputs`]. Those of about eight pairs are kept for the
+    /// next frames, and keep these resources alive.
+    pub fn forget_resources(&self) {
         self.passes.forget();
     }
 

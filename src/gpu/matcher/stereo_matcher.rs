@@ -1,4 +1,4 @@
-//! The matcher: what it holds, how it is made, and what it tells.
+//! The matcher: what it holds, how it is made, and its getters.
 
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::{Arc, Mutex, OnceLock, PoisonError};
@@ -21,7 +21,7 @@ use crate::{Error, Image, Params, PixelFormat};
 ///
 /// All buffers and kernels are made in [`StereoMatcher::new`]. [`StereoMatcher::record`] records the work of a frame into
 /// the caller's encoder: it neither submits nor waits. [`StereoMatcher::read`] brings what was computed to the host, and
-/// [`StereoMatcher::compute`] does all of it. What blocks says so in its name.
+/// [`StereoMatcher::compute`] does all of it. Functions that block have `blocking` in their names.
 ///
 /// A matcher holds one frame at a time: two threads that use it at once overwrite each other's images. Make one each.
 #[derive(Debug)]
@@ -47,7 +47,7 @@ pub struct StereoMatcher {
     pub(super) timer: OnceLock<Timer>,
     pub(super) passes: PassCache,
     pub(super) uploads: Uploads,
-    /// Held by what was recorded into encoders of the caller's, until it is done or dropped.
+    /// A token that work recorded into the caller's encoders holds until it is done or dropped.
     pub(super) recorded: Arc<()>,
     /// Whether there may be a map of this size and these settings.
     pub(super) computed: AtomicBool,
@@ -74,7 +74,7 @@ impl StereoMatcher {
     }
 
     /// A matcher for pairs of `width` x `height` pixels in `format`, and of smaller ones after [`StereoMatcher::resize`].
-    /// In a browser only [`StereoMatcher::new_async`] can say what the device objects to.
+    /// In a browser only [`StereoMatcher::new_async`] can return the errors that the device reports.
     ///
     /// # Errors
     /// [`Error::Parameter`] as [`Params::validate`]; [`Error::Device`] if the device lacks a limit that the kernels
@@ -95,7 +95,7 @@ impl StereoMatcher {
         Ok(matcher)
     }
 
-    /// As [`StereoMatcher::new`], and waits for what the device objects to, without blocking: in a browser that comes later.
+    /// As [`StereoMatcher::new`], and awaits the errors that the device reports, without blocking: in a browser they arrive later.
     ///
     /// # Errors
     /// As [`StereoMatcher::new`].
@@ -112,7 +112,7 @@ impl StereoMatcher {
         Ok(matcher)
     }
 
-    /// A matcher, and what the device objects to.
+    /// A matcher, and the errors that the device reports.
     pub(super) fn begin(
         device: &wgpu::Device,
         queue: &wgpu::Queue,
@@ -158,7 +158,7 @@ impl StereoMatcher {
         }))
     }
 
-    /// What the device objects to, or that it is lost.
+    /// The error that the device reported, or that it is lost.
     pub(crate) fn settled(&self, verdict: Result<(), Error>) -> Result<(), Error> {
         verdict.map_err(|error| self.pulse.cause(error))?;
         self.pulse.check()

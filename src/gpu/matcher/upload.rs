@@ -10,7 +10,7 @@ impl StereoMatcher {
     ///
     /// # Errors
     /// [`Error::Image`] if a size or a format is not the matcher's; [`Error::OutOfMemory`] if there is no room for one more
-    /// pair, beside those that what was recorded still needs.
+    /// pair, in addition to those that recorded work still needs.
     pub fn upload(&self, left: &Image, right: &Image) -> Result<(), Error> {
         self.accepts(left, right)?;
         self.pulse.check()?;
@@ -67,7 +67,7 @@ impl StereoMatcher {
         }
     }
 
-    /// Records the way of a pair from a buffer into the matcher's textures.
+    /// Records the copy of a pair from a buffer into the matcher's textures.
     pub(crate) fn record_sources(&self, encoder: &mut wgpu::CommandEncoder, buffer: &wgpu::Buffer) {
         let side = self.sizes.source;
         for (source, offset) in self.ends.sources.iter().zip([0, side]) {

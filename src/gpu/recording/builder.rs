@@ -46,7 +46,7 @@ pub(crate) struct Builder<'a> {
     /// Bytes that were asked for of each buffer in use.
     bytes: HashMap<wgpu::Buffer, u64>,
     planned: Vec<Planned>,
-    /// Nothing is made or compiled but as small as can be: what it would take is wanted.
+    /// Buffers and textures are made as small as can be, and nothing is compiled: only the sizes are wanted.
     only_planned: bool,
     tables: Vec<(wgpu::Buffer, Vec<u32>)>,
     /// The kernels so far, and what they were compiled for.
@@ -54,7 +54,7 @@ pub(crate) struct Builder<'a> {
 }
 
 impl<'a> Builder<'a> {
-    /// A builder for the last of the levels, which takes from `free` what does.
+    /// A builder for the last of the levels, which takes buffers, textures and kernels from `free` where they fit.
     pub(crate) fn new(device: &'a wgpu::Device, levels: &'a [Level], format: PixelFormat, free: Pool) -> Self {
         let level = levels.len() - 1;
         let Level { params, plan, sizes, .. } = &levels[level];
@@ -78,12 +78,12 @@ impl<'a> Builder<'a> {
         }
     }
 
-    /// The same, but only to know what the list of steps takes.
+    /// The same, but only to measure what the list of steps needs: nothing of any size is made.
     pub(crate) fn only_planned(self) -> Self {
         Self { only_planned: true, ..self }
     }
 
-    /// All that was planned, and what was free and does not do.
+    /// All that was planned, and what was free and did not fit.
     pub(crate) fn plan(mut self) -> Pool {
         self.used.join(self.free);
         self.used
@@ -103,14 +103,14 @@ impl<'a> Builder<'a> {
         }
     }
 
-    /// Until sharing ends, what is asked for the n-th time since this was called is what was asked for the n-th time
-    /// since it was called before: for work that is done again, when nothing reads any more what the first left.
+    /// Starts a run over shared allocations: until sharing ends, the n-th request returns what the n-th request of the run before
+    /// returned. Safe once nothing reads the data of the run before.
     pub(crate) fn share(&mut self) {
         let (buffers, textures) = self.shared.get_or_insert_default();
         (buffers.taken, textures.taken) = (HashMap::new(), HashMap::new());
     }
 
-    /// All is made anew from here on.
+    /// Ends sharing: further requests return allocations of their own.
     pub(crate) fn share_no_more(&mut self) {
         self.shared = None;
     }
@@ -366,7 +366,7 @@ impl<'a> Builder<'a> {
         self.bytes.get(buffer).copied().unwrap_or_else(|| buffer.size())
     }
 
-    /// The steps, with the uniform blocks that they read, and all that was made, or was free and did not do.
+    /// The steps, with the uniform blocks that they read, and the pool: all that was made, or was free and did not fit.
     pub(crate) fn finish(mut self, queue: &wgpu::Queue) -> (Vec<Step>, Pool) {
         for (buffer, contents) in &self.tables {
             queue.write_buffer(buffer, 0, bytemuck::cast_slice(contents));

@@ -16,7 +16,7 @@ pub(crate) struct Level {
     pub(crate) sizes: Sizes,
 }
 
-/// The passes through the chain for pairs of `width` x `height` pixels, in which what was made for `largest` does.
+/// The passes through the chain for pairs of `width` x `height` pixels, in buffers that were made for `largest`.
 pub(crate) fn levels(
     device: &wgpu::Device,
     [width, height]: [u32; 2],
@@ -42,7 +42,7 @@ pub(crate) fn levels(
     reference::rounds(width, height, params).into_iter().map(level).collect()
 }
 
-/// The passes of smaller pairs that need what the largest one does not.
+/// The passes of smaller pairs that need buffers which the largest one does not.
 pub(crate) fn rooms(
     device: &wgpu::Device,
     [width, height]: [u32; 2],

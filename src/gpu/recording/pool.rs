@@ -18,7 +18,7 @@ pub(super) struct Sized<T, S> {
 
 pub(super) type SizedTexture = Sized<wgpu::Texture, [u32; 2]>;
 
-/// What was made for one list of steps and does for the next, and the kernels compiled so far.
+/// The buffers and textures that one list of steps leaves to the next, and the kernels compiled so far.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct Pool {
     pub(super) buffers: HashMap<(String, wgpu::BufferUsages), Vec<Sized<wgpu::Buffer, u64>>>,
@@ -43,7 +43,7 @@ impl Pool {
         Self { compiled: self.compiled.clone(), ..Self::default() }
     }
 
-    /// Puts back what `taken`, a pool that a list of steps took from, has left.
+    /// Takes over all that another pool holds.
     pub(super) fn join(&mut self, left: Self) {
         for (key, buffers) in left.buffers {
             self.buffers.entry(key).or_default().extend(buffers);
@@ -60,7 +60,7 @@ pub(super) fn take<T>(free: &mut Vec<T>, enough: impl Fn(&T) -> bool, size: impl
     Some(free.swap_remove(smallest))
 }
 
-/// What is made once and asked for twice.
+/// Allocations that a second run shares with the first: its n-th request returns what the first run's n-th request returned.
 pub(super) struct Shared<T> {
     made: HashMap<String, Vec<T>>,
     pub(super) taken: HashMap<String, usize>,

@@ -1,10 +1,10 @@
-//! What a step leaves behind.
+//! What a step writes.
 
 use crate::gpu::layout::Rows;
 use crate::params::Filter;
 use crate::reference::Direction;
 
-/// What a step leaves behind, and where: for the comparison with the reference.
+/// What a step writes, and which part of it: for the comparison with the reference.
 #[derive(Clone, Debug)]
 pub(crate) enum Written {
     /// The rectified image of a side, laid out like the uploaded one.
@@ -17,7 +17,7 @@ pub(crate) enum Written {
         channel: usize,
         deep: bool,
     },
-    /// What a stage leaves for a later kernel of the same stage.
+    /// An intermediate result of a stage, for a later kernel of the same stage.
     Part,
     /// Sums over windows of an image, prefiltered or not.
     WindowSums {
@@ -86,7 +86,7 @@ pub(crate) enum Written {
 }
 
 impl Written {
-    /// Whether all of it is there, as far as its own kind of step tells.
+    /// Whether the step completes what is compared.
     pub(crate) fn is_whole(&self) -> bool {
         !matches!(self, Self::Part | Self::Views { last: false, .. } | Self::Paths { last: false, .. })
     }

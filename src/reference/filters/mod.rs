@@ -1,13 +1,50 @@
 //! Filters of the map, and what is made of it.
 
-pub(crate) mod confidence;
-pub(crate) mod depth;
-pub(crate) mod fill;
-pub(crate) mod filtered;
-pub(crate) mod lr_check;
-pub(crate) mod median;
-pub(crate) mod speckle;
-pub(crate) mod texture;
-pub(crate) mod validity;
-pub(crate) mod weighted_median;
-pub(crate) mod wls;
+mod confidence;
+mod depth;
+mod fill;
+mod lr_check;
+mod median;
+mod speckle;
+mod texture;
+mod validity;
+mod weighted_median;
+mod wls;
+
+pub use confidence::{confidence, margin};
+pub use depth::depth;
+pub use fill::fill;
+pub use lr_check::lr_check;
+pub use median::median;
+pub use speckle::speckle;
+pub use texture::texture;
+pub use validity::{Content, validity};
+pub(crate) use weighted_median::{median_decay, median_spacing};
+pub use weighted_median::{median_weight, weighted_median};
+pub(crate) use wls::wls_bits;
+pub use wls::{wls, wls_couplings};
+
+use crate::DisparityMap;
+use crate::params::{Filter, Params};
+use crate::reference::Plane;
+
+/// The map that a filter makes of `map`; `right` is the right view, `luma` that of the left image. `None` if the settings do
+/// not ask for the filter.
+pub(crate) fn filtered(
+    filter: Filter,
+    map: &DisparityMap,
+    right: &DisparityMap,
+    luma: &Plane<u8>,
+    params: &Params,
+) -> Option<DisparityMap> {
+    filter.wanted(params).then_some(())?;
+    Some(match filter {
+        Filter::Texture => texture(map, luma, params),
+        Filter::LrCheck => lr_check(map, right, params.lr_check?),
+        Filter::Speckle => speckle(map, params.speckle_window, params.speckle_range),
+        Filter::Median => median(map, params.median.side()?),
+        Filter::Fill => fill(map, right, params),
+        Filter::WeightedMedian => weighted_median(map, luma, params.weighted_median?, params),
+        Filter::Wls => wls(map, luma, params.wls.as_ref()?, params),
+    })
+}

@@ -7,14 +7,14 @@ use crate::gpu::recording::Bound::{self, Buffer, Texture};
 use crate::gpu::recording::{Builder, Written};
 use crate::params::Filter;
 
-/// What the kernels of the stage `fill` leave each other.
+/// The buffers between the kernels of the stage `fill`.
 struct Filling {
     /// The pixels that a right pixel's disparity leads to.
     seen: wgpu::Buffer,
     /// The nearest values along rows, and on lines that go 0, 1 and -1 columns to the right from row to row.
     along: wgpu::Buffer,
     lines: [wgpu::Buffer; 3],
-    /// What the lines found in the rows before a lot of them.
+    /// What the lines carry from one lot of rows to the next.
     carry: wgpu::Buffer,
 }
 
@@ -85,7 +85,7 @@ impl Filling {
         let lines = if dx > 0 { shift + width.div_ceil(8) } else { (width + sideways).div_ceil(8) };
         let nearest = nearest_rows(b, &self.lines[slope]);
         let lots = b.lots(&[nearest]);
-        // Both ways at once, or down and then up.
+        // Downwards and upwards at once, or one after the other.
         let ways = if lots.len() == 1 { 0..1 } else { 0..2 };
         let at_once = 2 / ways.len() as u32;
         for way in ways {
