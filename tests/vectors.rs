@@ -256,6 +256,17 @@ fn every_stage_and_every_choice_is_covered() {
     assert!(names.len() > 24, "only {names:?}");
     assert_eq!(names.difference(&covered).collect::<Vec<_>>(), [""; 0], "stages of the page without a vector");
 
+    // The description has every stage, and their number.
+    let described = text("docs/VECTORS.md");
+    for stage in &covered {
+        let row = described.lines().find(|line| line.starts_with('|') && line.contains(&format!("`{stage}`")));
+        assert!(row.is_some(), "docs/VECTORS.md does not describe the bytes of {stage}");
+    }
+    assert!(
+        described.contains(&format!("{}\nsettings", vectors.len())),
+        "docs/VECTORS.md has another number of settings"
+    );
+
     // Every value of every setting that takes words.
     let cases: Vec<Params> = vectors.iter().map(|vector| params(&vector["case"])).collect();
     for option in
