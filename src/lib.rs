@@ -84,6 +84,8 @@ extern crate self as gpu_stereo; // for tests/support, which the unit tests shar
 mod color;
 mod error;
 pub mod evaluation;
+#[cfg(feature = "files")]
+pub mod files;
 mod gpu;
 mod image;
 pub mod memory;

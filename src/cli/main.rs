@@ -4,30 +4,16 @@
 #![cfg_attr(test, allow(clippy::unwrap_used))]
 
 mod args;
-mod calibration;
 mod command_line;
 mod commands;
-mod depth;
-mod disk;
 mod engine;
-mod evaluate;
-mod facts;
-mod input;
-mod layout;
-mod list;
-mod lossless;
-mod maps;
-mod mask;
-mod output;
 mod terminal;
-mod views;
 
 use command_line::CommandLine;
 use commands::Outcome;
-use engine::{pair as pipeline, places}; // as long as the files are here
 use std::panic::{AssertUnwindSafe, catch_unwind, set_hook};
 use std::process::ExitCode;
-use terminal::{name, one_line, tell, warnings};
+use terminal::{one_line, tell};
 
 fn main() -> ExitCode {
     report_panics();

@@ -1,11 +1,12 @@
 //! The command line of `batch`.
 
+use super::choices;
 use super::device::DeviceArgs;
 use super::headings::{DEVICE, OUTPUT};
 use super::input::{InputArgs, MaskArgs};
 use super::numbers::Whole;
 use super::settings::Settings;
-use crate::output::Format;
+use gpu_stereo::files::encoders::Format;
 use std::path::PathBuf;
 use std::str::FromStr;
 
@@ -79,7 +80,7 @@ pub struct BatchArgs {
 
     /// What to write of each pair, with commas between them: png (16 bit as KITTI), pfm, npy, tif, color, mask,
     /// confidence [default: png]
-    #[arg(long, value_name = "FORMAT", value_delimiter = ',', hide_possible_values = true, help_heading = OUTPUT)]
+    #[arg(long, value_name = "FORMAT", value_delimiter = ',', value_parser = choices::format(), hide_possible_values = true, help_heading = OUTPUT)]
     pub format: Vec<Format>,
 
     /// Keep the files of an earlier run with the same settings and the same images, and compute only what is missing

@@ -1,11 +1,12 @@
 //! The command line of `bench`.
 
+use super::choices;
 use super::device::DeviceArgs;
 use super::headings::OUTPUT;
 use super::input::InputArgs;
 use super::numbers::Whole;
 use super::settings::Settings;
-use crate::layout::Layout;
+use gpu_stereo::files::datasets::DataSet;
 use std::path::PathBuf;
 
 /// What `--help` says at its end.
@@ -28,8 +29,8 @@ pub struct BenchArgs {
     pub dataset: PathBuf,
 
     /// How its files lie
-    #[arg(long, value_enum)]
-    pub layout: Layout,
+    #[arg(long, value_parser = choices::layout())]
+    pub layout: DataSet,
 
     /// What to compute for each scene, with commas or spaces between them [default: the settings given]
     #[arg(long, num_args = 1.., value_delimiter = ',', value_name = "VARIANT")]

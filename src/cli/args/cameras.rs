@@ -1,6 +1,7 @@
 //! `--calib`, `--rectify`, `--focal` and so on: the cameras of the pair, and what is made with them.
 
-use crate::calibration::{LensModel, Pair, Scale, Unit};
+use super::choices;
+use gpu_stereo::files::calibration::{KittiPair, LensModel, Scale, Unit};
 use std::path::PathBuf;
 
 /// The cameras of the pair, and what is made with them.
@@ -25,7 +26,7 @@ pub struct CameraArgs {
 
     /// The model of the lenses, where the file does not say and their numbers do not tell: k1, k2, p1, p2 of calibrateCamera,
     /// or k1, k2, k3, k4 of cv::fisheye
-    #[arg(long, value_enum, value_name = "MODEL", default_value_t = LensModel::Auto, requires = "rectify")]
+    #[arg(long, value_parser = choices::lens(), value_name = "MODEL", default_value = "auto", requires = "rectify")]
     pub lens: LensModel,
 
     /// The images' size by that of the calibrated ones, such as 0.5 or 2/3; 1: the calibration is right as it is
@@ -33,12 +34,12 @@ pub struct CameraArgs {
     pub calib_scale: Option<Scale>,
 
     /// The unit of lengths in the calibration [default: mm in Middlebury's and ZED's files, else m]
-    #[arg(long, value_enum, value_name = "UNIT", requires = "cameras")]
+    #[arg(long, value_parser = choices::unit(), value_name = "UNIT", requires = "cameras")]
     pub calib_unit: Option<Unit>,
 
     /// The cameras of a KITTI calibration that took the pair [default: color, if it has P2]
-    #[arg(long, value_enum, value_name = "PAIR", requires = "cameras")]
-    pub calib_pair: Option<Pair>,
+    #[arg(long, value_parser = choices::pair(), value_name = "PAIR", requires = "cameras")]
+    pub calib_pair: Option<KittiPair>,
 
     /// Column of the left principal point [default: the middle]
     #[arg(long, value_name = "PX", requires = "focal", allow_negative_numbers = true)]

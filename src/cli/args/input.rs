@@ -1,7 +1,7 @@
 //! `--swap`, `--bits` and `--mask-in`: how images are read, and which of their pixels count.
 
+use gpu_stereo::files::images::Bits;
 use std::path::PathBuf;
-use std::str::FromStr;
 
 /// How images are read.
 #[derive(Clone, Debug, Default, clap::Args)]
@@ -15,30 +15,6 @@ pub struct InputArgs {
     /// (of a video, of its first pair) needs. They are stretched to 16
     #[arg(long, value_name = "N|auto", default_value = "auto", allow_negative_numbers = true)]
     pub bits: Bits,
-}
-
-/// `--bits`.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub enum Bits {
-    /// As the largest sample needs.
-    #[default]
-    Auto,
-    /// So many.
-    Given(u32),
-    /// As many as the first pair of the sequence has.
-    OfFirst(u32),
-}
-
-impl FromStr for Bits {
-    type Err = String;
-
-    fn from_str(text: &str) -> Result<Self, String> {
-        match text.parse() {
-            _ if text == "auto" => Ok(Self::Auto),
-            Ok(bits @ 8..=16) => Ok(Self::Given(bits)),
-            _ => Err("8 to 16 or auto is needed, such as 10".into()),
-        }
-    }
 }
 
 /// Which pixels count.

@@ -3,6 +3,7 @@
 mod batch;
 mod bench;
 mod cameras;
+mod choices;
 mod device;
 mod eval;
 mod headings;
@@ -20,7 +21,7 @@ pub use bench::{BenchArgs, HELP as BENCH_HELP};
 pub use cameras::CameraArgs;
 pub use device::{Backend, DeviceArgs};
 pub use eval::{EvalArgs, HELP as EVAL_HELP};
-pub use input::{Bits, InputArgs};
+pub use input::InputArgs;
 #[cfg(test)]
 pub use names::FOREIGN;
 pub use names::{near, ours, squeezed, value, word};

@@ -2,9 +2,9 @@
 
 use super::headings::TRUTH;
 use super::numbers::Positive;
-use crate::evaluate::TruthFile;
-use crate::maps::Encoding;
 use anyhow::{Result, bail};
+use gpu_stereo::files::maps::Encoding;
+use gpu_stereo::files::truth::TruthFile;
 use std::path::{Path, PathBuf};
 
 /// What a truth is, and the picture of the errors.

@@ -1,11 +1,12 @@
 //! The command line of `video`.
 
+use super::choices;
 use super::device::DeviceArgs;
 use super::headings::{DEVICE, OUTPUT};
 use super::input::{InputArgs, MaskArgs};
 use super::numbers::Whole;
 use super::settings::Settings;
-use crate::output::Format;
+use gpu_stereo::files::encoders::Format;
 use std::path::PathBuf;
 
 /// The usage.
@@ -65,7 +66,7 @@ pub struct VideoArgs {
 
     /// What to write of each frame, with commas between them: png (16 bit as KITTI), pfm, npy, tif, color, mask,
     /// confidence [default: png, or as the pattern ends]
-    #[arg(long, value_name = "FORMAT", value_delimiter = ',', hide_possible_values = true, help_heading = OUTPUT)]
+    #[arg(long, value_name = "FORMAT", value_delimiter = ',', value_parser = choices::format(), hide_possible_values = true, help_heading = OUTPUT)]
     pub format: Vec<Format>,
 
     /// Frames a second of a video, above 0, at most 1000 [default: 10]

@@ -3,17 +3,17 @@
 use super::outcome::Outcome;
 use super::summary::Summary;
 use crate::args::{self, BatchArgs, DeviceArgs, InputArgs, Shard};
-use crate::disk;
 use crate::engine::pair::Pair;
 use crate::engine::pipeline::Setup;
 use crate::engine::signals::stop_on_signals;
 use crate::engine::store::{self, FailedLine, Item, Mode, Planned, Store};
 use crate::engine::{adapter, pairs, trial};
-use crate::list::{self, Listed};
-use crate::mask::MaskFiles;
-use crate::output::{self, Format};
+use crate::engine::{disk, images, output_files};
 use anyhow::{Result, bail};
 use gpu_stereo::Params;
+use gpu_stereo::files::encoders::Format;
+use gpu_stereo::files::lists::{self, Listed};
+use gpu_stereo::files::masks::MaskFiles;
 
 /// A batch, ready to start.
 struct Batch {
@@ -42,16 +42,16 @@ fn resolve(typed: BatchArgs) -> Result<Batch> {
     let given: Vec<_> = typed.settings.iter().map(|(name, _)| name).collect();
     args::ensure_disparities(&given)?;
     let mut params = args::params(typed.settings.iter())?;
-    let mut formats = output::formats(&typed.format)?;
+    let mut formats = output_files::formats(&typed.format)?;
     if formats.is_empty() {
-        formats.push(output::default_format(&params, "NAME"));
+        formats.push(output_files::default_format(&params, "NAME"));
     }
     params.confidence = formats.contains(&Format::Confidence);
     let masks = MaskFiles::resolve(typed.masks.mask_in.as_deref())?;
-    params.masks = masks.read()?;
+    params.masks = images::reported(masks.read()?);
     adapter::ensure_consistent(&typed.device)?;
     let in_flight = args::in_flight(&typed.in_flight)?;
-    output::ensure_ranges(&typed.format, &typed.output, &params)?;
+    output_files::ensure_ranges(&typed.format, &typed.output, &params)?;
     let threads = typed.threads.as_ref().map_or(Ok(args::usual_threads()), args::threads)?;
     if typed.no_sync {
         disk::leave_to_the_system();
@@ -96,7 +96,7 @@ fn plan(args: &BatchArgs, formats: &[Format]) -> Result<Vec<Planned>> {
         return Ok(suspects.map(|(pair, name)| planned(pair, name, None)).collect());
     }
     let listed = match &args.pairs[..] {
-        [path] => list::read(path)?,
+        [path] => lists::read(path)?,
         [left, right] => {
             let unnamed = |(_, Pair { left, right }): (u64, Pair)| Listed { line: None, left, right, name: None };
             pairs::find(left, right)?.into_iter().map(unnamed).collect()
@@ -107,7 +107,7 @@ fn plan(args: &BatchArgs, formats: &[Format]) -> Result<Vec<Planned>> {
             more.len()
         ),
     };
-    let names = list::names(&listed)?.into_iter();
+    let names = lists::names(&listed)?.into_iter();
     let pairs = listed.into_iter().map(|Listed { line, left, right, .. }| (Pair { left, right }, line));
     Ok(pairs.zip(names).map(|((pair, line), name)| planned(pair, name, line)).collect())
 }

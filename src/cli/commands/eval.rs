@@ -2,11 +2,14 @@
 
 use super::outcome::Outcome;
 use crate::args::EvalArgs;
-use crate::evaluate::TruthFile;
-use crate::maps::{self, Encoding};
-use crate::output::{self, Output, SheetFormat};
+use crate::engine::output_files;
 use crate::terminal::{self, Evaluation, warnings};
 use anyhow::{Result, bail};
+use gpu_stereo::files::encoders::SheetFormat;
+use gpu_stereo::files::maps::{self, Encoding};
+use gpu_stereo::files::outputs;
+use gpu_stereo::files::outputs::Output;
+use gpu_stereo::files::truth::TruthFile;
 use serde::Serialize;
 use std::path::PathBuf;
 
@@ -50,7 +53,8 @@ fn resolve(args: EvalArgs) -> Result<Eval> {
     }
     let truth = options.file(&truth, optics)?;
     let inputs: Vec<_> = truth.files().chain([estimate.as_path()]).collect();
-    let error_map = options.error_map.as_ref().map(|path| output::resolve_error_map(path, &inputs)).transpose()?;
+    let error_map =
+        options.error_map.as_ref().map(|path| output_files::resolve_error_map(path, &inputs)).transpose()?;
     Ok(Eval { scale: scale.map(|scale| scale.0), truth, error_map, json, estimate })
 }
 
@@ -61,7 +65,7 @@ impl Eval {
         let truth = self.truth.read((estimate.width(), estimate.height()), &self.estimate)?;
         let evaluation = Evaluation::from(&truth.score(&estimate)?);
         if self.error_map.is_some() {
-            output::write_sheet(self.error_map.as_slice(), &truth.error_picture(&estimate)?)?;
+            outputs::write_sheet(self.error_map.as_slice(), &truth.error_picture(&estimate)?)?;
         }
         let outputs = self.error_map.iter().map(|output| output.path.clone()).collect();
         let (width, height) = (estimate.width(), estimate.height());

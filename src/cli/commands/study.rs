@@ -5,14 +5,16 @@ mod sheet;
 use super::outcome::Outcome;
 use super::variants::{self, MAX_MAPS, Variant, in_words};
 use crate::args::{self, CompareArgs, DeviceArgs, InputArgs, StudyArgs};
-use crate::engine::adapter;
 use crate::engine::compute::{Engine, EngineNames, FrameMs};
 use crate::engine::diagnosis::{self, Finding};
-use crate::mask::MaskFiles;
-use crate::output::{self, Output, SheetFormat};
+use crate::engine::{adapter, images, output_files};
 use crate::terminal::{self, Progress, table, warnings};
-use crate::views::{self, Views};
 use anyhow::{Context as _, Result, bail, ensure};
+use gpu_stereo::files::encoders::SheetFormat;
+use gpu_stereo::files::images::ImagePair;
+use gpu_stereo::files::masks::MaskFiles;
+use gpu_stereo::files::outputs::Output;
+use gpu_stereo::files::{encoders, outputs};
 use gpu_stereo::{Image, Params};
 use serde::Serialize;
 use sheet::{Order, Sheet, SheetPlan};
@@ -117,7 +119,7 @@ fn resolve(typed: &StudyArgs, variants: Vec<Variant>, common: String, order: Ord
     let tile_width = tile_width.transpose()?;
     let masks = MaskFiles::resolve(typed.masks.mask_in.as_deref())?;
     let inputs: Vec<_> = [typed.left.as_path(), &typed.right].into_iter().chain(masks.paths()).collect();
-    let outputs = output::resolve_sheet(typed.output.as_deref().unwrap_or(name.as_ref()), &inputs)?;
+    let outputs = output_files::resolve_sheet(typed.output.as_deref().unwrap_or(name.as_ref()), &inputs)?;
     args::report_unused(&given);
     Ok(Study {
         left: typed.left.clone(),
@@ -180,10 +182,10 @@ impl VariantReport {
 impl Study {
     /// Computes every map and writes the sheet.
     fn run(&self) -> Result<StudyReport> {
-        let Views { left, right, doubts, .. } = views::read_pair(&self.left, &self.right, &self.input)?;
+        let ImagePair { left, right, doubts, .. } = images::read_pair(&self.left, &self.right, &self.input)?;
         doubts.iter().for_each(|doubt| warnings::warn(doubt));
         let evidence = diagnosis::evidence(&left, &right, &Params::sgm(1))?; // no variant rectifies
-        let masks = self.masks.read_for(&left)?;
+        let masks = images::reported(self.masks.read_for(&left)?);
         let mut engine: Option<Engine> = None;
         let mut sheet = None;
         let mut variants = Vec::new();
@@ -218,7 +220,7 @@ impl Study {
                 peak_device_bytes: ready.device_bytes(),
             };
             if let Some(sheet) = &mut sheet {
-                sheet.tile(place, &output::picture(&map, (first, last)), &found.note());
+                sheet.tile(place, &encoders::picture(&map, (first, last)), &found.note());
             }
             progress.done(&format!("{}: {}", found.label, found.note()));
             variants.push(found);
@@ -226,7 +228,7 @@ impl Study {
         let (Some(engine), Some(sheet)) = (engine, sheet) else {
             bail!("there is nothing to compute; give a setting");
         };
-        output::write_sheet(&self.outputs, &sheet.finish())?;
+        outputs::write_sheet(&self.outputs, &sheet.finish())?;
         let outputs = self.outputs.iter().map(|output| output.path.clone()).collect();
         let (width, height, warnings) = (left.width(), left.height(), warnings::all());
         Ok(StudyReport { names: engine.names(), width, height, variants, warnings, outputs })
@@ -234,7 +236,7 @@ impl Study {
 
     /// The range of colours: every disparity that any variant searches.
     fn range(&self) -> (i32, i32) {
-        let ranges = self.variants.iter().map(|variant| output::searched(&variant.params));
+        let ranges = self.variants.iter().map(|variant| encoders::searched(&variant.params));
         ranges.reduce(|a, b| (a.0.min(b.0), a.1.max(b.1))).unwrap_or_default()
     }
 
@@ -251,7 +253,7 @@ impl Study {
         let legend = ["black: no disparity".to_owned(), self.common.clone(), times];
         let legend: Vec<_> = legend.into_iter().filter(|line| !line.is_empty()).collect();
         let plan = SheetPlan::new((left.width(), left.height()), &captions, &legend, self.order, self.tile_width)?;
-        Ok(Sheet::new(plan, &output::drawn(left), range))
+        Ok(Sheet::new(plan, &images::drawn(left), range))
     }
 
     /// Prints what was found.

@@ -5,20 +5,19 @@ mod film;
 use super::outcome::Outcome;
 use super::summary::Summary;
 use crate::args::{self, DeviceArgs, InputArgs, VideoArgs};
-use crate::disk;
-use crate::engine::adapter;
 use crate::engine::pair::Pair;
 use crate::engine::pairs::{self, Pattern};
 use crate::engine::pipeline::{self, FailedPair, MatchedPair, Ran, Refused, Setup, Work};
 use crate::engine::signals::stop_on_signals;
 use crate::engine::store::{self, Item, Mode, Planned, Store};
-use crate::engine::trial;
-use crate::mask::MaskFiles;
-use crate::output::{self, Format, Output};
-use crate::views;
+use crate::engine::{adapter, disk, images, output_files, places, trial};
 use anyhow::{Context as _, Result, bail, ensure};
 use film::Film;
 use gpu_stereo::Params;
+use gpu_stereo::files::encoders::Format;
+use gpu_stereo::files::masks::MaskFiles;
+use gpu_stereo::files::outputs::Output;
+use gpu_stereo::files::encoders;
 use std::path::PathBuf;
 
 const MAX_FPS: f64 = 1000.0;
@@ -53,7 +52,7 @@ struct Numbered {
 impl Work for Numbered {
     fn write(&self, pair: &MatchedPair) -> Result<(), Refused> {
         let (output, matched) = (&self.outputs[pair.place..=pair.place], &pair.matched);
-        let written = output::write(output, &matched.map, matched.confidence.as_ref(), None, &self.params);
+        let written = output_files::write(output, matched, &self.params);
         written.map(drop).map_err(Refused::of)
     }
 }
@@ -83,23 +82,23 @@ fn resolve(typed: VideoArgs) -> Result<Video> {
     let mut params = args::params(typed.settings.iter())?;
     params.confidence = typed.format.contains(&Format::Confidence);
     let masks = MaskFiles::resolve(typed.masks.mask_in.as_deref())?;
-    params.masks = masks.read()?;
+    params.masks = images::reported(masks.read()?);
     adapter::ensure_consistent(&typed.device)?;
     let in_flight = args::in_flight(&typed.in_flight)?;
-    output::ensure_ranges(&typed.format, &typed.output, &params)?;
+    output_files::ensure_ranges(&typed.format, &typed.output, &params)?;
 
     if typed.no_sync {
         disk::leave_to_the_system();
     }
 
     let pairs = pairs::find(left, right)?;
-    let first: Vec<_> = pairs.iter().take(views::FIRST).map(|(_, pair)| pair.clone()).collect();
-    let input = views::as_first(&typed.input, &first);
+    let first: Vec<_> = pairs.iter().take(images::FIRST).map(|(_, pair)| pair.clone()).collect();
+    let input = images::as_first(&typed.input, &first);
     let sink = if film::is_film(&typed.output) {
         film(&typed, pairs, &params, &masks)?
     } else {
         ensure!(
-            !OTHER_FILMS.contains(&output::ending(&typed.output).as_str()) || typed.output.is_dir(),
+            !OTHER_FILMS.contains(&encoders::ending(&typed.output).as_str()) || typed.output.is_dir(),
             "output {:?} looks like a video, but .mp4, .mkv and .webm are written; take one of these, or a folder",
             typed.output
         );
@@ -132,13 +131,13 @@ fn film(args: &VideoArgs, pairs: Vec<(u64, Pair)>, params: &Params, masks: &Mask
         "--format and --resume are for numbered files, but output {:?} is a video; drop them, or give a folder",
         args.output
     );
-    output::ensure_no_input([args.output.as_path()], pairs.iter().map(|(_, pair)| pair), masks)?;
+    places::ensure_no_input([args.output.as_path()], pairs.iter().map(|(_, pair)| pair), masks)?;
     let fps = args.fps.as_deref().unwrap_or("10");
     ensure!(
         fps.parse().is_ok_and(|fps: f64| fps > 0.0 && fps <= MAX_FPS),
         "--fps is {fps:?}, but must be above 0 and at most {MAX_FPS}; 10 is usual"
     );
-    let film = Film::new(&args.output, fps, output::searched(params))?;
+    let film = Film::new(&args.output, fps, encoders::searched(params))?;
     Ok(Sink::Film(pairs.into_iter().map(|(_, pair)| pair).collect(), film))
 }
 
@@ -150,18 +149,18 @@ fn numbered(
     pattern: &Pattern,
 ) -> Result<Sink> {
     let out = &args.output;
-    let formats = output::formats(&args.format)?;
+    let formats = output_files::formats(&args.format)?;
     ensure!(!args.resume, "--resume needs a folder, but output is {out:?}; give a folder, or drop it");
-    let of_name = output::map_format(&pattern.path(0))?;
+    let of_name = encoders::map_format(&pattern.path(0))?;
     let format = match formats[..] {
         [] => of_name,
-        [format] if format.suffix().ends_with(&format!(".{}", output::ending(out))) => format,
+        [format] if format.suffix().ends_with(&format!(".{}", encoders::ending(out))) => format,
         _ => bail!("output {out:?} is one file a frame, and --format must fit its ending; drop it, or give a folder"),
     };
     let outputs: Vec<_> = pairs.iter().map(|(number, _)| Output::at(pattern.path(*number), format)).collect();
-    output::make_folder(pattern.folder(), out)?;
+    places::make_folder(pattern.folder(), out)?;
     let paths = outputs.iter().map(|output| output.path.as_path());
-    output::ensure_no_input(paths, pairs.iter().map(|(_, pair)| pair), masks)?;
+    places::ensure_no_input(paths, pairs.iter().map(|(_, pair)| pair), masks)?;
     let pairs = pairs.into_iter().map(|(_, pair)| pair).collect();
     Ok(Sink::Numbered(pairs, Numbered { outputs, params: params.clone() }))
 }
@@ -175,9 +174,9 @@ fn folder(
     sides: [&PathBuf; 2],
 ) -> Result<Store> {
     let out = &args.output;
-    let mut formats = output::formats(&args.format)?;
+    let mut formats = output_files::formats(&args.format)?;
     if formats.is_empty() {
-        formats.push(output::default_format(params, "NAME"));
+        formats.push(output_files::default_format(params, "NAME"));
     }
     let planned = |pair, name| Planned { pair, item: Item::new(out, name, &formats), line: None };
     let named = |(_, pair): (u64, Pair)| {

@@ -1,8 +1,7 @@
 //! Files whose contents are known, for the lines of logs.
 
-use crate::facts::Facts;
-use crate::list::absolute;
-use crate::lossless::Name;
+use gpu_stereo::files::lists::absolute;
+use gpu_stereo::files::{Facts, JsonPath};
 use serde::{Deserialize, Serialize};
 use std::path::Path;
 
@@ -10,7 +9,7 @@ use std::path::Path;
 #[derive(Clone, Debug, Serialize, Deserialize)]
 pub struct KnownFile {
     /// Where it is.
-    pub path: Name,
+    pub path: JsonPath,
     /// What its contents are.
     #[serde(flatten)]
     pub facts: Facts,

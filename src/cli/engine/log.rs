@@ -1,6 +1,7 @@
 //! Logs: files of JSON lines. Several processes may add to one at once.
 
-use crate::{disk, terminal};
+use crate::engine::disk;
+use crate::terminal;
 use anyhow::{Context as _, Result};
 use serde::Serialize;
 use serde::de::DeserializeOwned;

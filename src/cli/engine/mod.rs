@@ -3,9 +3,12 @@
 pub mod adapter;
 pub mod compute;
 pub mod diagnosis;
+pub mod disk;
 mod environment;
+pub mod images;
 pub mod known;
 pub mod log;
+pub mod output_files;
 pub mod pair;
 pub mod pairs;
 pub mod pipeline;

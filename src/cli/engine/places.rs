@@ -2,9 +2,9 @@
 //! an input nor another output, whatever the names say.
 
 use super::pair::Pair;
-use crate::mask::MaskFiles;
-use crate::output::temporary;
+use crate::engine::disk::temporary;
 use anyhow::{Context as _, Result, bail, ensure};
+use gpu_stereo::files::masks::MaskFiles;
 use std::collections::HashSet;
 use std::fs;
 use std::io::ErrorKind;
@@ -76,7 +76,7 @@ pub fn writable_place(path: &Path) -> Result<PathBuf> {
         Err(error) if error.kind() == ErrorKind::NotFound => {
             bail!(
                 "output {path:?} lies in {folder:?}, which does not exist; create the folder or give another path{}",
-                crate::input::hint(path)
+                gpu_stereo::files::hint(path)
             )
         }
         Err(error) => {
@@ -124,7 +124,7 @@ pub fn make_folder(folder: &Path, out: &Path) -> Result<()> {
         Err(error) if error.kind() == ErrorKind::NotFound && fs::symlink_metadata(folder).is_err() => {
             bail!(
                 "output {out:?} lies in a folder that does not exist; create it or give another path{}",
-                crate::input::hint(out)
+                gpu_stereo::files::hint(out)
             )
         }
         Err(error) if error.kind() != ErrorKind::AlreadyExists && !folder.is_dir() => {

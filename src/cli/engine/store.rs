@@ -12,17 +12,15 @@ use super::pair::Pair;
 use super::pipeline::{MatchedPair, PairKind, Refused, Work};
 use super::places;
 use crate::args::InputArgs;
-use crate::disk;
-use crate::facts::Facts;
-use crate::lossless::Name;
-use crate::mask::MaskFiles;
-use crate::output;
+use crate::engine::{disk, images, output_files};
 use crate::terminal::tell;
-use crate::views::{self, Views};
 use anyhow::{Context as _, Result, anyhow, bail, ensure};
 use entry::Entry;
 pub use entry::FailedLine;
 use gpu_stereo::Params;
+use gpu_stereo::files::images::ImagePair;
+use gpu_stereo::files::masks::MaskFiles;
+use gpu_stereo::files::{Facts, JsonPath};
 use journal::{Begun, Dead};
 pub use journal::{Journal, State};
 use plan::ensure_possible;
@@ -103,12 +101,12 @@ impl Store {
         mode: Mode,
     ) -> Result<Self> {
         ensure_possible(out, all, false, advice)?;
-        output::make_folder(out, out)?;
+        places::make_folder(out, out)?;
         if places::is_caseless(out) {
             ensure_possible(out, all, true, advice)?;
         }
         let outputs = all.iter().flat_map(|planned| &planned.item.outputs).map(|output| output.path.as_path());
-        output::ensure_no_input(outputs, all.iter().map(|planned| &planned.pair), &mode.masks)?;
+        places::ensure_no_input(outputs, all.iter().map(|planned| &planned.pair), &mode.masks)?;
         let record = Record::new(out, params, &mode.input, sources);
         let log = |name: &str| Log { path: out.join(name) };
         let store = Self {
@@ -149,11 +147,11 @@ impl Store {
         let suspects = self.mode.suspects.as_ref().map(|journal| journal::states(journal)).transpose()?;
         for Planned { pair, item, .. } in all {
             if let Some(suspects) = &suspects {
-                let deaths = suspects.get(&Name::from(&item.name)).map_or(0, |(begun, _)| begun.alone);
+                let deaths = suspects.get(&JsonPath::from(&item.name)).map_or(0, |(begun, _)| begun.alone);
                 alone.push((pair, item, deaths));
                 continue;
             }
-            let entry = entries.get(&Name::from(&item.name)).filter(|entry| entry.is_of(&self.settings, &pair));
+            let entry = entries.get(&JsonPath::from(&item.name)).filter(|entry| entry.is_of(&self.settings, &pair));
             match (entry, self.deaths(&pair, &item)) {
                 (Some(Entry { killed: Some(why), .. }), _) if !self.mode.retry => {
                     passed.push((pair, item, why.clone()))
@@ -192,7 +190,7 @@ impl Store {
     /// How many processes died while they computed a pair alone, if any died while it computed it.
     fn deaths(&self, pair: &Pair, item: &Item) -> Option<u32> {
         let dead = self.dead();
-        let begun = dead.iter().filter_map(|dead| dead.suspects.get(&Name::from(&item.name)));
+        let begun = dead.iter().filter_map(|dead| dead.suspects.get(&JsonPath::from(&item.name)));
         let of_pair = |begun: &&Begun| **begun == Begun { alone: begun.alone, ..Begun::new(&item.name, pair, 0) };
         let deaths = begun.filter(of_pair).map(|begun| begun.alone).max();
         if self.mode.retry { deaths.map(|_| 0) } else { deaths }
@@ -203,8 +201,8 @@ impl Store {
     }
 
     /// What the last line of each name says. Formats of one pair that were made one after the other count together.
-    fn entries(&self) -> Result<HashMap<Name, Entry>> {
-        let mut entries: HashMap<Name, Entry> = HashMap::new();
+    fn entries(&self) -> Result<HashMap<JsonPath, Entry>> {
+        let mut entries: HashMap<JsonPath, Entry> = HashMap::new();
         for mut entry in self.done.read::<Entry>()? {
             if let Some(before) = entries.remove(&entry.name) {
                 let same = |a: &[KnownFile], b: &[KnownFile]| {
@@ -260,7 +258,7 @@ impl Store {
         }
         let _ = self.journal.set(journal);
         for dead in self.dead().drain(..) {
-            dead.take(self.items.iter().map(|item| Name::from(&item.name)))?;
+            dead.take(self.items.iter().map(|item| JsonPath::from(&item.name)))?;
         }
         Ok(())
     }
@@ -284,7 +282,8 @@ impl Store {
             let mut lines = Vec::new();
             if !self.mode.resume {
                 let there = self.entries()?;
-                let vouched = |item: &&Item| there.get(&Name::from(&item.name)).is_some_and(|e| e.settings.is_some());
+                let vouched =
+                    |item: &&Item| there.get(&JsonPath::from(&item.name)).is_some_and(|e| e.settings.is_some());
                 lines.extend(self.items.iter().filter(vouched).map(|item| Entry::empty(&item.name)));
             }
             if self.mode.video {
@@ -325,7 +324,7 @@ impl Store {
     }
 
     /// A path of the folder, seen from it.
-    fn below(&self, path: &Path) -> Name {
+    fn below(&self, path: &Path) -> JsonPath {
         path.strip_prefix(&self.out).unwrap_or(path).into()
     }
 
@@ -356,7 +355,7 @@ impl Store {
             disk::make_folder_below(&self.out, folder)?;
         }
         let maps = &matched.matched;
-        let facts = output::write(&item.outputs, &maps.map, maps.confidence.as_ref(), None, &self.params)?;
+        let facts = output_files::write(&item.outputs, maps, &self.params)?;
         let outputs = item.outputs.iter().zip(facts);
         let outputs = outputs.map(|(output, facts)| KnownFile { path: self.below(&output.path), facts }).collect();
         let pair = &self.pairs[matched.place];
@@ -394,11 +393,11 @@ impl Store {
 }
 
 impl Work for Store {
-    fn read(&self, place: usize, pair: &Pair, options: &InputArgs) -> Result<Views, Refused> {
+    fn read(&self, place: usize, pair: &Pair, options: &InputArgs) -> Result<ImagePair, Refused> {
         let alone = if self.mode.suspects.is_some() { self.suspects[place] + 1 } else { 0 };
         let begun = Begun::new(&self.items[place].name, pair, alone);
         self.journal().and_then(|journal| journal.begin(begun)).map_err(Refused::All)?;
-        let views = views::read_pair(&pair.left, &pair.right, options).map_err(Refused::Pair)?;
+        let views = images::read_pair(&pair.left, &pair.right, options).map_err(Refused::Pair)?;
         self.sources.lock().unwrap_or_else(PoisonError::into_inner).insert(place, views.facts.clone());
         Ok(views)
     }

@@ -2,10 +2,10 @@
 
 use super::pipeline::{self, FailedPair, Ran, Setup, Work as _};
 use super::store::{MOST_DEATHS, State, Store};
-use crate::lossless::Name;
 use crate::terminal::{name, one_line, tell, warnings};
 use anyhow::{Context as _, Result, anyhow, bail, ensure};
 use gpu_stereo::Error;
+use gpu_stereo::files::JsonPath;
 use std::io::Read as _;
 use std::process::{Command, ExitStatus, Stdio};
 use std::sync::atomic::{AtomicBool, Ordering};
@@ -47,7 +47,7 @@ fn as_suspect(store: &Store, ran: &mut Ran) -> Result<()> {
     let Some(error) = lost(ran).map(|error| one_line(&format!("{error:#}"))) else { return Ok(()) };
     let states = store.journal()?.states()?;
     let is_running = |place: &usize| {
-        let state = states.get(&Name::from(&store.items[*place].name));
+        let state = states.get(&JsonPath::from(&store.items[*place].name));
         state.is_some_and(|(_, state)| *state == State::Running)
     };
     let Some(place) = (0..store.items.len()).find(is_running) else { return Ok(()) };
@@ -128,7 +128,7 @@ fn after(store: &Store, ran: &mut Ran, stop: &AtomicBool) -> Result<()> {
 fn open(store: &Store) -> Result<Vec<usize>> {
     let states = store.journal()?.states()?;
     let is_open = |place: &usize| {
-        let state = states.get(&Name::from(&store.items[*place].name));
+        let state = states.get(&JsonPath::from(&store.items[*place].name));
         state.is_some_and(|(_, state)| !matches!(state, State::Ended(_)))
     };
     Ok((store.main..store.main + store.suspects.len()).filter(is_open).collect())
@@ -139,10 +139,10 @@ fn settle(store: &Store, ran: &mut Ran, open: &[usize]) -> Result<Option<usize>>
     let states = store.journal()?.states()?;
     let mut culprit = None;
     for &place in open {
-        match states.get(&Name::from(&store.items[place].name)).map(|(_, state)| state) {
+        match states.get(&JsonPath::from(&store.items[place].name)).map(|(_, state)| state) {
             Some(State::Ended(None)) => ran.done += 1,
             Some(State::Ended(Some(error))) => {
-                let frame = Name::from(&store.pairs[place].left);
+                let frame = JsonPath::from(&store.pairs[place].left);
                 ran.failed.push(FailedPair { place, frame, error: error.clone() });
             }
             Some(State::Running) => culprit = Some(place),

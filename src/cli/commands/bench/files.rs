@@ -1,8 +1,8 @@
 //! Files that belong to a result.
 
 use crate::engine::known::KnownFile;
-use crate::output;
 use anyhow::Result;
+use gpu_stereo::files::outputs;
 use std::path::Path;
 
 /// A label as a part of a file's name.
@@ -12,5 +12,5 @@ pub fn file_name(label: &str) -> String {
 
 /// Writes a file that belongs to a result.
 pub fn put(path: &Path, bytes: &[u8]) -> Result<KnownFile> {
-    Ok(KnownFile::new(path, output::write_in_folder(path, bytes)?))
+    Ok(KnownFile::new(path, outputs::write_in_folder(path, bytes)?))
 }

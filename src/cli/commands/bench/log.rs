@@ -3,9 +3,9 @@
 use crate::engine::compute::EngineNames;
 use crate::engine::known::KnownFile;
 use crate::engine::log::Log;
-use crate::facts::hash;
 use anyhow::Result;
 use gpu_stereo::evaluation::Scores;
+use gpu_stereo::files::hash;
 use serde::{Deserialize, Serialize};
 use std::collections::HashMap;
 use std::path::Path;

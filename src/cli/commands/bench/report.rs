@@ -4,12 +4,13 @@ use super::files::{file_name, put};
 use super::scene::{Loaded, SceneReport};
 use super::tables::{SetReport, scene_table, set_table};
 use crate::engine::compute::EngineNames;
+use crate::engine::images;
 use crate::engine::known::KnownFile;
-use crate::output;
 use crate::terminal::{self, plain};
 use anyhow::Result;
 use gpu_stereo::DisparityMap;
 use gpu_stereo::evaluation::FloatMap;
+use gpu_stereo::files::{encoders, outputs};
 use image::RgbImage;
 use image::imageops::{self, FilterType};
 use serde::Serialize;
@@ -64,17 +65,18 @@ pub fn write_pictures(
     is_first: bool,
 ) -> Result<Vec<KnownFile>> {
     let folder = report.join(PICTURES);
-    let put =
-        |kind: &str, picture: &RgbImage| put(&folder.join(picture_name(found, kind)), &output::png(&scaled(picture))?);
+    let put = |kind: &str, picture: &RgbImage| {
+        put(&folder.join(picture_name(found, kind)), &encoders::png(&scaled(picture))?)
+    };
     let mut written = Vec::new();
     if is_first {
-        written.push(put("input", &output::drawn(&loaded.left))?);
+        written.push(put("input", &images::drawn(&loaded.left))?);
         if let Some(truth) = &loaded.truth {
-            written.push(put("truth", &output::truth_picture(&thinned(&truth.map)?, range))?);
+            written.push(put("truth", &encoders::truth_picture(&thinned(&truth.map)?, range))?);
         }
     }
     let number = found.numbers[1];
-    written.push(put(&format!("estimate{number}"), &output::picture(estimate, range))?);
+    written.push(put(&format!("estimate{number}"), &encoders::picture(estimate, range))?);
     // Occluded pixels are half as bright.
     if let Some(truth) = loaded.noc.as_ref().or(loaded.truth.as_ref()) {
         written.push(put(&format!("errors{number}"), &truth.error_picture(&estimate.into())?)?);
@@ -127,8 +129,9 @@ pub fn write_report(folder: &Path, found: &BenchReport) -> Result<()> {
     text += "\n## Pictures\n\nTurbo colours over the range searched: red is near, blue is far, black is unknown or invalid. \
                  Errors in KITTI's colours, holes filled: blue up to 3 px or 5 %, then yellow to red; half as bright where occluded.\n";
     text += &picture_tables(&found.scenes)?;
-    output::write_in_folder(&folder.join(RESULTS), terminal::pretty_json(found)?.as_bytes())?;
-    output::write_in_folder(&folder.join(REPORT), text.as_bytes()).map(drop)
+    outputs::write_in_folder(&folder.join(RESULTS), terminal::pretty_json(found)?.as_bytes())?;
+    outputs::write_in_folder(&folder.join(REPORT), text.as_bytes())?;
+    Ok(())
 }
 
 /// At most [`PICTURE`] pixels wide, so that a sparse map can still be seen: each pixel takes the first value of its

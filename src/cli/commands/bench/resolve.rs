@@ -5,20 +5,21 @@ use super::scene::settings;
 use super::submission::Submission;
 use crate::args::{self, BenchArgs, DeviceArgs, InputArgs};
 use crate::commands::variants::{self, Variant, in_words};
-use crate::disk;
+use crate::engine::disk;
 use crate::engine::{adapter, places};
-use crate::layout::{Layout, Scene};
-use crate::list::absolute;
-use crate::output::{self, Format};
 use crate::terminal::name;
 use anyhow::{Result, bail, ensure};
+use gpu_stereo::files::datasets::{DataSet, Scene};
+use gpu_stereo::files::encoders;
+use gpu_stereo::files::encoders::Format;
+use gpu_stereo::files::lists::absolute;
 use std::collections::BTreeSet;
 use std::path::{Path, PathBuf};
 
 /// A run over a data set, ready to start.
 pub struct Bench {
     /// How the data set lies.
-    pub layout: Layout,
+    pub layout: DataSet,
     /// Its scenes.
     pub scenes: Vec<Scene>,
     /// What to compute for each.
@@ -52,7 +53,7 @@ pub fn resolve(typed: BenchArgs) -> Result<Bench> {
     let submission = typed.submission.map(|folder| submission(folder, typed.method_name, typed.layout, variants.len()));
     let submission = submission.transpose()?;
     for folder in [typed.report.as_ref(), submission.as_ref().map(|s| &s.folder)].into_iter().flatten() {
-        output::ensure_folder(folder)?;
+        places::ensure_folder(folder)?;
     }
     ensure!(
         !typed.resume || typed.report.is_some(),
@@ -103,7 +104,7 @@ fn resolve_variants(typed: &BenchArgs) -> Result<Vec<Variant>> {
 }
 
 /// The scenes of a data set that `only` names.
-fn scenes(layout: Layout, dataset: &Path, only: &[String]) -> Result<Vec<Scene>> {
+fn scenes(layout: DataSet, dataset: &Path, only: &[String]) -> Result<Vec<Scene>> {
     let all = layout.scenes(dataset)?;
     let mut labels = BTreeSet::new();
     if let Some(label) = all.iter().map(Scene::label).find(|label| !labels.insert(label.clone())) {
@@ -121,9 +122,9 @@ fn scenes(layout: Layout, dataset: &Path, only: &[String]) -> Result<Vec<Scene>>
     Ok(scenes)
 }
 
-fn submission(folder: PathBuf, method: String, layout: Layout, variants: usize) -> Result<Submission> {
+fn submission(folder: PathBuf, method: String, layout: DataSet, variants: usize) -> Result<Submission> {
     ensure!(
-        !matches!(layout, Layout::Vkitti2 | Layout::Manifest),
+        !matches!(layout, DataSet::Vkitti2 | DataSet::Manifest),
         "--submission is {folder:?}, but nothing is submitted for this --layout; drop it, or take kitti2012, kitti2015, \
          middlebury or eth3d"
     );
@@ -141,10 +142,10 @@ impl Bench {
         let mut outputs = Vec::new();
         if let Some(folder) = &self.report {
             for name in [REPORT, RESULTS] {
-                output::writable_place(&folder.join(name))?;
+                places::writable_place(&folder.join(name))?;
                 outputs.push(folder.join(name));
             }
-            output::make_folder(&folder.join(PICTURES), &folder.join(PICTURES))?;
+            places::make_folder(&folder.join(PICTURES), &folder.join(PICTURES))?;
         }
         if let Some(submission) = &self.submission {
             let mut folders = BTreeSet::new();
@@ -158,7 +159,7 @@ impl Bench {
                     let files = [false, true].map(|sparse| submission.files(scene, variant, sparse));
                     if files[0].format == Format::Kitti {
                         let (_, params) = settings(variant, scene.disparities()?)?;
-                        output::ensure_range(Format::Kitti, &files[0].map, &params)?;
+                        encoders::ensure_range(Format::Kitti, &files[0].map, &params)?;
                     }
                     outputs.extend(files.into_iter().flat_map(|files| [Some(files.map), files.time]).flatten());
                 }

@@ -6,14 +6,13 @@ use super::resolve::Bench;
 use super::scene::{Loaded, SceneReport, load, settings};
 use super::tables::sets;
 use crate::commands::variants::Variant;
-use crate::disk;
-use crate::engine::adapter;
 use crate::engine::compute::{Engine, EngineNames};
 use crate::engine::known::KnownFile;
-use crate::layout::Scene;
-use crate::output;
+use crate::engine::{adapter, disk};
 use crate::terminal::{Progress, name, one_line, plain, warnings};
 use anyhow::{Result, anyhow};
+use gpu_stereo::files::datasets::Scene;
+use gpu_stereo::files::encoders;
 use gpu_stereo::{DisparityMap, Params};
 use std::fmt::{self, Display, Formatter};
 
@@ -190,7 +189,7 @@ impl<'a> Run<'a> {
             written.extend(submission.write(task.scene, task.variant, map, report, params)?);
         }
         if let Some(folder) = &self.bench.report {
-            let range = output::searched(params);
+            let range = encoders::searched(params);
             written.extend(write_pictures(folder, report, loaded, map, range, task.is_first)?);
         }
         Ok(written)

@@ -5,12 +5,13 @@ use crate::args::{self, InputArgs};
 use crate::commands::variants::{self, Variant};
 use crate::engine::compute::{EngineNames, FrameMs};
 use crate::engine::diagnosis::{self, Evidence, Finding};
-use crate::evaluate::Truth;
-use crate::layout::Scene;
+use crate::engine::images;
 use crate::terminal::{Evaluation, Progress, percent, warnings};
-use crate::views::{self, Views};
 use anyhow::Result;
 use gpu_stereo::evaluation::{FloatMap, Scores};
+use gpu_stereo::files::datasets::Scene;
+use gpu_stereo::files::images::ImagePair;
+use gpu_stereo::files::truth::Truth;
 use gpu_stereo::{Image, Params};
 use serde::Serialize;
 
@@ -30,7 +31,7 @@ pub struct Loaded {
 /// Reads a scene.
 pub fn load(scene: &Scene, options: &InputArgs) -> Result<Loaded> {
     let disparities = scene.disparities()?;
-    let Views { left, right, doubts, .. } = views::read_pair(&scene.left, &scene.right, options)?;
+    let ImagePair { left, right, doubts, .. } = images::read_pair(&scene.left, &scene.right, options)?;
     let evidence = diagnosis::evidence(&left, &right, &Params::sgm(1))?; // no variant rectifies
     let size = (left.width(), left.height());
     let truth = scene.truth.as_ref().map(|truth| truth.read(size, &scene.left)).transpose()?;

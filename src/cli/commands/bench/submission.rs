@@ -4,9 +4,10 @@ use super::files::{file_name, put};
 use super::scene::SceneReport;
 use crate::commands::variants::Variant;
 use crate::engine::known::KnownFile;
-use crate::layout::{Layout, Scene};
-use crate::output::{self, Format};
 use anyhow::Result;
+use gpu_stereo::files::datasets::{DataSet, Scene};
+use gpu_stereo::files::encoders;
+use gpu_stereo::files::encoders::{Format, Maps};
 use gpu_stereo::{DisparityMap, Params};
 use std::path::PathBuf;
 
@@ -17,7 +18,7 @@ pub struct Submission {
     /// The method's name.
     pub method: String,
     /// How the files of the data set lie, and those of the submission.
-    pub layout: Layout,
+    pub layout: DataSet,
     /// Whether there are several variants.
     pub several: bool,
 }
@@ -48,16 +49,16 @@ impl Submission {
         let kitti = |map| Files { map, format: Format::Kitti, time: None };
         let with_time = |map, time| Files { map, format: Format::Pfm, time: Some(time) };
         match self.layout {
-            Layout::Kitti2015 => kitti(set.join("disp_0").join(format!("{}.png", scene.name))),
-            Layout::Kitti2012 => kitti(set.join(format!("{}.png", scene.name))),
-            Layout::Middlebury => {
+            DataSet::Kitti2015 => kitti(set.join("disp_0").join(format!("{}.png", scene.name))),
+            DataSet::Kitti2012 => kitti(set.join(format!("{}.png", scene.name))),
+            DataSet::Middlebury => {
                 // A map with holes has a name of its own.
                 let suffix = if sparse { "_s" } else { "" };
                 let folder = set.join(&scene.name);
                 with_time(folder.join(format!("disp0{method}{suffix}.pfm")), folder.join(format!("time{method}.txt")))
             }
             // For the other layouts it was refused.
-            Layout::Eth3d | Layout::Vkitti2 | Layout::Manifest => {
+            DataSet::Eth3d | DataSet::Vkitti2 | DataSet::Manifest => {
                 let folder = folder.join("low_res_two_view");
                 with_time(folder.join(format!("{}.pfm", scene.name)), folder.join(format!("{}.txt", scene.name)))
             }
@@ -74,11 +75,11 @@ impl Submission {
         params: &Params,
     ) -> Result<Vec<KnownFile>> {
         let files = self.files(scene, variant, map.data.contains(&DisparityMap::INVALID));
-        let mut written = vec![put(&files.map, &output::encode(files.format, map, None, None, params)?)?];
+        let mut written = vec![put(&files.map, &encoders::encode(files.format, &Maps::of(map, params))?.bytes)?];
         let Some(time) = files.time else { return Ok(written) };
         let seconds = found.frame_ms.median / 1e3;
         let text = match self.layout {
-            Layout::Eth3d => format!("runtime {seconds:.6}\n"),
+            DataSet::Eth3d => format!("runtime {seconds:.6}\n"),
             _ => format!("{seconds:.6}\n"),
         };
         written.push(put(&time, text.as_bytes())?);

@@ -1,13 +1,14 @@
 //! Resolve: what was typed becomes settings that are known to be good, before an image is decoded or a device opened.
 
 use crate::args::{self, Backend, CameraArgs, DeviceArgs, InputArgs, SingleArgs};
-use crate::calibration::{Calibration, LensModel, Reading};
-use crate::engine::adapter;
-use crate::evaluate::TruthFile;
-use crate::mask::MaskFiles;
-use crate::output::{self, Format, Output};
+use crate::engine::{adapter, output_files};
 use crate::terminal::tell;
 use anyhow::{Result, bail, ensure};
+use gpu_stereo::files::calibration::{Calibration, LensModel, Reading};
+use gpu_stereo::files::encoders::Format;
+use gpu_stereo::files::masks::MaskFiles;
+use gpu_stereo::files::outputs::Output;
+use gpu_stereo::files::truth::TruthFile;
 use gpu_stereo::{Camera, Params};
 use std::path::PathBuf;
 
@@ -65,7 +66,7 @@ pub fn resolve(typed: SingleArgs) -> Result<Job> {
     };
     let optics = typed.optics.both()?;
     let calibration = calibration(&typed.cameras, optics)?;
-    let depths = output::depth_formats(&typed.cameras.depth, &typed.cameras.points)?;
+    let depths = output_files::depth_formats(&typed.cameras.depth, &typed.cameras.points)?;
     match &calibration {
         Some(_) if !depths.is_empty() => {}
         Some(calibration) if calibration.has_lenses() => {}
@@ -96,7 +97,7 @@ pub fn resolve(typed: SingleArgs) -> Result<Job> {
         .chain(masks.paths())
         .chain([left.as_path(), &right])
         .collect();
-    let outputs = output::resolve(&typed.output, &pictures, &depths, &inputs, &params)?;
+    let outputs = output_files::resolve(&typed.output, &pictures, &depths, &inputs, &params)?;
     Ok(Job {
         left,
         right,
@@ -133,7 +134,7 @@ fn calibration(cameras: &CameraArgs, optics: Option<[f64; 2]>) -> Result<Option<
             scale: cameras.calib_scale,
             lenses: rectify.is_some(),
         };
-        return Calibration::read(path, calib_right.as_deref(), reading).map(Some);
+        return Ok(Some(Calibration::read(path, calib_right.as_deref(), reading)?));
     }
     let Some([focal, baseline]) = optics else { return Ok(None) };
     let [doffs, cx, cy] = [cameras.doffs, cameras.cx, cameras.cy].map(Option::unwrap_or_default);

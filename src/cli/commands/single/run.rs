@@ -2,25 +2,26 @@
 
 use super::report::Report;
 use super::resolve::Job;
-use crate::calibration::Fitted;
 use crate::engine::compute::{Engine, Frames};
-use crate::engine::diagnosis;
-use crate::evaluate::Truth;
-use crate::output::{self, Format, Maps};
+use crate::engine::{diagnosis, images, output_files};
 use crate::terminal::{Evaluation, warnings};
-use crate::views::{self, Views};
 use anyhow::Result;
 use gpu_stereo::evaluation::FloatMap;
+use gpu_stereo::files::calibration::Fitted;
+use gpu_stereo::files::encoders::{Format, Maps};
+use gpu_stereo::files::images::ImagePair;
+use gpu_stereo::files::outputs;
+use gpu_stereo::files::truth::Truth;
 use gpu_stereo::{Camera, Image, Matched, Params, Rectification, reference};
 use std::time::Instant;
 
 /// Does the job.
 pub fn run(job: &Job) -> Result<Report> {
-    let views = views::read_pair(&job.left, &job.right, &job.input)?;
+    let views = images::read_pair(&job.left, &job.right, &job.input)?;
     let (samples, turned) = (views.samples(), views.turns());
     views.doubts.iter().for_each(|doubt| warnings::warn(doubt));
-    let Views { left, right, bits, .. } = views;
-    output::ensure_size(&job.outputs, left.width(), left.height())?;
+    let ImagePair { left, right, bits, .. } = views;
+    outputs::ensure_size(&job.outputs, left.width(), left.height())?;
     let truth = job.truth.as_ref().map(|truth| truth.read((left.width(), left.height()), &job.left)).transpose()?;
 
     let (params, camera) = &params_for(job, &left)?;
@@ -64,7 +65,7 @@ pub fn run(job: &Job) -> Result<Report> {
 fn params_for(job: &Job, image: &Image) -> Result<(Params, Option<Camera>)> {
     let (width, height) = (image.width(), image.height());
     let mut params = job.params.clone();
-    params.masks = job.masks.read_for(image)?;
+    params.masks = images::reported(job.masks.read_for(image)?);
     let Some(calibration) = &job.calibration else { return Ok((params, None)) };
     let Fitted { mut camera, lenses } = calibration.fit(width, height)?;
     if let Some(doubt) = calibration.doubt(&camera) {
@@ -102,6 +103,7 @@ fn write(
     let (confidence, depth, errors) = (confidence.as_ref(), depth.as_ref(), errors.as_ref());
     let rectified = params.rectify.as_ref().map(|rectification| reference::rectify(&left, rectification, 0));
     let left = rectified.transpose()?.unwrap_or(left);
-    output::write_maps(&job.outputs, &Maps { map, confidence, errors, depth, left: Some(&left), params })?;
+    let maps = Maps { map, confidence, errors, depth, left: Some(&left), params };
+    output_files::write_all(&job.outputs, &maps)?;
     Ok(evaluation)
 }

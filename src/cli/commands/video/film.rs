@@ -1,10 +1,11 @@
 //! Film: the left images beside their colour maps, as a video that the `ffmpeg` on the PATH encodes.
 
-use crate::disk;
 use crate::engine::pipeline::{MatchedPair, Refused, Work};
-use crate::output::{self, ending};
+use crate::engine::{disk, images, places};
 use crate::terminal::one_line;
 use anyhow::{Context as _, Result, anyhow, bail, ensure};
+use gpu_stereo::files::encoders;
+use gpu_stereo::files::encoders::ending;
 use std::fs::File;
 use std::io::{Read as _, Write as _};
 use std::path::{Path, PathBuf};
@@ -39,7 +40,7 @@ pub fn is_film(path: &Path) -> bool {
 impl Film {
     /// A video of `fps` frames a second, once it is sure that it can be written.
     pub fn new(path: &Path, fps: &str, range: (i32, i32)) -> Result<Self> {
-        let place = output::writable_place(path)?;
+        let place = places::writable_place(path)?;
         let asked = ffmpeg().arg("-version").stdout(Stdio::null()).stderr(Stdio::null()).status();
         ensure!(
             asked.is_ok_and(|status| status.success()),
@@ -50,7 +51,7 @@ impl Film {
 
     /// Adds a frame. All have the size of the first one.
     fn add(&self, frame: &MatchedPair) -> Result<()> {
-        let (left, map) = (output::drawn(&frame.left), output::picture(&frame.matched.map, self.range));
+        let (left, map) = (images::drawn(&frame.left), encoders::picture(&frame.matched.map, self.range));
         let row = 3 * map.width() as usize;
         let rows = left.as_raw().chunks_exact(row).zip(map.as_raw().chunks_exact(row));
         let pixels: Vec<u8> = rows.flat_map(|(left, map)| left.iter().chain(map)).copied().collect();
@@ -69,7 +70,7 @@ impl Film {
 
     fn start(&self, width: u32, height: u32) -> Result<Encoder> {
         let folder = self.place.parent().unwrap_or(Path::new("/"));
-        let file = output::temporary(folder, &format!(".{}", ending(&self.path)))?.into_temp_path();
+        let file = disk::temporary(folder, &format!(".{}", ending(&self.path)))?.into_temp_path();
         let mut command = ffmpeg();
         command.args(["-hide_banner", "-loglevel", "error", "-y"]);
         command.args(["-f", "rawvideo", "-pix_fmt", "rgb24", "-s", &format!("{width}x{height}"), "-r", &self.fps]);

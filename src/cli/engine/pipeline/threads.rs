@@ -5,9 +5,9 @@ use super::tally::{Doubt, Tally};
 use super::work::{MatchedPair, Refused, Setup, Work};
 use crate::engine::diagnosis;
 use crate::engine::pair::Pair;
-use crate::views::Views;
 use anyhow::{Context as _, Result, anyhow};
 use gpu_stereo::Image;
+use gpu_stereo::files::images::ImagePair;
 use std::sync::mpsc::{Receiver, SyncSender, TryRecvError, sync_channel};
 use std::thread::{self, Scope};
 
@@ -24,7 +24,7 @@ pub struct ReadPair {
 impl ReadPair {
     /// Reads a pair, and diagnoses it if it is its turn.
     pub fn read(work: &dyn Work, place: usize, pair: &Pair, setup: &Setup<'_>) -> Result<Self, Refused> {
-        let Views { left, right, doubts, .. } = work.read(place, pair, setup.input)?;
+        let ImagePair { left, right, doubts, .. } = work.read(place, pair, setup.input)?;
         let mut doubts: Vec<_> = doubts.into_iter().map(|text| Doubt { text, kind: None }).collect();
         // What cannot be rectified is refused later.
         if place.is_multiple_of(setup.diagnosed)

@@ -1,13 +1,13 @@
 //! What the pipeline is given: how to match, where pairs come from and where their maps go; and what it gives back.
 
 use crate::args::{DeviceArgs, InputArgs};
-use crate::disk;
 use crate::engine::compute::EngineNames;
 use crate::engine::pair::Pair;
-use crate::lossless::Name;
+use crate::engine::{disk, images};
 use crate::terminal::{one_line, warnings};
-use crate::views::{self, Views};
 use anyhow::{Result, bail};
+use gpu_stereo::files::JsonPath;
+use gpu_stereo::files::images::ImagePair;
 use gpu_stereo::{Error, Image, Matched, Params};
 use serde::{Deserialize, Serialize};
 use std::collections::HashSet;
@@ -90,8 +90,8 @@ impl Refused {
 /// Where pairs come from, and where their maps go.
 pub trait Work: Sync {
     /// Reads a pair.
-    fn read(&self, _place: usize, pair: &Pair, options: &InputArgs) -> Result<Views, Refused> {
-        views::read_pair(&pair.left, &pair.right, options).map_err(Refused::Pair)
+    fn read(&self, _place: usize, pair: &Pair, options: &InputArgs) -> Result<ImagePair, Refused> {
+        images::read_pair(&pair.left, &pair.right, options).map_err(Refused::Pair)
     }
 
     /// Writes a map.
@@ -144,7 +144,7 @@ pub struct FailedPair {
     #[serde(skip)]
     pub place: usize,
     /// The left image's path.
-    pub frame: Name,
+    pub frame: JsonPath,
     /// Why.
     pub error: String,
 }

@@ -4,8 +4,8 @@ use super::plan::Item;
 use crate::engine::known::KnownFile;
 use crate::engine::pair::Pair;
 use crate::engine::pipeline::PairKind;
-use crate::list::absolute;
-use crate::lossless::Name;
+use gpu_stereo::files::JsonPath;
+use gpu_stereo::files::lists::absolute;
 use serde::{Deserialize, Serialize};
 use std::path::Path;
 
@@ -13,11 +13,11 @@ use std::path::Path;
 #[derive(Clone, Debug, PartialEq, Eq, Serialize)]
 pub struct FailedLine {
     /// The name of its map.
-    pub name: Name,
+    pub name: JsonPath,
     /// The left image's absolute path.
-    pub left: Name,
+    pub left: JsonPath,
     /// The right image's absolute path.
-    pub right: Name,
+    pub right: JsonPath,
     /// Why.
     pub error: String,
 }
@@ -26,7 +26,7 @@ pub struct FailedLine {
 #[derive(Clone, Debug, Serialize, Deserialize)]
 pub struct Entry {
     /// The name of the maps.
-    pub name: Name,
+    pub name: JsonPath,
     /// What stands for the settings. Without it, it vouches for nothing.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub settings: Option<String>,
@@ -38,7 +38,7 @@ pub struct Entry {
     pub outputs: Vec<KnownFile>,
     /// Files that may be there, of whatever contents.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
-    pub files: Vec<Name>,
+    pub files: Vec<JsonPath>,
     /// Size and samples.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub kind: Option<PairKind>,
@@ -63,7 +63,7 @@ impl Entry {
 
     /// Whether it is about this pair as it is now.
     pub fn is_of(&self, settings: &str, pair: &Pair) -> bool {
-        let paths = [&pair.left, &pair.right].map(|path| Name(absolute(path)));
+        let paths = [&pair.left, &pair.right].map(|path| JsonPath(absolute(path)));
         self.settings.as_deref() == Some(settings)
             && self.inputs.iter().map(|input| &input.path).eq(&paths)
             && self.inputs.iter().all(|input| input.facts.are_of_input(&input.path.0))

@@ -4,14 +4,12 @@
 //! journal whose lock nobody holds was left by a process that died, and the pairs that it began and did not end are suspects.
 //! They are computed one by one in a process of their own, which may die of one without harm to the others.
 
-use crate::disk;
-use crate::engine::log;
 use crate::engine::pair::Pair;
-use crate::list::absolute;
-use crate::lossless::Name;
-use crate::output;
+use crate::engine::{disk, log};
 use anyhow::{Context as _, Result};
 use fd_lock::RwLock;
+use gpu_stereo::files::JsonPath;
+use gpu_stereo::files::lists::absolute;
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
 use std::fs::{self, File, OpenOptions};
@@ -26,11 +24,11 @@ const PREFIX: &str = ".gpu-stereo-begun-";
 #[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub struct Begun {
     /// The name of its map.
-    pub name: Name,
+    pub name: JsonPath,
     /// The left image's absolute path.
-    pub left: Name,
+    pub left: JsonPath,
     /// The right image's absolute path.
-    pub right: Name,
+    pub right: JsonPath,
     /// How many processes computed it alone and died, or have just begun to compute it alone.
     pub alone: u32,
 }
@@ -51,7 +49,7 @@ enum Line {
     /// It is being computed.
     Begun(Begun),
     /// It came to an end.
-    Ended { name: Name, error: Option<String> },
+    Ended { name: JsonPath, error: Option<String> },
 }
 
 /// How far a pair came.
@@ -66,7 +64,7 @@ pub enum State {
 }
 
 /// What a journal says of each pair.
-pub type States = BTreeMap<Name, (Begun, State)>;
+pub type States = BTreeMap<JsonPath, (Begun, State)>;
 
 /// The journal of this process, or that of the process that started this one.
 pub struct Journal {
@@ -82,7 +80,7 @@ impl Journal {
     pub fn create(folder: &Path) -> Result<Self> {
         let create = || -> std::io::Result<Self> {
             // The lock has its name only when it is held, or it would be taken for that of a dead process.
-            let file = output::temporary(folder, "")?;
+            let file = disk::temporary(folder, "")?;
             let random = file.path().file_name().map(|name| name.to_string_lossy().replace(".gpu-stereo-", ""));
             let lock = held(file.as_file().try_clone()?)?;
             let path = folder.join(format!("{PREFIX}{}.jsonl", random.unwrap_or_default()));
@@ -196,7 +194,7 @@ pub fn states(path: &Path) -> Result<States> {
 pub struct Dead {
     path: PathBuf,
     /// The pairs that it began and did not end.
-    pub suspects: BTreeMap<Name, Begun>,
+    pub suspects: BTreeMap<JsonPath, Begun>,
     _lock: RwLock<File>,
 }
 
@@ -213,7 +211,7 @@ impl Dead {
     }
 
     /// Takes these suspects out, and removes the file if it has no other.
-    pub fn take(mut self, names: impl Iterator<Item = Name>) -> Result<()> {
+    pub fn take(mut self, names: impl Iterator<Item = JsonPath>) -> Result<()> {
         let taken: Vec<_> = names.filter(|name| self.suspects.remove(name).is_some()).collect();
         if self.suspects.is_empty() {
             return remove(&self.path);
@@ -274,10 +272,10 @@ mod tests {
         let first = dead.pop().unwrap();
         assert!(dead.is_empty() && Dead::find(folder.path()).is_empty(), "one process takes it");
         assert!(first.suspects.values().eq([&begun("a", 0), &begun("s", 1)]));
-        first.take([Name::from("a")].into_iter()).unwrap();
+        first.take([JsonPath::from("a")].into_iter()).unwrap();
         let rest = Dead::find(folder.path()).pop().unwrap();
         assert!(rest.suspects.values().eq([&begun("s", 1)]));
-        rest.take([Name::from("s")].into_iter()).unwrap();
+        rest.take([JsonPath::from("s")].into_iter()).unwrap();
         assert_eq!(fs::read_dir(folder.path()).unwrap().count(), 0);
     }
 

@@ -1,10 +1,11 @@
 //! What the pairs of a store become, before any of them is computed.
 
 use super::{journal, record};
-use crate::disk;
+use crate::engine::disk;
 use crate::engine::pair::Pair;
-use crate::output::{Format, Output};
 use anyhow::{Result, bail, ensure};
+use gpu_stereo::files::encoders::Format;
+use gpu_stereo::files::outputs::Output;
 use std::collections::{HashMap, HashSet};
 use std::path::{Path, PathBuf};
 

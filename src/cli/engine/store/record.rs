@@ -2,13 +2,12 @@
 //!
 //! Its lock is the folder's: who holds it decides for all processes that write into the folder, videos and batches alike.
 
-use crate::args::{Bits, InputArgs};
-use crate::disk;
-use crate::engine::log;
-use crate::facts::hash;
-use crate::list::absolute;
-use crate::lossless::Name;
+use crate::args::InputArgs;
+use crate::engine::{disk, log};
 use anyhow::{Context as _, Result};
+use gpu_stereo::files::images::Bits;
+use gpu_stereo::files::lists::absolute;
+use gpu_stereo::files::{JsonPath, hash};
 use gpu_stereo::{Masks, Params};
 use serde_json::{Map, Value};
 use std::fs::OpenOptions;
@@ -46,7 +45,7 @@ impl Record {
         let mut made_with = Map::new();
         made_with.insert("version".into(), env!("CARGO_PKG_VERSION").into());
         for (name, path) in sources {
-            made_with.insert((*name).into(), serde_json::to_value(Name(absolute(path))).unwrap_or_default());
+            made_with.insert((*name).into(), serde_json::to_value(JsonPath(absolute(path))).unwrap_or_default());
         }
         // Those of the device change no bit.
         for option in Params::OPTIONS.iter().filter(|option| option.heading != "Device") {

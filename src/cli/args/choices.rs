@@ -1,0 +1,85 @@
+//! Choices: what can be typed for a type of the library, and what `--help` says of it.
+
+use clap::builder::{PossibleValue, PossibleValuesParser, TypedValueParser};
+use gpu_stereo::files::calibration::{KittiPair, LensModel, Unit};
+use gpu_stereo::files::datasets::DataSet;
+use gpu_stereo::files::encoders::Format;
+
+/// What can be typed, the usual name first, what it means, and what `--help` says of it.
+type Choice<T> = (&'static [&'static str], T, &'static str);
+
+fn choice<T: Copy + Send + Sync + 'static>(all: &'static [Choice<T>]) -> impl TypedValueParser<Value = T> {
+    let shown = |(names, _, help): &Choice<T>| {
+        let value = PossibleValue::new(names[0]).aliases(&names[1..]);
+        if help.is_empty() { value } else { value.help(*help) }
+    };
+    PossibleValuesParser::new(all.iter().map(shown)).try_map(move |typed| {
+        let found = all.iter().find(|(names, ..)| names.contains(&typed.as_str()));
+        found.map(|(_, value, _)| *value).ok_or("it is none of the values that are known")
+    })
+}
+
+/// What [`FORMATS`] has.
+pub fn format() -> impl TypedValueParser<Value = Format> {
+    choice(&FORMATS)
+}
+
+/// What [`LAYOUTS`] has.
+pub fn layout() -> impl TypedValueParser<Value = DataSet> {
+    choice(&LAYOUTS)
+}
+
+/// What [`UNITS`] has.
+pub fn unit() -> impl TypedValueParser<Value = Unit> {
+    choice(&UNITS)
+}
+
+/// What [`PAIRS`] has.
+pub fn pair() -> impl TypedValueParser<Value = KittiPair> {
+    choice(&PAIRS)
+}
+
+/// What [`LENSES`] has.
+pub fn lens() -> impl TypedValueParser<Value = LensModel> {
+    choice(&LENSES)
+}
+
+/// `--format`.
+const FORMATS: [Choice<Format>; 7] = [
+    (&["png"], Format::Kitti, ""),
+    (&["pfm"], Format::Pfm, ""),
+    (&["npy"], Format::Npy, ""),
+    (&["tif", "tiff"], Format::Tiff, ""),
+    (&["color"], Format::Color, ""),
+    (&["mask"], Format::Mask, ""),
+    (&["confidence"], Format::Confidence, ""),
+];
+
+/// `--layout`.
+const LAYOUTS: [Choice<DataSet>; 6] = [
+    (&["kitti2012"], DataSet::Kitti2012, "training/{colored_0,colored_1,disp_occ,disp_noc}, else image_0, image_1"),
+    (&["kitti2015"], DataSet::Kitti2015, "training/{image_2,image_3,disp_occ_0,disp_noc_0}"),
+    (
+        &["middlebury"],
+        DataSet::Middlebury,
+        "trainingQ/NAME/{im0.png,im1.png,calib.txt,disp0GT.pfm,mask0nocc.png}, and H, F, test",
+    ),
+    (&["eth3d"], DataSet::Eth3d, "two_view_training/NAME with the same files"),
+    (&["vkitti2"], DataSet::Vkitti2, "SceneNN/VARIANT/frames/{rgb,depth}/{Camera_0,Camera_1}"),
+    (&["manifest"], DataSet::Manifest, "A JSON list of scenes, MANIFEST.json in the folder or the file itself"),
+];
+
+/// `--calib-unit`.
+const UNITS: [Choice<Unit>; 3] =
+    [(&["m"], Unit::M, "Metres"), (&["cm"], Unit::Cm, "Centimetres"), (&["mm"], Unit::Mm, "Millimetres")];
+
+/// `--calib-pair`.
+const PAIRS: [Choice<KittiPair>; 2] =
+    [(&["color"], KittiPair::Color, "P2 and P3"), (&["gray"], KittiPair::Gray, "P0 and P1")];
+
+/// `--lens`.
+const LENSES: [Choice<LensModel>; 3] = [
+    (&["auto"], LensModel::Auto, "The one that the file names, or that its numbers can only be of"),
+    (&["pinhole"], LensModel::Pinhole, "calibrateCamera: k1, k2, p1, p2, k3 .."),
+    (&["fisheye"], LensModel::Fisheye, "cv::fisheye, equidistant: k1, k2, k3, k4"),
+];

@@ -1,0 +1,263 @@
+//! A calibration beside the images: their size, their scale, and what makes its numbers doubtful.
+
+use super::rectified::of_projections;
+use super::stereo_rectify::stereo_rectify;
+use super::{Calibration, Cameras, Unit};
+use crate::files::error::{Result, bail, ensure};
+use crate::{Camera, Distortion, Lens};
+use std::str::FromStr;
+
+type Matrix = [f64; 9];
+
+/// The cameras of images of one size.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Fitted {
+    /// The rectified cameras.
+    pub camera: Camera,
+    /// The lenses of a pair that is to be rectified.
+    pub lenses: Option<[Lens; 2]>,
+}
+
+/// Two cameras, of which the right one sees `rotation` x + `translation`, in metres, where the left one sees x.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Apart {
+    cameras: [(Matrix, Distortion); 2],
+    rotation: Matrix,
+    translation: [f64; 3],
+}
+
+impl Apart {
+    pub fn new(cameras: [(Matrix, Distortion); 2], rotation: Matrix, translation: [f64; 3]) -> Result<Self> {
+        let fisheyes = cameras.map(|(_, distortion)| matches!(distortion, Distortion::Fisheye(_)));
+        ensure!(
+            fisheyes[0] == fisheyes[1],
+            "one of its lenses is a pinhole and one a fisheye, which OpenCV rectifies by no function; give R1, P1, R2 and P2 beside \
+             the lenses"
+        );
+        Ok(Self { cameras, rotation, translation })
+    }
+
+    /// The cameras as they are, if they are rectified: without lenses and turns.
+    pub fn as_it_is(&self) -> Option<Result<Camera>> {
+        let Self { cameras: [(left, a), (right, b)], rotation, translation } = self;
+        let straight = rotation.iter().enumerate().all(|(i, r)| (r - f64::from(u8::from(i % 4 == 0))).abs() <= 1e-6);
+        if [a, b].iter().any(|lens| **lens != Distortion::NONE) || !straight {
+            return None;
+        }
+        let projection = |k: &Matrix, t: [f64; 3]| {
+            let column: [f64; 3] = std::array::from_fn(|i| (0..3).map(|j| k[3 * i + j] * t[j]).sum());
+            let row = |i: usize| [k[3 * i], k[3 * i + 1], k[3 * i + 2], column[i]];
+            [row(0), row(1), row(2)].concat()
+        };
+        // The fourth column of a principal point off the axis is -f B alone if the cameras lie side by side.
+        Some(of_projections(&projection(left, [0.0; 3]), &projection(right, *translation), 1.0))
+    }
+
+    fn fitted(&self, size: [u32; 2], scale: Scale) -> Result<Fitted> {
+        let cameras = self.cameras.map(|(matrix, distortion)| (scale.of_matrix(matrix), distortion));
+        let (lenses, [left, right]) = stereo_rectify(cameras, size, &self.rotation, &self.translation)?;
+        Ok(Fitted { camera: of_projections(&left, &right, 1.0)?, lenses: Some(lenses) })
+    }
+}
+
+/// The images' size by that of the calibrated ones.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Scale(f64);
+
+impl FromStr for Scale {
+    type Err = String;
+
+    fn from_str(text: &str) -> Result<Self, String> {
+        let number = |text: &str| text.trim().parse::<f64>().ok();
+        let scale = match text.split_once('/') {
+            Some((images, calibrated)) => number(images).zip(number(calibrated)).map(|(a, b)| a / b),
+            None => number(text),
+        };
+        let scale = scale.filter(|scale| (1.0 / 64.0..=64.0).contains(scale));
+        scale.map(Self).ok_or_else(|| "a number from 1/64 to 64 is needed, such as 0.5 or 2/3".into())
+    }
+}
+
+impl Scale {
+    /// The images are as large as those that were calibrated.
+    pub const ONE: Self = Self(1.0);
+
+    /// A place in the scaled image. 0 is the centre of the first pixel, so that its border lies at -0.5.
+    fn of_place(self, place: f64) -> f64 {
+        if self == Self::ONE { place } else { (place + 0.5) * self.0 - 0.5 }
+    }
+
+    fn of_matrix(self, m: Matrix) -> Matrix {
+        let row = |i: usize| [m[i] * self.0, m[i + 1] * self.0, self.of_place(m[i + 2])];
+        let ([a, b, c], [d, e, f]) = (row(0), row(3));
+        [a, b, c, d, e, f, m[6], m[7], m[8]]
+    }
+
+    fn of_camera(self, camera: Camera) -> Camera {
+        let Camera { focal, baseline, doffs, cx, cy } = camera;
+        let [cx, cy] = [cx, cy].map(|place| self.of_place(place));
+        Camera { focal: focal * self.0, baseline, doffs: doffs * self.0, cx, cy }
+    }
+
+    fn of_lens(self, lens: &Lens) -> Lens {
+        Lens { matrix: self.of_matrix(lens.matrix), projection: self.of_matrix(lens.projection), ..*lens }
+    }
+
+    /// Whether images of a side are those of another one, scaled; halves may be rounded either way.
+    fn fits(self, calibrated: u32, side: u32) -> bool {
+        match self {
+            Self::ONE => calibrated == side,
+            Self(scale) => (f64::from(calibrated) * scale - f64::from(side)).abs() < 1.0,
+        }
+    }
+}
+
+/// A scale in digits, or as a quotient.
+fn told(scale: f64) -> String {
+    let quotient =
+        |of: u32| (1..=8 * of).find(|n| (f64::from(*n) / f64::from(of) / scale - 1.0).abs() < 0.04).map(|n| (n, of));
+    match (1..=8).find_map(quotient) {
+        Some((n, of @ (1 | 2 | 4 | 5 | 8))) => (f64::from(n) / f64::from(of)).to_string(),
+        Some((n, of)) => format!("{n}/{of}"),
+        None => format!("{scale:.3}"),
+    }
+}
+
+impl Calibration {
+    /// The cameras of images of this size.
+    pub fn fit(&self, width: u32, height: u32) -> Result<Fitted> {
+        let scale = self.scale.unwrap_or(Scale::ONE);
+        match self.size {
+            Some(size) => ensure_size(size, [width, height], scale)?,
+            None => self.ensure_middle([width, height])?,
+        }
+        let fitted = match &self.cameras {
+            Cameras::Rectified(camera) => Fitted { camera: scale.of_camera(*camera), lenses: None },
+            Cameras::Lenses(camera, lenses) => Fitted {
+                camera: scale.of_camera(*camera),
+                lenses: Some(lenses.each_ref().map(|lens| scale.of_lens(lens))),
+            },
+            Cameras::Apart(apart) => apart.fitted([width, height], scale)?,
+        };
+        fitted.camera.validate()?;
+        if matches!(self.cameras, Cameras::Lenses(..)) && self.scale.is_none() {
+            ensure_inside(&fitted.camera, [width, height])?;
+        }
+        Ok(fitted)
+    }
+
+    /// The principal points of the given cameras, in the calibrated images.
+    fn principal_points(&self) -> [[f64; 2]; 2] {
+        let of = |m: &Matrix| [m[2], m[5]];
+        match &self.cameras {
+            Cameras::Rectified(Camera { doffs, cx, cy, .. }) => [[*cx, *cy], [cx + doffs, *cy]],
+            Cameras::Lenses(_, lenses) => lenses.each_ref().map(|lens| of(&lens.matrix)),
+            Cameras::Apart(apart) => apart.cameras.each_ref().map(|(matrix, _)| of(matrix)),
+        }
+    }
+
+    /// Refuses a calibration without a size whose principal points say that it is of images of another one: none is far
+    /// from the middle, or all are off it by the same factor.
+    fn ensure_middle(&self, images: [u32; 2]) -> Result<()> {
+        let scale = self.scale.unwrap_or(Scale::ONE);
+        let points = self.principal_points().map(|point| point.map(|place| scale.of_place(place)));
+        // 1 is the middle, 0 and 2 are the borders.
+        let shares = points.map(|point| [0, 1].map(|axis| 2.0 * (point[axis] + 0.5) / f64::from(images[axis])));
+        let all = shares.as_flattened();
+        let [width, height] = images;
+        let [x, y] = points[0];
+        if self.scale.is_some() {
+            let outside = scale != Scale::ONE && all.iter().any(|share| !(0.0..=2.0).contains(share));
+            ensure!(
+                !outside,
+                "at --calib-scale {} the principal point is ({x}, {y}), outside the {width}x{height} images; it must be the images' \
+                 size by that of the calibrated ones",
+                told(scale.0)
+            );
+            return Ok(());
+        }
+        let mean = |axis: usize| (shares[0][axis] + shares[1][axis]) / 2.0;
+        let factor = (mean(0) + mean(1)) / 2.0;
+        let alike = mean(0) > 0.0 && (0.9..=1.0 / 0.9).contains(&(mean(1) / mean(0)));
+        let far = all.iter().any(|share| !(0.6..=1.4).contains(share));
+        let scaled = alike && !(1.0 / 1.15..=1.15).contains(&factor);
+        if !far && !scaled {
+            return Ok(());
+        }
+        let remedy = match alike {
+            true => {
+                format!("give --calib-scale {}, the images' size by that of the calibrated ones", told(1.0 / factor))
+            }
+            false => {
+                "take the calibration of these images, or give --calib-scale, their size by that of the calibrated ones"
+                    .into()
+            }
+        };
+        bail!(
+            "the calibration has no size of its images and a principal point of ({x}, {y}), but the middle of the {width}x{height} \
+             images is ({}, {}); {remedy}; if it is right as it is, --calib-scale 1",
+            f64::from(width - 1) / 2.0,
+            f64::from(height - 1) / 2.0
+        );
+    }
+
+    /// What makes the cameras doubtful, in words.
+    pub fn doubt(&self, camera: &Camera) -> Option<String> {
+        let baseline = camera.baseline;
+        if (0.005..=3.0).contains(&baseline) {
+            return None;
+        }
+        let Some(unit) = self.unit else {
+            return Some(format!("the baseline is {baseline} m, but --baseline takes metres; 0.12 is usual"));
+        };
+        let other = [Unit::Mm, Unit::Cm, Unit::M]
+            .into_iter()
+            .find(|other| *other != unit && (0.02..=1.0).contains(&(baseline / unit.metres() * other.metres())));
+        let remedy = match other {
+            Some(other) => {
+                format!("--calib-unit {} makes it {} m", other.name(), baseline / unit.metres() * other.metres())
+            }
+            None => "check its unit, --calib-unit, and its numbers".into(),
+        };
+        Some(format!("the baseline is {baseline} m, taken in {}: {remedy}", unit.name()))
+    }
+}
+
+/// Refuses rectified cameras that look past the images, as those of stereoRectify for larger ones do.
+fn ensure_inside(camera: &Camera, [width, height]: [u32; 2]) -> Result<()> {
+    let Camera { cx, cy, doffs, .. } = camera;
+    let inside = |place: f64, side: u32| (-0.5..=f64::from(side) - 0.5).contains(&place);
+    ensure!(
+        inside(*cx, width) && inside(cx + doffs, width) && inside(*cy, height),
+        "the rectified cameras have principal points of ({cx}, {cy}) and ({}, {cy}), outside of {width}x{height} pixels, and rectified \
+         images keep the size of the given ones; give stereoRectify that as newImageSize; if it is right as it is, --calib-scale 1",
+        cx + doffs
+    );
+    Ok(())
+}
+
+/// Refuses a calibration of images of another size.
+fn ensure_size(calibrated: [u32; 2], images: [u32; 2], scale: Scale) -> Result<()> {
+    if (0..2).all(|axis| scale.fits(calibrated[axis], images[axis])) {
+        return Ok(());
+    }
+    let ([w, h], [width, height]) = (calibrated, images);
+    let factor = Scale(f64::from(width) / f64::from(w));
+    let scaled = match scale {
+        Scale::ONE => String::new(),
+        Scale(scale) => format!(", {}x{} at --calib-scale {scale}", f64::from(w) * scale, f64::from(h) * scale),
+    };
+    let remedy = match told(factor.0) {
+        // Both sides by one factor.
+        of if of.parse::<Scale>().is_ok_and(|of| of.fits(w, width) && of.fits(h, height)) => {
+            format!("where they are the same images at another size, give --calib-scale {of}")
+        }
+        _ if factor.fits(h, height) => {
+            format!("where they are the same images at another size, give --calib-scale {width}/{w}")
+        }
+        _ => "take the calibration of these images; of a part of the calibrated ones give --focal, --baseline, --doffs, --cx and \
+              --cy, since the principal points move"
+            .into(),
+    };
+    bail!("the images are {width}x{height}, but the calibration is of {w}x{h}{scaled}; {remedy}")
+}

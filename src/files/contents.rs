@@ -1,0 +1,70 @@
+//! The contents of regular files.
+
+use super::error::{Context as _, Result, bail, ensure};
+use super::facts::Facts;
+use std::fs::{self, File};
+use std::io::Read as _;
+use std::path::Path;
+
+/// The largest file, and the largest decoded image, that is taken: a header can declare any size, and a decoder would
+/// allocate it. 1 GiB is 130 megapixels of 16-bit colour.
+pub const MAX_BYTES: u64 = 1 << 30;
+
+/// What is wrong with a path that leads nowhere, if its form tells; for the end of a sentence.
+pub fn hint(path: &Path) -> &'static str {
+    let text = path.to_string_lossy();
+    match () {
+        () if text.contains("://") => ", not an address: download it first, or leave out file://",
+        () if text.starts_with('~') => "; the shell takes ~ for the home folder only where it is not in quotes",
+        () if cfg!(not(windows)) && text.contains('\\') => ", in which / and not \\ parts the folders",
+        () => "",
+    }
+}
+
+/// What stands in the place of a file's content, which has yet to be fetched.
+fn pointer(bytes: &[u8]) -> Option<&'static str> {
+    if bytes.starts_with(b"version https://git-lfs.github.com/spec/") {
+        return Some("a Git LFS pointer, not the file itself; run git lfs pull");
+    }
+    let is_annexed = bytes.len() < 4096 && bytes.starts_with(b"/annex/objects/");
+    is_annexed.then_some("a git-annex pointer, not the file itself; run git annex get")
+}
+
+/// The bytes of a regular file of a sane size, which holds `what`.
+pub fn read_file(path: &Path, what: &str) -> Result<Vec<u8>> {
+    read_file_with_facts(path, what).map(|(bytes, _)| bytes)
+}
+
+/// The same, with what tells whether the file is still the same later.
+pub fn read_file_with_facts(path: &Path, what: &str) -> Result<(Vec<u8>, Facts)> {
+    let kind = match fs::metadata(path) {
+        Ok(kind) => kind,
+        Err(error) if error.kind() == std::io::ErrorKind::NotFound => {
+            bail!("{path:?} does not exist; give the path of {what}{}", hint(path))
+        }
+        Err(error) => {
+            return Err(error).with_context(|| format!("{path:?} cannot be read; give the path of {what}"));
+        }
+    };
+    ensure!(!kind.is_dir(), "{path:?} is a folder; give the path of {what}");
+    ensure!(kind.is_file(), "{path:?} is not a regular file; save {what} to a file first");
+    ensure!(
+        kind.len() <= MAX_BYTES,
+        "{path:?} has {} bytes, but at most {MAX_BYTES} are read; crop or scale it",
+        kind.len()
+    );
+    let read = || -> std::io::Result<_> {
+        let mut file = File::open(path)?;
+        let before = file.metadata()?;
+        let mut bytes = Vec::new();
+        file.read_to_end(&mut bytes)?;
+        let facts = Facts::of_read(&bytes, [&before, &file.metadata()?]);
+        Ok((bytes, facts))
+    };
+    let (bytes, facts) = read().with_context(|| format!("{path:?} cannot be read; check its permissions"))?;
+    ensure!(!bytes.is_empty(), "{path:?} is empty; save it again");
+    if let Some(pointer) = pointer(&bytes) {
+        bail!("{path:?} is {pointer}");
+    }
+    Ok((bytes, facts))
+}

@@ -1,0 +1,43 @@
+//! Maps as pictures.
+
+use crate::evaluation::FloatMap;
+use crate::{DisparityMap, turbo};
+use image::{Rgb, RgbImage};
+
+/// A map in turbo colours over the disparities `first` to `last`, invalid black.
+pub fn picture(map: &DisparityMap, (first, last): (i32, i32)) -> RgbImage {
+    let colors = map.color(&(first..=last));
+    let mut pixels = colors.chunks_exact(4);
+    RgbImage::from_fn(map.width, map.height, |_, _| Rgb(pixels.next().map_or([0; 3], |c| [c[0], c[1], c[2]])))
+}
+
+/// A truth in the colours that [`picture`] has.
+pub fn truth_picture(map: &FloatMap, (first, last): (i32, i32)) -> RgbImage {
+    let color = |&disparity: &f32| match disparity.is_finite() {
+        false => [0; 3],
+        true => turbo((f64::from(disparity) - f64::from(first)) / f64::from((last - first).max(1))),
+    };
+    let mut values = map.data().iter();
+    RgbImage::from_fn(map.width(), map.height(), |_, _| Rgb(values.next().map_or([0; 3], color)))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::Params;
+    use crate::files::encoders::searched;
+
+    fn map(data: &[i16]) -> DisparityMap {
+        DisparityMap { width: data.len() as u32, height: 1, data: data.into() }
+    }
+
+    #[test]
+    fn colors_span_the_searched_range() {
+        let mut params = Params::sgm(17);
+        params.min_disparity = -8;
+        let colors = picture(&map(&[-8 * 16, 0, 8 * 16, DisparityMap::INVALID]), searched(&params));
+        let expected = [turbo(0.0), turbo(0.5), turbo(1.0), [0; 3]];
+        assert!(colors.pixels().map(|color| color.0).eq(expected));
+        picture(&map(&[0]), searched(&Params::sgm(1))); // a range of one disparity has no width
+    }
+}

@@ -1,0 +1,68 @@
+//! Depths as coloured points.
+
+use crate::files::error::Result;
+use crate::{Camera, DepthMap, Image, Pixels};
+use std::io::Write as _;
+
+/// A point in metres: to the right, down and forward of the left camera; and its colour.
+struct Point {
+    place: [f32; 3],
+    color: [u8; 3],
+}
+
+/// The pixels that have a depth, row by row.
+fn points(depth: &DepthMap, camera: &Camera, left: &Image) -> Vec<Point> {
+    let width = depth.width.max(1) as usize;
+    let with_depth = depth.data.iter().enumerate().filter(|(_, value)| **value != DepthMap::NONE);
+    let point = |(i, &value): (usize, &u32)| {
+        let place = camera.point((i % width) as u32, (i / width) as u32, value).map(|metres| metres as f32);
+        Point { place, color: color(left, i) }
+    };
+    with_depth.map(point).collect()
+}
+
+/// The colour of pixel i in 8 bits.
+fn color(image: &Image, i: usize) -> [u8; 3] {
+    let high = |sample: u16| ((u32::from(sample) + 128) / 257) as u8;
+    match image.pixels() {
+        Pixels::Gray8(s) => [s[i]; 3],
+        Pixels::Gray16(s) => [high(s[i]); 3],
+        Pixels::Rgba8(s) => [s[4 * i], s[4 * i + 1], s[4 * i + 2]],
+        Pixels::Rgba16(s) => [s[4 * i], s[4 * i + 1], s[4 * i + 2]].map(high),
+    }
+}
+
+/// A binary PLY file of coloured points.
+pub fn ply(depth: &DepthMap, camera: &Camera, left: &Image) -> Result<Vec<u8>> {
+    let points = points(depth, camera, left);
+    let mut bytes = Vec::with_capacity(300 + 15 * points.len());
+    write!(
+        bytes,
+        "ply\nformat binary_little_endian 1.0\ncomment metres: x right, y down, z forward of the left camera\n\
+         element vertex {}\nproperty float x\nproperty float y\nproperty float z\nproperty uchar red\n\
+         property uchar green\nproperty uchar blue\nend_header\n",
+        points.len()
+    )?;
+    for Point { place, color } in points {
+        place.iter().for_each(|metres| bytes.extend(metres.to_le_bytes()));
+        bytes.extend(color);
+    }
+    Ok(bytes)
+}
+
+/// A binary PCD file of coloured points, as the Point Cloud Library has them: `rgb` is 0x00rrggbb, taken for a float.
+pub fn pcd(depth: &DepthMap, camera: &Camera, left: &Image) -> Result<Vec<u8>> {
+    let points = points(depth, camera, left);
+    let mut bytes = Vec::with_capacity(300 + 16 * points.len());
+    write!(
+        bytes,
+        "# .PCD v0.7 - metres: x right, y down, z forward of the left camera\nVERSION 0.7\nFIELDS x y z rgb\n\
+         SIZE 4 4 4 4\nTYPE F F F F\nCOUNT 1 1 1 1\nWIDTH {0}\nHEIGHT 1\nVIEWPOINT 0 0 0 1 0 0 0\nPOINTS {0}\nDATA binary\n",
+        points.len()
+    )?;
+    for Point { place, color: [r, g, b] } in points {
+        place.iter().for_each(|metres| bytes.extend(metres.to_le_bytes()));
+        bytes.extend([b, g, r, 0]);
+    }
+    Ok(bytes)
+}

@@ -1,0 +1,146 @@
+//! Two image files become two [`Image`]s of one size and one sample format.
+
+use super::bits::{self, Bits};
+use super::decoder::{decode, decoder, orientation};
+use super::kinds;
+use crate::files::contents::read_file_with_facts;
+use crate::files::error::{Result, ensure};
+use crate::files::facts::Facts;
+use crate::{Image, PixelFormat, Pixels};
+use image::metadata::Orientation;
+use image::{DynamicImage, ImageDecoder as _};
+use std::path::Path;
+
+/// A pair as it was read.
+pub struct ImagePair {
+    /// The left image.
+    pub left: Image,
+    /// The right image.
+    pub right: Image,
+    /// The bits that samples have.
+    pub bits: u32,
+    /// How each image was turned, as its file says.
+    turned: [Orientation; 2],
+    /// Why the images may be wrong.
+    pub doubts: Vec<String>,
+    /// What tells whether the files are still the same later.
+    pub facts: [Facts; 2],
+}
+
+impl ImagePair {
+    /// The samples, where they are not what the file's format says.
+    pub fn samples(&self) -> Option<String> {
+        let deep = matches!(self.left.format(), PixelFormat::Gray16 | PixelFormat::Rgba16);
+        (deep && self.bits < bits::ALL).then(|| format!("{} bits in 16", self.bits))
+    }
+
+    /// How the images were turned, if they were.
+    pub fn turns(&self) -> Option<String> {
+        let turn = |orientation| match orientation {
+            Orientation::NoTransforms => "as stored",
+            Orientation::Rotate90 => "by 90 degrees clockwise",
+            Orientation::Rotate180 => "by 180 degrees",
+            Orientation::Rotate270 => "by 90 degrees counterclockwise",
+            Orientation::FlipHorizontal => "mirrored left to right",
+            Orientation::FlipVertical => "mirrored top to bottom",
+            Orientation::Rotate90FlipH | Orientation::Rotate270FlipH => "mirrored along a diagonal",
+        };
+        match self.turned {
+            [Orientation::NoTransforms, Orientation::NoTransforms] => None,
+            [left, right] if left == right => Some(format!("{} (EXIF)", turn(left))),
+            [left, right] => Some(format!("left {}, right {} (EXIF)", turn(left), turn(right))),
+        }
+    }
+}
+
+/// Reads a pair.
+pub fn read_pair(left: &Path, right: &Path, bits: Bits) -> Result<ImagePair> {
+    let (left_file, left_facts) = read_file_with_facts(left, "an image")?;
+    let (right_file, right_facts) = read_file_with_facts(right, "an image")?;
+    let facts = [left_facts, right_facts];
+    let mut decoders = (decoder(left, &left_file)?, decoder(right, &right_file)?);
+    let turned = [orientation(&mut decoders.0), orientation(&mut decoders.1)];
+    let sizes = [(decoders.0.dimensions(), turned[0]), (decoders.1.dimensions(), turned[1])].map(oriented);
+    ensure!(
+        sizes[0] == sizes[1],
+        "{left:?} is {}x{} but {right:?} is {}x{}; both must have one size: crop or rectify them again",
+        sizes[0].0,
+        sizes[0].1,
+        sizes[1].0,
+        sizes[1].1
+    );
+    let mut images = [decode(left, decoders.0)?, decode(right, decoders.1)?];
+
+    // Of an image of 8 bits the samples have 8, whatever the other one has.
+    let largest = images.each_ref().map(bits::largest);
+    let mut depth = 8;
+    if let Some(most) = largest.into_iter().flatten().max() {
+        let path = if largest[0] == Some(most) { left } else { right };
+        depth = bits::of(bits, most, path)?;
+        images.iter_mut().for_each(|image| bits::stretch(image, depth));
+    }
+
+    // The matcher takes one format for both; the poorer image is brought to the richer one's, which changes no gray value.
+    let colour = images.iter().any(|image| image.color().has_color());
+    let deep = images.iter().any(is_deep);
+    let mut doubts = Vec::new();
+    for (path, file) in [(left, &left_file), (right, &right_file)] {
+        if kinds::has_more(file) {
+            doubts.push(format!(
+                "{path:?} holds several images, and the first one is read; split it if another is meant"
+            ));
+        }
+    }
+    let [left, right] = images;
+    Ok(ImagePair {
+        left: to_image(left, colour, deep)?,
+        right: to_image(right, colour, deep)?,
+        bits: depth,
+        turned,
+        doubts,
+        facts,
+    })
+}
+
+/// The size of an image that was turned.
+fn oriented(((width, height), turned): ((u32, u32), Orientation)) -> (u32, u32) {
+    match turned {
+        Orientation::Rotate90 | Orientation::Rotate270 | Orientation::Rotate90FlipH | Orientation::Rotate270FlipH => {
+            (height, width)
+        }
+        _ => (width, height),
+    }
+}
+
+fn is_deep(image: &DynamicImage) -> bool {
+    let color = image.color();
+    color.bytes_per_pixel() > color.channel_count()
+}
+
+fn to_image(image: DynamicImage, colour: bool, deep: bool) -> Result<Image, crate::Error> {
+    let (width, height) = (image.width(), image.height());
+    let pixels = match (colour, deep) {
+        (false, false) => Pixels::Gray8(image.into_luma8().into_raw()),
+        (false, true) => Pixels::Gray16(image.into_luma16().into_raw()),
+        (true, false) => Pixels::Rgba8(image.into_rgba8().into_raw()),
+        (true, true) => Pixels::Rgba16(image.into_rgba16().into_raw()),
+    };
+    Image::new(width, height, pixels)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::reference::{Channel, gray};
+    use image::{GrayImage, Luma};
+
+    #[test]
+    fn promotion_changes_no_gray_value() {
+        let image = GrayImage::from_fn(256, 1, |x, _| Luma([x as u8]));
+        let plain = gray(&to_image(image.clone().into(), false, false).unwrap(), Channel::Luma);
+        for (colour, deep) in [(false, true), (true, false), (true, true)] {
+            let promoted = to_image(image.clone().into(), colour, deep).unwrap();
+            assert_eq!(gray(&promoted, Channel::Luma), plain, "{colour} {deep}");
+        }
+    }
+}

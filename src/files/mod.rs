@@ -1,0 +1,25 @@
+//! Everything that reads and writes files: images, masks, disparity maps, calibrations, lists of pairs, truths, data sets, and
+//! the encoders of maps, depths, points and pictures.
+//!
+//! Nothing here prints: what makes a result doubtful is returned beside it. An [`Error`] is one sentence; options that it names
+//! are those of the command.
+
+pub mod calibration;
+mod contents;
+pub mod datasets;
+pub mod disk;
+pub mod encoders;
+mod error;
+mod facts;
+pub mod images;
+mod json_path;
+pub mod lists;
+pub mod maps;
+pub mod masks;
+pub mod outputs;
+pub mod truth;
+
+pub use contents::{MAX_BYTES, hint};
+pub use error::{Error, Result};
+pub use facts::{Facts, hash};
+pub use json_path::JsonPath;

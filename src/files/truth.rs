@@ -1,0 +1,64 @@
+//! The truth of a map: where it is, and what an estimate is worth beside it.
+
+use super::error::{Result, ensure};
+use super::maps::{self, Encoding};
+use crate::evaluation::{self, FloatMap, Scores};
+use image::{Rgb, RgbImage};
+use std::path::{Path, PathBuf};
+
+/// Where the truth of a pair is.
+#[derive(Clone, Debug)]
+pub struct TruthFile {
+    /// The map.
+    pub path: PathBuf,
+    /// Which pixels count.
+    pub mask: Option<PathBuf>,
+    /// What the map's values mean.
+    pub encoding: Encoding,
+}
+
+/// The truth, read.
+pub struct Truth {
+    /// The map.
+    pub map: FloatMap,
+    /// Which pixels count.
+    pub mask: Option<Vec<bool>>,
+}
+
+impl TruthFile {
+    /// The files that are read.
+    pub fn files(&self) -> impl Iterator<Item = &Path> {
+        [Some(&self.path), self.mask.as_ref()].into_iter().flatten().map(PathBuf::as_path)
+    }
+
+    /// Reads the truth of a map of `size`, which `of` has.
+    pub fn read(&self, size: (u32, u32), of: &Path) -> Result<Truth> {
+        let map = maps::read(&self.path, self.encoding, "--gt-scale")?;
+        let truth = (map.width(), map.height());
+        ensure!(
+            truth == size,
+            "{:?} is {}x{}, but {of:?} is {}x{}; give the truth of this size",
+            self.path,
+            truth.0,
+            truth.1,
+            size.0,
+            size.1
+        );
+        let mask = self.mask.as_ref().map(|path| maps::read_mask(path, size)).transpose()?;
+        Ok(Truth { map, mask })
+    }
+}
+
+impl Truth {
+    /// What the estimate is worth.
+    pub fn score(&self, estimate: &FloatMap) -> Result<Scores> {
+        Ok(evaluation::evaluate(estimate, &self.map, self.mask.as_deref())?)
+    }
+
+    /// The errors in KITTI's colours.
+    pub fn error_picture(&self, estimate: &FloatMap) -> Result<RgbImage> {
+        let mut pixels = evaluation::error_picture(estimate, &self.map, self.mask.as_deref())?.into_iter();
+        let (width, height) = (estimate.width(), estimate.height());
+        Ok(RgbImage::from_fn(width, height, |_, _| Rgb(pixels.next().unwrap_or_default())))
+    }
+}
