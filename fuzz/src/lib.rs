@@ -1,55 +1,22 @@
-//! The parsers of the command as modules of their own, and what must hold of whatever they are given.
+//! What must hold of the parsers of `gpu_stereo::files`, whatever they are given.
 
-// Of what the command and the library have, only what parses is used.
-#![allow(dead_code)]
-
-// The parsers name the library; what they take of it is below.
-extern crate self as gpu_stereo;
-
-#[path = "../../src/camera.rs"]
-mod camera;
-#[path = "../../src/error.rs"]
-mod error;
-#[path = "../../src/evaluation.rs"]
-pub mod evaluation;
-#[path = "../../src/image.rs"]
-mod image_and_map;
-#[path = "../../src/lens.rs"]
-mod lens;
-#[path = "../../src/rectification.rs"]
-mod rectification;
-
-pub use camera::Camera;
-pub use error::Error;
-pub use image_and_map::{DisparityMap, Image, Pixels};
-pub use lens::{Distortion, Lens};
-pub use rectification::Rectification;
-
-#[path = "../../src/cli/calibration/mod.rs"]
-pub mod calibration;
-#[path = "../../src/cli/facts.rs"]
-mod facts;
-#[path = "../../src/cli/input.rs"]
-pub mod input;
-#[path = "../../src/cli/list.rs"]
-pub mod list;
-#[path = "../../src/cli/lossless.rs"]
-mod lossless;
-#[path = "../../src/cli/maps.rs"]
-pub mod maps;
+/// How the command prints a text.
+#[allow(dead_code)]
 #[path = "../../src/cli/terminal/text.rs"]
 mod text;
 
-use calibration::{Calibration, Fitted, LensModel, Pair, Reading, Scale, Source, Unit};
-use evaluation::FloatMap;
-use list::{Kind, Listed};
-use maps::Encoding;
-use std::io::Cursor;
+use gpu_stereo::evaluation::FloatMap;
+use gpu_stereo::files::Error;
+use gpu_stereo::files::calibration::{Calibration, Fitted, KittiPair, LensModel, Reading, Scale, Source, Unit};
+use gpu_stereo::files::encoders;
+use gpu_stereo::files::lists::{self, Kind, Listed};
+use gpu_stereo::files::maps::{self, Encoding};
+use gpu_stereo::{Camera, Rectification};
 use std::path::{Component, Path};
 
 /// The command prints an error in one line, whatever text is in the file.
-fn told(error: &anyhow::Error) {
-    let text = text::one_line(&format!("{error:#}"));
+fn told(error: &Error) {
+    let text = text::one_line(&format!("{error}"));
     assert!(!text.trim().is_empty());
     assert!(text.chars().count() <= text::MOST && !text.contains(text::is_obeyed), "{text:?}");
 }
@@ -81,45 +48,23 @@ fn map_is_sound(map: &FloatMap) {
     // Written, it is read again as it was.
     let bits =
         |data: &[f32]| data.iter().map(|v| if v.is_nan() { None } else { Some(v.to_bits()) }).collect::<Vec<_>>();
-    for file in [pfm(map), npy(map), tiff(map)] {
+    for encode in [encoders::pfm, encoders::npy, encoders::tiff] {
+        let file = written(map, encode);
         let again = maps::parse(Path::new("again"), &file, Encoding::default(), "--gt-scale").expect("what was read");
         assert_eq!((again.width(), again.height()), (width, height));
         assert_eq!(bits(again.data()), bits(data));
     }
 }
 
-fn pfm(map: &FloatMap) -> Vec<u8> {
-    let mut bytes = format!("Pf\n{} {}\n1.0\n", map.width(), map.height()).into_bytes();
-    for row in map.data().chunks_exact(map.width() as usize).rev() {
-        bytes.extend(row.iter().flat_map(|v| v.to_be_bytes()));
-    }
-    bytes
-}
-
-fn npy(map: &FloatMap) -> Vec<u8> {
-    use npyz::WriterBuilder as _;
-    let mut bytes = Vec::new();
-    let options = npyz::WriteOptions::<f32>::new().default_dtype();
-    let shape = [u64::from(map.height()), u64::from(map.width())];
-    let mut npy = options.shape(&shape).writer(&mut bytes).begin_nd().expect("a header");
-    npy.extend(map.data().iter().copied()).expect("samples");
-    npy.finish().expect("an end");
-    bytes
-}
-
-fn tiff(map: &FloatMap) -> Vec<u8> {
-    let mut bytes = Cursor::new(Vec::new());
-    let mut tiff = ::tiff::encoder::TiffEncoder::new(&mut bytes).expect("a header");
-    let written = tiff.write_image::<::tiff::encoder::colortype::Gray32Float>(map.width(), map.height(), map.data());
-    written.expect("samples");
-    bytes.into_inner()
+fn written(map: &FloatMap, encode: fn(u32, u32, &[f32]) -> gpu_stereo::files::Result<Vec<u8>>) -> Vec<u8> {
+    encode(map.width(), map.height(), map.data()).expect("a map that was read")
 }
 
 /// A calibration of any kind; or of two files, between which a 0 stands. The first byte selects what is asked.
 pub fn calibration(data: &[u8], two_files: bool) {
     let Some((&selector, rest)) = data.split_first() else { return };
     let unit = [None, Some(Unit::M), Some(Unit::Cm), Some(Unit::Mm)][usize::from(selector % 4)];
-    let pair = [None, Some(Pair::Gray), Some(Pair::Color)][usize::from(selector / 4 % 3)];
+    let pair = [None, Some(KittiPair::Gray), Some(KittiPair::Color)][usize::from(selector / 4 % 3)];
     let lenses = selector / 12 % 2 == 1;
     let lens = [LensModel::Auto, LensModel::Pinhole, LensModel::Fisheye][usize::from(selector / 24 % 3)];
     let scale = [None, Some(Scale::ONE), "1/2".parse().ok()][usize::from(selector / 72 % 3)];
@@ -151,7 +96,7 @@ pub fn calibration(data: &[u8], two_files: bool) {
                         );
                     }
                 }
-                Err(error) => told(&error.into()),
+                Err(error) => told(&Error::from(error)),
             }
         }
         Err(error) => told(&error),
@@ -161,11 +106,11 @@ pub fn calibration(data: &[u8], two_files: bool) {
 /// A list of pairs.
 pub fn list(data: &[u8], kind: Kind) {
     let Ok(text) = std::str::from_utf8(data) else { return };
-    let all = match list::parse(text, kind) {
+    let all = match lists::parse(text, kind) {
         Ok(all) => all,
         Err(error) => {
             told(&error);
-            assert!(format!("{error:#}").starts_with("line "), "{error:#}");
+            assert!(format!("{error}").starts_with("line "), "{error}");
             return;
         }
     };
@@ -174,7 +119,7 @@ pub fn list(data: &[u8], kind: Kind) {
         assert!(pair.name.iter().all(|name| stays_within(name)), "{:?}", pair.name);
     }
     assert!(all.windows(2).all(|pairs| pairs[0].line < pairs[1].line));
-    match list::names(&all) {
+    match lists::names(&all) {
         Ok(names) => {
             assert_eq!(names.len(), all.len());
             assert!(names.iter().all(|name| stays_within(name)), "{names:?}");
@@ -183,13 +128,13 @@ pub fn list(data: &[u8], kind: Kind) {
     }
     // Written, it is read again as it was.
     assert_eq!(
-        unnumbered(list::parse(&json_lines(&all), Kind::JsonLines).expect("what was read")),
+        unnumbered(lists::parse(&json_lines(&all), Kind::JsonLines).expect("what was read")),
         unnumbered(all.clone())
     );
     // But for blanks around a field, which CSV leaves out.
     let trimmed = all.iter().flat_map(fields).flatten().all(|field| field == field.trim());
     if kind == Kind::Csv && trimmed {
-        assert_eq!(unnumbered(list::parse(&csv_rows(&all), kind).expect("what was read")), unnumbered(all));
+        assert_eq!(unnumbered(lists::parse(&csv_rows(&all), kind).expect("what was read")), unnumbered(all));
     }
 }
 
@@ -215,7 +160,7 @@ fn json_lines(all: &[Listed]) -> String {
 }
 
 fn csv_rows(all: &[Listed]) -> String {
-    let mut rows = ::csv::WriterBuilder::new().quote_style(::csv::QuoteStyle::Always).from_writer(Vec::new());
+    let mut rows = csv::WriterBuilder::new().quote_style(csv::QuoteStyle::Always).from_writer(Vec::new());
     rows.write_record(["left", "right", "name"]).expect("a header");
     for pair in all {
         rows.write_record(fields(pair).map(Option::unwrap_or_default)).expect("a row");

@@ -14,10 +14,10 @@ use crate::engine::{adapter, disk, images, output_files, places, trial};
 use anyhow::{Context as _, Result, bail, ensure};
 use film::Film;
 use gpu_stereo::Params;
+use gpu_stereo::files::encoders;
 use gpu_stereo::files::encoders::Format;
 use gpu_stereo::files::masks::MaskFiles;
 use gpu_stereo::files::outputs::Output;
-use gpu_stereo::files::encoders;
 use std::path::PathBuf;
 
 const MAX_FPS: f64 = 1000.0;
