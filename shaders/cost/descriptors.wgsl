@@ -159,13 +159,16 @@ fn excess(values: vec4<i32>, x: i32, y: i32) -> u32 {
 // what the cost wants beside a census.
 fn others(above: Pixels, here: Pixels, below: Pixels, i: u32, x: i32, y: i32) -> vec3<u32> {
     let values = vec4(here[i].yzw, here[i + 1u].x);
-    if COST == COST_SAD_XY || COST == COST_CENSUS_SOBEL {
+    if DESCRIPTOR == DESCRIPTOR_GRADIENTS {
         return vec3(clipped(sobel_x(above, here, below, i)), clipped(sobel_y(above, below, i)), 0u);
     }
-    if COST == COST_ZSAD {
+    if DESCRIPTOR == DESCRIPTOR_EXCESS {
         return vec3(excess(values, x + i32(4u * i), y), 0u, 0u);
     }
     let v = vec4<u32>(in_levels(values));
+    if DESCRIPTOR != DESCRIPTOR_INTERVAL {
+        return vec3(pack(v), 0u, 0u);
+    }
     let before = (v + vec4<u32>(in_levels(here[i]))) >> vec4(1u);
     let after = (v + vec4<u32>(in_levels(vec4(here[i].zw, here[i + 1u].xy)))) >> vec4(1u);
     return vec3(pack(v), pack(min(v, min(before, after))), pack(max(v, max(before, after))));

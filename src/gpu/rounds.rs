@@ -6,8 +6,8 @@
 //! every size that is taken, on all devices alike: src/gpu/kernels/tests/rounds.rs compares what is counted here with what the
 //! driver counts.
 
+use crate::Params;
 use crate::gpu::plan::{self, Plan};
-use crate::{Cost, Params};
 
 /// The rounds after which lavapipe leaves all loops of an invocation.
 pub(crate) const MOST: u32 = 65_535;
@@ -43,7 +43,7 @@ fn over_row(params: &Params, plan: &Plan, walks: bool) -> u32 {
         _ => 7 * own + 6,
     };
     let margins = if params.confidence && own > 1 { 8 } else { 0 };
-    let correlations = if params.cost == Cost::Ncc { 2 * own } else { 0 };
+    let correlations = if params.correlates() { 2 * own } else { 0 };
     loops + margins + correlations
 }
 

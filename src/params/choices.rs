@@ -30,35 +30,6 @@ pub enum Prefilter {
     None,
 }
 
-/// How alike two pixels are, summed over a block: the matching cost.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
-#[non_exhaustive]
-pub enum Cost {
-    /// Absolute differences.
-    Sad,
-    /// Squared differences.
-    Ssd,
-    /// Absolute differences after the mean of the block around each pixel is subtracted from it.
-    ZeroMeanSad,
-    /// The difference that does not depend on sampling: Birchfield and Tomasi, "A Pixel Dissimilarity Measure That Is
-    /// Insensitive to Image Sampling", IEEE TPAMI 20(4), 1998.
-    BirchfieldTomasi,
-    /// Absolute differences of the horizontal and of the vertical Sobel derivative.
-    SadXy,
-    /// Hamming distance of census strings ([`Census`]): Zabih and Woodfill, "Non-parametric Local Transforms for
-    /// Computing Visual Correspondence", ECCV 1994.
-    Census,
-    /// Twice the Hamming distance of census strings, and the absolute differences of both Sobel derivatives.
-    CensusSobel,
-    /// Absolute differences and the Hamming distance of census strings, each with a weight.
-    AdCensus,
-    /// Normalised cross correlation; for [`Method::Bm`].
-    Ncc,
-    /// Mutual information: Hirschmüller, "Accurate and Efficient Stereo Processing by Semi-Global Matching and Mutual
-    /// Information", CVPR 2005.
-    MutualInformation,
-}
-
 /// The neighbours that a census string compares.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 #[non_exhaustive]
@@ -71,6 +42,28 @@ pub enum Census {
     NineBySeven,
     /// The 31 pairs of 9 columns x 7 rows that lie opposite to each other: centre-symmetric, as in libSGM.
     CentreSymmetric,
+}
+
+impl Census {
+    /// Bits of a census string.
+    pub(crate) fn bits(self) -> u32 {
+        match self {
+            Self::Five => 24,
+            Self::Seven => 48,
+            Self::NineBySeven => 62,
+            Self::CentreSymmetric => 31,
+        }
+    }
+
+    /// Bytes of a census string: one a row, and one for the ninth column.
+    pub(crate) fn planes(self) -> u32 {
+        match self {
+            Self::Five => 5,
+            Self::Seven => 7,
+            Self::NineBySeven => 8,
+            Self::CentreSymmetric => 4,
+        }
+    }
 }
 
 /// How the block cost becomes a disparity.

@@ -1,110 +1,257 @@
-//! What follows from the cost.
+//! The table of costs: all that tells one cost from another, but how its descriptors and the cost of a pixel are computed
+//! (src/reference/cost/descriptors.rs and cost_columns.rs, and their twins in shaders/cost). The rest of the code asks the row
+//! and never for a certain cost.
 
-use crate::params::{Cost, Params, Prefilter};
+use std::ops::RangeInclusive;
 
-impl Params {
-    /// Whether the cost compares the prefiltered images themselves.
-    pub(crate) fn compares_values(&self) -> bool {
-        matches!(self.cost, Cost::Sad | Cost::Ssd | Cost::Ncc | Cost::MutualInformation)
-    }
+use crate::params::choices::{Census, Method, Prefilter};
+use crate::params::names::Named;
 
-    /// Bytes of a pixel that the cost compares.
-    pub(crate) fn planes(&self) -> u32 {
-        match self.cost {
-            Cost::Sad => self.channels(),
-            Cost::Ssd | Cost::ZeroMeanSad | Cost::Ncc | Cost::MutualInformation => 1,
-            Cost::BirchfieldTomasi => 3 * self.channels(),
-            Cost::SadXy => 2,
-            Cost::Census => self.census_planes(),
-            Cost::CensusSobel => self.census_planes() + 2,
-            Cost::AdCensus => self.census_planes() + 1,
+/// A row of the table.
+pub(crate) struct CostRow {
+    /// Its name on the command line.
+    pub(crate) name: &'static str,
+    /// What it is, in a few words.
+    pub(crate) help: &'static str,
+    /// The usual prefilter.
+    pub(crate) prefilter: Prefilter,
+    /// The usual block with [`Method::Sgm`].
+    pub(crate) block: u32,
+    /// The methods that it is for.
+    pub(crate) methods: &'static [Method],
+    /// The blocks that it is for.
+    pub(crate) blocks: RangeInclusive<u32>,
+    /// Whether it may compare red, green and blue rather than luma.
+    pub(crate) color: bool,
+    /// Whether it weights its descriptors by `ad-weight` and `census-weight`.
+    pub(crate) weighted: bool,
+    /// What it compares of a pixel, one after the other: at most one beside a census string.
+    pub(crate) descriptors: &'static [Descriptor],
+    /// What the cost of a pixel is.
+    pub(crate) kind: Kind,
+    /// The largest cost of a pixel. At most 255, but for products.
+    pub(crate) pixel_max: fn(&Ranges) -> u32,
+    /// The largest clip of the prefilter for which that holds.
+    pub(crate) largest_cap: fn(&Ranges) -> u32,
+    /// 1024 times the quantised cost of the largest block sum, by the largest cost of a pixel: at most [`TOP`].
+    pub(crate) top: fn(u32) -> u32,
+    /// The WGSL that compares two pixels: `pixel_costs`, or `pixel_pairs` of a product.
+    pub(crate) fragments: &'static [&'static str],
+    /// Whether the kernel `block_match_small`, which compares pixels without these, knows it.
+    pub(crate) small_match: bool,
+}
+
+/// What a pixel is compared by: bytes of one image.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum Descriptor {
+    /// The value of the prefiltered image, in 8 bits.
+    Value,
+    /// The value, and the smallest and the largest that lie up to half a pixel beside it.
+    Interval,
+    /// The value less the mean of the block around it.
+    Excess,
+    /// Both derivatives, clipped.
+    Gradients,
+    /// The census string.
+    Census,
+}
+
+impl Descriptor {
+    /// Its bytes.
+    pub(crate) fn planes(self, census: Census) -> u32 {
+        match self {
+            Self::Value | Self::Excess => 1,
+            Self::Interval => 3,
+            Self::Gradients => 2,
+            Self::Census => census.planes(),
         }
     }
 
-    /// The largest value of those bytes, as far as they are compared as numbers.
-    pub(crate) fn descriptor_max(&self) -> u32 {
-        match self.cost {
-            Cost::ZeroMeanSad => 127 + self.prefiltered_max().min(127),
-            Cost::SadXy | Cost::CensusSobel => 2 * self.prefilter_cap,
-            _ => self.prefiltered_max(),
+    /// The largest of its bytes that are compared as numbers.
+    pub(crate) fn max(self, ranges: &Ranges) -> u32 {
+        match self {
+            Self::Value | Self::Interval => ranges.value,
+            Self::Excess => 127 + ranges.value.min(127),
+            Self::Gradients => 2 * ranges.cap,
+            Self::Census => 0,
         }
-    }
-
-    /// The largest cost of a pixel.
-    pub(crate) fn pixel_max(&self) -> u32 {
-        match self.cost {
-            Cost::Sad | Cost::BirchfieldTomasi => self.prefiltered_max(),
-            Cost::MutualInformation => 255,
-            Cost::Ssd | Cost::Ncc => self.prefiltered_max().pow(2),
-            Cost::ZeroMeanSad => (2 * self.prefiltered_max()).min(254),
-            Cost::SadXy => 4 * self.prefilter_cap,
-            Cost::Census => self.census_bits(),
-            Cost::CensusSobel => 2 * self.census_bits() + 4 * self.prefilter_cap,
-            Cost::AdCensus => {
-                let weighted = self.ad_weight * self.prefiltered_max() + self.census_weight * self.census_bits();
-                ((weighted + 8) >> 4).clamp(1, 255)
-            }
-        }
-    }
-
-    /// The largest sum of pixel costs over a block: at most 51 * 51 * 255 * 255.
-    pub(crate) fn largest_sum(&self) -> u32 {
-        self.block * self.block * self.pixel_max()
-    }
-
-    /// Whether the sum of a column of the block may need more than 16 bits.
-    pub(crate) fn wide_sums(&self) -> bool {
-        self.block * self.pixel_max() > 0xffff
-    }
-
-    /// Whether the matching cost is made without column sums in memory: pixel costs of a byte, whose block sums fit 16
-    /// bits, and few rows of planes in a block.
-    pub(crate) fn sums_small_blocks(&self) -> bool {
-        const MOST_ROWS: u32 = 64; // more make code that compiles for seconds
-        let bytes = self.pixel_max() <= 255 && !self.multiplies();
-        bytes && self.block <= Self::SMALL_BLOCK && (self.block + 1) * self.planes() <= MOST_ROWS
-    }
-
-    /// The shift that quantises sums of a byte, where the scale is a power of two; else 0.
-    pub(crate) fn scale_shift(&self) -> u32 {
-        let scale = self.cost_scale();
-        let shift = 24 - scale.ilog2().min(24);
-        let rounded = self.largest_sum() + (1 << shift) / 2;
-        if scale.is_power_of_two() && (1..8).contains(&shift) && rounded <= 255 { shift } else { 0 }
-    }
-
-    /// Whether a stage needs the sums over windows.
-    pub(crate) fn sums_windows(&self) -> bool {
-        self.prefilter == Prefilter::Normalized || self.cost == Cost::ZeroMeanSad
-    }
-
-    /// Whether the cost of a pixel is a product, of 16 bits whatever the prefilter.
-    pub(crate) fn multiplies(&self) -> bool {
-        matches!(self.cost, Cost::Ssd | Cost::Ncc)
-    }
-
-    /// Bits by which block sums are shifted down: as many as bring the largest below 2^20; none where the sums are not
-    /// yet the costs.
-    pub(crate) fn narrowing(&self) -> u32 {
-        if self.cost == Cost::Ncc {
-            return 0;
-        }
-        (32 - self.largest_sum().leading_zeros()).saturating_sub(20)
-    }
-
-    /// 1024 times the quantised cost of the largest block sum: at most 59 * 1550, which gives 89.
-    pub(crate) fn cost_top(&self) -> u32 {
-        match self.cost {
-            Cost::CensusSobel => 128 * self.pixel_max(),
-            Cost::MutualInformation => 64 * 1024,
-            _ => 59 * 1550,
-        }
-    }
-
-    /// The factor that brings a narrowed block sum to the quantised cost: round(top 2^14 / largest), of the largest sum
-    /// and [`Params::cost_top`].
-    pub(crate) fn cost_scale(&self) -> u32 {
-        let largest = self.largest_sum() >> self.narrowing();
-        (self.cost_top() * (1 << 14) + largest / 2) / largest
     }
 }
+
+/// What the cost of a pixel is, and what becomes of the sums over blocks.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum Kind {
+    /// A byte, computed from the descriptors.
+    Difference,
+    /// A product of 16 bits.
+    Product,
+    /// A product, of whose sum over a block and the blocks' own sums (stage `block_statistics`) the cost is made.
+    Correlation,
+    /// A byte of a table that is made of a map of the pair, in several rounds.
+    Table,
+}
+
+impl Kind {
+    /// Whether the cost of a pixel is a product, of 16 bits whatever the prefilter.
+    pub(crate) fn multiplies(self) -> bool {
+        match self {
+            Self::Product | Self::Correlation => true,
+            Self::Difference | Self::Table => false,
+        }
+    }
+}
+
+/// What the largest values of a cost depend on.
+pub(crate) struct Ranges {
+    /// The largest value of the prefiltered image in 8 bits.
+    pub(crate) value: u32,
+    /// The clip of the prefilter and of derivatives.
+    pub(crate) cap: u32,
+    /// Bits of a census string.
+    pub(crate) census_bits: u32,
+    /// Weight of an absolute difference, in sixteenths.
+    pub(crate) ad_weight: u32,
+    /// Weight of a differing bit, in sixteenths.
+    pub(crate) census_weight: u32,
+}
+
+/// 1024 times the largest quantised cost: it gives 89.
+const TOP: u32 = 59 * 1550;
+
+/// The largest block, and the largest clip, where a cost asks for no smaller one.
+const ANY_BLOCK: RangeInclusive<u32> = 1..=51;
+const ANY_CAP: fn(&Ranges) -> u32 = |_| 127;
+
+const BOTH: &[Method] = &[Method::Sgm, Method::Bm];
+
+macro_rules! wgsl {
+    ($($file:literal),+) => { &[$(include_str!(concat!("../../shaders/cost/parts/", $file, ".wgsl"))),+] };
+}
+
+/// The enumeration of the costs, and the row of each.
+macro_rules! costs {
+    ($($(#[$doc:meta])* $cost:ident { $($row:tt)+ })+) => {
+        /// How alike two pixels are, summed over a block: the matching cost.
+        #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+        #[non_exhaustive]
+        pub enum Cost {
+            $($(#[$doc])* $cost,)+
+        }
+
+        impl Cost {
+            /// Its row of the table.
+            pub(crate) const fn row(self) -> &'static CostRow {
+                match self {
+                    $(Self::$cost => const { &CostRow { $($row)+ } },)+
+                }
+            }
+        }
+
+        impl Named for Cost {
+            const NAMES: &'static [(&'static str, &'static str)] =
+                &[$((Self::$cost.row().name, Self::$cost.row().help)),+];
+            const VALUES: &'static [Self] = &[$(Self::$cost),+];
+
+            fn name(self) -> &'static str {
+                self.row().name
+            }
+        }
+    };
+}
+
+costs! {
+    /// Absolute differences.
+    Sad {
+        name: "sad", help: "absolute differences",
+        prefilter: Prefilter::XSobel, block: 5, methods: BOTH, blocks: ANY_BLOCK, color: true, weighted: false,
+        descriptors: &[Descriptor::Value], kind: Kind::Difference,
+        pixel_max: |of| of.value, largest_cap: ANY_CAP, top: |_| TOP,
+        fragments: wgsl!("pixel_sad"), small_match: true,
+    }
+    /// Squared differences.
+    Ssd {
+        name: "ssd", help: "squared differences",
+        prefilter: Prefilter::XSobel, block: 5, methods: BOTH, blocks: ANY_BLOCK, color: false, weighted: false,
+        descriptors: &[Descriptor::Value], kind: Kind::Product,
+        pixel_max: |of| of.value * of.value, largest_cap: ANY_CAP, top: |_| TOP,
+        fragments: wgsl!("pixel_ssd"), small_match: false,
+    }
+    /// Absolute differences after the mean of the block around each pixel is subtracted from it.
+    ZeroMeanSad {
+        name: "zsad", help: "absolute differences less the block's mean",
+        prefilter: Prefilter::None, block: 5, methods: BOTH, blocks: ANY_BLOCK, color: false, weighted: false,
+        descriptors: &[Descriptor::Excess], kind: Kind::Difference,
+        pixel_max: |of| (2 * of.value).min(254), largest_cap: ANY_CAP, top: |_| TOP,
+        fragments: wgsl!("pixel_sad"), small_match: false,
+    }
+    /// The difference that does not depend on sampling: Birchfield and Tomasi, "A Pixel Dissimilarity Measure That Is
+    /// Insensitive to Image Sampling", IEEE TPAMI 20(4), 1998.
+    BirchfieldTomasi {
+        name: "bt", help: "Birchfield-Tomasi: the same between two pixels as on them",
+        prefilter: Prefilter::XSobel, block: 5, methods: BOTH, blocks: ANY_BLOCK, color: true, weighted: false,
+        descriptors: &[Descriptor::Interval], kind: Kind::Difference,
+        pixel_max: |of| of.value, largest_cap: ANY_CAP, top: |_| TOP,
+        fragments: wgsl!("pixel_bt"), small_match: false,
+    }
+    /// Absolute differences of the horizontal and of the vertical Sobel derivative.
+    SadXy {
+        name: "sad-xy", help: "absolute differences of both Sobel derivatives",
+        prefilter: Prefilter::None, block: 5, methods: BOTH, blocks: ANY_BLOCK, color: false, weighted: false,
+        descriptors: &[Descriptor::Gradients], kind: Kind::Difference,
+        pixel_max: |of| 4 * of.cap, largest_cap: |_| 255 / 4, top: |_| TOP,
+        fragments: wgsl!("pixel_sad"), small_match: false,
+    }
+    /// Hamming distance of census strings ([`Census`]): Zabih and Woodfill, "Non-parametric Local Transforms for
+    /// Computing Visual Correspondence", ECCV 1994.
+    Census {
+        name: "census", help: "differing bits of census strings",
+        prefilter: Prefilter::None, block: 1, methods: BOTH, blocks: ANY_BLOCK, color: false, weighted: false,
+        descriptors: &[Descriptor::Census], kind: Kind::Difference,
+        pixel_max: |of| of.census_bits, largest_cap: ANY_CAP, top: |_| TOP,
+        fragments: wgsl!("pixel_census", "pixel_bits"), small_match: false,
+    }
+    /// Twice the Hamming distance of census strings, and the absolute differences of both Sobel derivatives.
+    CensusSobel {
+        name: "census-sobel", help: "census and sad-xy together",
+        prefilter: Prefilter::None, block: 1, methods: BOTH, blocks: ANY_BLOCK, color: false, weighted: false,
+        descriptors: &[Descriptor::Census, Descriptor::Gradients], kind: Kind::Difference,
+        pixel_max: |of| 2 * of.census_bits + 4 * of.cap, largest_cap: |of| (255 - 2 * of.census_bits) / 4,
+        top: |pixel_max| 128 * pixel_max,
+        fragments: wgsl!("pixel_census_sobel", "pixel_bits"), small_match: false,
+    }
+    /// Absolute differences and the Hamming distance of census strings, each with a weight.
+    AdCensus {
+        name: "ad-census", help: "absolute differences and census, each with a weight",
+        prefilter: Prefilter::None, block: 1, methods: BOTH, blocks: ANY_BLOCK, color: false, weighted: true,
+        descriptors: &[Descriptor::Census, Descriptor::Value], kind: Kind::Difference,
+        pixel_max: |of| ((of.ad_weight * of.value + of.census_weight * of.census_bits + 8) >> 4).clamp(1, 255),
+        largest_cap: ANY_CAP, top: |_| TOP,
+        fragments: wgsl!("pixel_ad_census", "pixel_bits"), small_match: false,
+    }
+    /// Normalised cross correlation; for [`Method::Bm`].
+    Ncc {
+        name: "ncc", help: "normalised cross correlation, for bm",
+        prefilter: Prefilter::None, block: 5, methods: &[Method::Bm], blocks: 3..=19, color: false, weighted: false,
+        descriptors: &[Descriptor::Value], kind: Kind::Correlation,
+        pixel_max: |of| of.value * of.value, largest_cap: ANY_CAP, top: |_| TOP,
+        fragments: wgsl!("pixel_ncc"), small_match: false,
+    }
+    /// Mutual information: Hirschmüller, "Accurate and Efficient Stereo Processing by Semi-Global Matching and Mutual
+    /// Information", CVPR 2005.
+    MutualInformation {
+        name: "mi", help: "mutual information",
+        prefilter: Prefilter::None, block: 1, methods: BOTH, blocks: ANY_BLOCK, color: false, weighted: false,
+        descriptors: &[Descriptor::Value], kind: Kind::Table,
+        pixel_max: |_| 255, largest_cap: ANY_CAP, top: |_| 64 * 1024,
+        fragments: wgsl!("pixel_mi"), small_match: false,
+    }
+}
+
+impl std::fmt::Display for Cost {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        f.pad(self.name())
+    }
+}
+
+#[cfg(test)]
+mod tests;

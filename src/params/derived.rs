@@ -2,7 +2,8 @@
 
 use std::ops::RangeInclusive;
 
-use crate::params::{Census, Filter, Params, Prefilter, RightView, Subpixel};
+use crate::params::costs::{Descriptor, Kind, Ranges};
+use crate::params::{Filter, Params, Prefilter, RightView, Subpixel};
 
 impl Params {
     /// The disparities that are searched, in pixels.
@@ -77,28 +78,129 @@ impl Params {
         }
     }
 
-    /// Bits of a census string.
-    pub(crate) fn census_bits(&self) -> u32 {
-        match self.census {
-            Census::Five => 24,
-            Census::Seven => 48,
-            Census::NineBySeven => 62,
-            Census::CentreSymmetric => 31,
-        }
-    }
-
-    /// Bytes of a census string: one a row, and one for the ninth column.
-    pub(crate) fn census_planes(&self) -> u32 {
-        match self.census {
-            Census::Five => 5,
-            Census::Seven => 7,
-            Census::NineBySeven => 8,
-            Census::CentreSymmetric => 4,
-        }
-    }
-
     /// Images that are prefiltered: luma, or three colours.
     pub(crate) fn channels(&self) -> u32 {
         if self.color_cost { 3 } else { 1 }
+    }
+
+    /// What the largest values of the cost depend on.
+    fn ranges(&self) -> Ranges {
+        Ranges {
+            value: self.prefiltered_max(),
+            cap: self.prefilter_cap,
+            census_bits: self.census.bits(),
+            ad_weight: self.ad_weight,
+            census_weight: self.census_weight,
+        }
+    }
+
+    /// Whether the cost compares this of a pixel.
+    pub(crate) fn compares(&self, descriptor: Descriptor) -> bool {
+        self.cost.row().descriptors.contains(&descriptor)
+    }
+
+    /// Whether the cost compares the prefiltered images themselves.
+    pub(crate) fn compares_values(&self) -> bool {
+        self.cost.row().descriptors == [Descriptor::Value]
+    }
+
+    /// Planes of the census string that the cost compares, if it compares one.
+    pub(crate) fn census_planes(&self) -> u32 {
+        if self.compares(Descriptor::Census) { self.census.planes() } else { 0 }
+    }
+
+    /// What the cost compares as numbers: beside a census string, if it compares one.
+    pub(crate) fn numeric_descriptor(&self) -> Descriptor {
+        let mut descriptors = self.cost.row().descriptors.iter();
+        descriptors.find(|&&descriptor| descriptor != Descriptor::Census).copied().unwrap_or(Descriptor::Census)
+    }
+
+    /// Bytes of a pixel that the cost compares.
+    pub(crate) fn planes(&self) -> u32 {
+        let descriptors = self.cost.row().descriptors.iter();
+        self.channels() * descriptors.map(|descriptor| descriptor.planes(self.census)).sum::<u32>()
+    }
+
+    /// The largest value of those bytes, as far as they are compared as numbers.
+    pub(crate) fn descriptor_max(&self) -> u32 {
+        let descriptors = self.cost.row().descriptors.iter();
+        descriptors.map(|descriptor| descriptor.max(&self.ranges())).max().unwrap_or(0)
+    }
+
+    /// The largest cost of a pixel.
+    pub(crate) fn pixel_max(&self) -> u32 {
+        (self.cost.row().pixel_max)(&self.ranges())
+    }
+
+    /// The largest clip of the prefilter that is allowed with the cost.
+    pub(crate) fn largest_cap(&self) -> u32 {
+        (self.cost.row().largest_cap)(&self.ranges())
+    }
+
+    /// The largest sum of pixel costs over a block: at most 51 * 51 * 255 * 255.
+    pub(crate) fn largest_sum(&self) -> u32 {
+        self.block * self.block * self.pixel_max()
+    }
+
+    /// Whether the sum of a column of the block may need more than 16 bits.
+    pub(crate) fn wide_sums(&self) -> bool {
+        self.block * self.pixel_max() > 0xffff
+    }
+
+    /// Whether the matching cost is made without column sums in memory: pixel costs of a byte, whose block sums fit 16
+    /// bits, and few rows of planes in a block.
+    pub(crate) fn sums_small_blocks(&self) -> bool {
+        const MOST_ROWS: u32 = 64; // more make code that compiles for seconds
+        let bytes = self.pixel_max() <= 255 && !self.multiplies();
+        bytes && self.block <= Self::SMALL_BLOCK && (self.block + 1) * self.planes() <= MOST_ROWS
+    }
+
+    /// The shift that quantises sums of a byte, where the scale is a power of two; else 0.
+    pub(crate) fn scale_shift(&self) -> u32 {
+        let scale = self.cost_scale();
+        let shift = 24 - scale.ilog2().min(24);
+        let rounded = self.largest_sum() + (1 << shift) / 2;
+        if scale.is_power_of_two() && (1..8).contains(&shift) && rounded <= 255 { shift } else { 0 }
+    }
+
+    /// Whether a stage needs the sums over windows.
+    pub(crate) fn sums_windows(&self) -> bool {
+        self.prefilter == Prefilter::Normalized || self.compares(Descriptor::Excess)
+    }
+
+    /// Whether the cost of a pixel is a product, of 16 bits whatever the prefilter.
+    pub(crate) fn multiplies(&self) -> bool {
+        self.cost.row().kind.multiplies()
+    }
+
+    /// Whether block sums become costs by the correlation of the blocks.
+    pub(crate) fn correlates(&self) -> bool {
+        self.cost.row().kind == Kind::Correlation
+    }
+
+    /// Whether a table, made of a map of the pair, says what two values cost.
+    pub(crate) fn has_table(&self) -> bool {
+        self.cost.row().kind == Kind::Table
+    }
+
+    /// Bits by which block sums are shifted down: as many as bring the largest below 2^20; none where the sums are not
+    /// yet the costs.
+    pub(crate) fn narrowing(&self) -> u32 {
+        if self.correlates() {
+            return 0;
+        }
+        (32 - self.largest_sum().leading_zeros()).saturating_sub(20)
+    }
+
+    /// 1024 times the quantised cost of the largest block sum: at most 59 * 1550, which gives 89.
+    pub(crate) fn cost_top(&self) -> u32 {
+        (self.cost.row().top)(self.pixel_max())
+    }
+
+    /// The factor that brings a narrowed block sum to the quantised cost: round(top 2^14 / largest), of the largest sum
+    /// and [`Params::cost_top`].
+    pub(crate) fn cost_scale(&self) -> u32 {
+        let largest = self.largest_sum() >> self.narrowing();
+        (self.cost_top() * (1 << 14) + largest / 2) / largest
     }
 }

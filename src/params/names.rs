@@ -1,6 +1,6 @@
-//! The names of the values of enumerations.
+//! The names of the values of enumerations; those of the costs stand in their table.
 
-use crate::params::{Census, Cost, Fill, Median, Method, Paths, Prefilter, Preset, RightView, Schedule, Subpixel};
+use crate::params::choices::{Census, Fill, Median, Method, Paths, Prefilter, Preset, RightView, Schedule, Subpixel};
 
 /// An enumeration whose values have names.
 pub(crate) trait Named: Copy + 'static {
@@ -48,18 +48,6 @@ names! {
     Method {
         Sgm "sgm" "semi-global matching",
         Bm "bm" "block matching",
-    }
-    Cost {
-        Sad "sad" "absolute differences",
-        Ssd "ssd" "squared differences",
-        ZeroMeanSad "zsad" "absolute differences less the block's mean",
-        BirchfieldTomasi "bt" "Birchfield-Tomasi: the same between two pixels as on them",
-        SadXy "sad-xy" "absolute differences of both Sobel derivatives",
-        Census "census" "differing bits of census strings",
-        CensusSobel "census-sobel" "census and sad-xy together",
-        AdCensus "ad-census" "absolute differences and census, each with a weight",
-        Ncc "ncc" "normalised cross correlation, for bm",
-        MutualInformation "mi" "mutual information",
     }
     Census {
         Five "5x5" "24 bits",

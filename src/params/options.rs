@@ -1,6 +1,7 @@
 //! Every setting by name: the one table behind the command's options, sweeps and measurements.
 
 use crate::Error;
+use crate::params::costs::Descriptor;
 use crate::params::names::Named;
 use crate::params::{
     Census, Cost, Fill, Median, Method, Params, Paths, Prefilter, Preset, RightView, Schedule, Subpixel, Wls,
@@ -236,13 +237,13 @@ impl Params {
                 "How alike two pixels are; brings its usual prefilter and block along";
             "census" "CENSUS" Census census
                 "Neighbours that a census string compares"
-                idle by "cost" if |params| !matches!(params.cost, Cost::Census | Cost::CensusSobel | Cost::AdCensus);
+                idle by "cost" if |params| !params.compares(Descriptor::Census);
             "ad-weight" "W" natural ad_weight
                 "ad-census: weight of an absolute difference in sixteenths, 0 to 64"
-                idle by "cost" if |params| params.cost != Cost::AdCensus;
+                idle by "cost" if |params| !params.cost.row().weighted;
             "census-weight" "W" natural census_weight
                 "ad-census: weight of a differing bit in sixteenths, 0 to 64"
-                idle by "cost" if |params| params.cost != Cost::AdCensus;
+                idle by "cost" if |params| !params.cost.row().weighted;
             "color-cost" "on|off" switch color_cost
                 "sad, bt: compare red, green and blue rather than luma";
             "block" "B" natural block
@@ -252,7 +253,7 @@ impl Params {
             "prefilter-cap" "C" natural prefilter_cap
                 "Clip of the prefilter and of derivatives, 1 to 127"
                 idle by "prefilter" if |params| params.prefilter == Prefilter::None && params.texture == 0
-                    && !matches!(params.cost, Cost::SadXy | Cost::CensusSobel);
+                    && !params.compares(Descriptor::Gradients);
             "prefilter-window" "W" natural prefilter_window
                 "normalized: side of the window, odd, 3 to 51"
                 idle by "prefilter" if |params| params.prefilter != Prefilter::Normalized;

@@ -51,14 +51,10 @@ impl Params {
 
     /// The prefilter and the block that are usual for the cost.
     pub(crate) fn take_usual(&mut self) {
-        let (prefilter, block) = match self.cost {
-            Cost::Sad | Cost::Ssd | Cost::BirchfieldTomasi => (Prefilter::XSobel, 5),
-            Cost::ZeroMeanSad | Cost::SadXy | Cost::Ncc => (Prefilter::None, 5),
-            Cost::Census | Cost::CensusSobel | Cost::AdCensus | Cost::MutualInformation => (Prefilter::None, 1),
-        };
-        self.prefilter = prefilter;
+        let row = self.cost.row();
+        self.prefilter = row.prefilter;
         if self.method == Method::Sgm {
-            self.block = block;
+            self.block = row.block;
         }
     }
 }

@@ -1,6 +1,7 @@
 //! The ranges of the settings, and which go together.
 
 use crate::Error;
+use crate::params::names::Named;
 use crate::params::{Camera, Cost, Method, Params, Wls};
 
 /// The largest difference between two disparities, in pixels.
@@ -147,33 +148,34 @@ impl Params {
         }
         let none = self.ad_weight + self.census_weight == 0;
         check(!none, "ad-weight", 0, "more than 0 if census-weight is 0", "8 and 32 are usual")?;
-        let (cost, method) = (self.cost, self.method);
+        let (cost, method, row) = (self.cost, self.method, self.cost.row());
         check(
-            cost != Cost::Ncc || method == Method::Bm,
+            row.methods.contains(&method),
             "cost",
             cost,
             format!("another one with method {method}"),
-            "take method bm",
+            match method {
+                Method::Sgm => "take method bm or another cost",
+                Method::Bm => "take method sgm or another cost",
+            },
         )?;
+        let [least, most] = [row.blocks.start(), row.blocks.end()];
         check(
-            cost != Cost::Ncc || (3..=19).contains(&self.block),
+            row.blocks.contains(&self.block),
             "block",
             self.block,
-            "odd and from 3 to 19 with cost ncc",
-            "11 is usual",
+            format!("odd and from {least} to {most} with cost {cost}"),
+            "take an odd number in that range",
         )?;
+        let in_colour = Cost::VALUES.iter().filter(|cost| cost.row().color).map(|cost| cost.name());
         check(
-            !self.color_cost || matches!(cost, Cost::Sad | Cost::BirchfieldTomasi),
+            !self.color_cost || row.color,
             "color-cost",
             "on",
-            format!("off with cost {cost}"),
-            "take cost sad or bt",
+            format!("off with cost {cost} (on is for {})", in_colour.collect::<Vec<_>>().join(", ")),
+            "switch it off or take one of those",
         )?;
-        let most_cap = match self.cost {
-            Cost::SadXy => 63,
-            Cost::CensusSobel => (255 - 2 * self.census_bits()) / 4,
-            _ => Self::MAX_CAP,
-        };
+        let most_cap = self.largest_cap();
         let why = match most_cap {
             Self::MAX_CAP => "",
             _ => " with this cost, whose largest value for a pixel must fit a byte",

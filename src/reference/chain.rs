@@ -1,14 +1,14 @@
 //! The order of the stages.
 
 use crate::image::check_pair;
-use crate::params::Filter;
+use crate::params::{Descriptor, Filter};
 use crate::reference::trace::{Receiver, Trace};
 use crate::reference::{
     Channel, Content, Descriptors, Plane, Views, Volume, block_match, block_statistics, block_sums, confidence,
     cost_columns, depth, filtered, gray, halve, images, lr_check, matching_cost, mi_histogram, mi_table, mirror,
     mirrored, penalties, rectify, rounds, sgm_aggregate, validity, winner,
 };
-use crate::{Cost, DisparityMap, Error, Image, Matched, Method, Params, Prefilter, StageTime};
+use crate::{DisparityMap, Error, Image, Matched, Method, Params, Prefilter, StageTime};
 
 /// The whole chain on the CPU: what [`crate::StereoMatcher`] computes, from the definition.
 ///
@@ -130,7 +130,7 @@ fn views(
         trace.show("window_sums", || [&left, &right].map(|images| images.window_sums(params.prefilter_window)));
     }
     let [left, right] = trace.stage("prefilter", [left.prefiltered(params), right.prefiltered(params)]);
-    if params.cost == Cost::ZeroMeanSad {
+    if params.compares(Descriptor::Excess) {
         trace.show("window_sums", || [&left, &right].map(|images| images.window_sums(params.block)));
     }
     let sides = trace.stage("descriptors", [left.descriptors(params), right.descriptors(params)]);
@@ -147,7 +147,7 @@ pub fn cost_table(sides: &[Descriptors; 2], content: Option<&Content>, params: &
 impl Trace<'_> {
     /// [`cost_table`].
     fn table(&mut self, sides: &[Descriptors; 2], content: Option<&Content>, params: &Params) -> Vec<u8> {
-        if params.cost != Cost::MutualInformation {
+        if !params.has_table() {
             return Vec::new();
         }
         let rounds = rounds(sides[0].width as u32, sides[0].height as u32, params);
@@ -188,9 +188,8 @@ impl Trace<'_> {
         self.show("block_sums", || (0..columns.height).map(|y| block_sums(&columns, y, params)).collect::<Vec<_>>());
         match params.method {
             Method::Bm => {
-                let correlates = params.cost == Cost::Ncc;
                 let statistics =
-                    correlates.then(|| self.stage("block_statistics", block_statistics(left, right, params)));
+                    params.correlates().then(|| self.stage("block_statistics", block_statistics(left, right, params)));
                 self.stage("block_match", block_match(&columns, statistics.as_ref(), params))
             }
             Method::Sgm => {

@@ -13,7 +13,6 @@ mod tests;
 mod view_maps;
 mod winner;
 
-use crate::Cost;
 use crate::gpu::recording::Builder;
 use content::ContentBits;
 pub(crate) use ends::Ends;
@@ -59,9 +58,9 @@ fn winners(
     views: &ViewMaps,
     content: Option<&ContentBits>,
 ) -> Planes {
-    let mut planes = match b.params.cost {
-        Cost::MutualInformation => mutual_information::planes(b, sources, content),
-        _ => planes::planes(b, sources),
+    let mut planes = match b.params.has_table() {
+        true => mutual_information::planes(b, sources, content),
+        false => planes::planes(b, sources),
     };
     winner::winner(b, &mut planes, views);
     planes

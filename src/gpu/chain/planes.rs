@@ -1,10 +1,11 @@
 //! The planes of bytes that the matching cost compares.
 
+use crate::Prefilter;
 use crate::gpu::chain::images::{Picture, Sums, filtered, gray, picture_of, prefilter, source_of};
 use crate::gpu::layout::{Frame, Pass, Piece, Rows};
 use crate::gpu::recording::Bound::{self, Buffer, Texture};
 use crate::gpu::recording::{Builder, Written};
-use crate::{Cost, Prefilter};
+use crate::params::Descriptor;
 
 /// The bytes of each image that the cost compares, for a piece of its rows at a time: in buffers, and in textures if the kernel
 /// that reads them wants those.
@@ -64,7 +65,7 @@ impl Planes {
                 prefilter(b, picture, &self.scratch, Buffer(&self.buffers[side]), pass, written);
                 continue;
             }
-            if b.params.cost == Cost::ZeroMeanSad {
+            if b.params.compares(Descriptor::Excess) {
                 let window = b.params.block;
                 let sums = Written::WindowSums { side, channel: 0, filtered: true, window };
                 self.scratch.compute(b, picture, window, sums);

@@ -1,5 +1,6 @@
 //! From what the cost compares to the winner of both views.
 
+use crate::Method;
 use crate::gpu::chain::cost::{Columns, Statistics};
 use crate::gpu::chain::paths::{AcrossRows, across_rows};
 use crate::gpu::chain::planes::Planes;
@@ -8,7 +9,6 @@ use crate::gpu::layout::{Frame, Pass, Rows, TEXTURE_ROW, cut};
 use crate::gpu::plan::{ROWS_BYTES, parts_and_strip};
 use crate::gpu::recording::Bound::{self, Buffer, Texture};
 use crate::gpu::recording::{Builder, Written};
-use crate::{Cost, Method};
 
 /// From what the cost compares to the winner of both views.
 pub(super) fn winner(b: &mut Builder<'_>, planes: &mut Planes, views: &ViewMaps) {
@@ -55,7 +55,7 @@ fn along_rows(b: &mut Builder<'_>, across: &AcrossRows, views: &ViewMaps) {
 fn block_match(b: &mut Builder<'_>, planes: &mut Planes, views: &ViewMaps) {
     let Frame { height, .. } = b.sizes.frame;
     let columns = Columns::new(b);
-    let statistics = (b.params.cost == Cost::Ncc).then(|| Statistics::new(b));
+    let statistics = b.params.correlates().then(|| Statistics::new(b));
     let sizes = b.sizes;
     let written = |rows: Rows| Written::Views { right: views.right.clone(), last: rows.end() == height };
     for piece in sizes.pieces.iter().flatten() {

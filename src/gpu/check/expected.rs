@@ -4,7 +4,7 @@ use crate::params::Filter;
 use crate::reference::{
     self, BlockStatistics, Channel, Content, Descriptors, Direction, Images, Plane, Round, Views, Volume,
 };
-use crate::{Cost, DisparityMap, Image, Method, Params};
+use crate::{DisparityMap, Image, Method, Params};
 
 /// The reference's buffers, each computed when a step asks for it.
 pub(super) struct Expected {
@@ -79,7 +79,7 @@ impl Expected {
         }
         let Round { halvings, params } = self.rounds[level].clone();
         let [left, right] = &self.pyramid[halvings as usize];
-        if params.cost == Cost::MutualInformation {
+        if params.has_table() {
             let halved = before.map_or(0, |before| self.rounds[before].halvings - halvings);
             self.counts = reference::mi_histogram(left, right, self.checked.as_ref(), halved);
             self.table = reference::mi_table(&self.counts, (left.width * left.height) as u64);
@@ -87,7 +87,7 @@ impl Expected {
         let adaptive = params.adaptive_p2 && params.method == Method::Sgm;
         self.penalties = adaptive.then(|| reference::penalties(&self.luma[0], &params));
         self.columns = reference::cost_columns(left, right, &self.table, &params);
-        let correlates = params.cost == Cost::Ncc;
+        let correlates = params.correlates();
         self.statistics = correlates.then(|| reference::block_statistics(left, right, &params));
         if params.method == Method::Sgm {
             self.cost = reference::matching_cost(&self.columns, &params);

@@ -6,7 +6,7 @@ use super::table::{Access, Kernel};
 use crate::PixelFormat;
 use crate::gpu::layout::TEXELS;
 use crate::gpu::plan::{Plan, paired, parts_and_strip, segment, span, vectors};
-use crate::params::{Census, Cost, Params, Prefilter, Subpixel};
+use crate::params::{Census, Descriptor, Params, Prefilter, Subpixel};
 use crate::reference::{median_decay, median_spacing, wls_bits};
 
 /// A constant: its name, its type and its value.
@@ -80,12 +80,10 @@ fn cost(params: &Params) -> Vec<Constant> {
         number("PLANES", params.planes()),
         number("IMAGE_PLANES", params.planes() / params.channels()),
         number("CHANNELS", params.channels()),
-        number("COST", params.cost as u32),
-        number("COST_ZSAD", Cost::ZeroMeanSad as u32),
-        number("COST_BT", Cost::BirchfieldTomasi as u32),
-        number("COST_SAD_XY", Cost::SadXy as u32),
-        number("COST_CENSUS_SOBEL", Cost::CensusSobel as u32),
-        number("COST_AD_CENSUS", Cost::AdCensus as u32),
+        number("DESCRIPTOR", params.numeric_descriptor() as u32),
+        number("DESCRIPTOR_INTERVAL", Descriptor::Interval as u32),
+        number("DESCRIPTOR_EXCESS", Descriptor::Excess as u32),
+        number("DESCRIPTOR_GRADIENTS", Descriptor::Gradients as u32),
         number("AD_WEIGHT", params.ad_weight),
         number("CENSUS_WEIGHT", params.census_weight),
     ]
@@ -93,10 +91,6 @@ fn cost(params: &Params) -> Vec<Constant> {
 
 /// The window of a census.
 fn census(params: &Params) -> Vec<Constant> {
-    let planes = match params.cost {
-        Cost::Census | Cost::CensusSobel | Cost::AdCensus => params.census_planes(),
-        _ => 0,
-    };
     let (columns, rows, above): (u32, u32, u32) = match params.census {
         Census::Five => (5, 5, 2),
         Census::Seven => (7, 7, 3),
@@ -106,7 +100,7 @@ fn census(params: &Params) -> Vec<Constant> {
     vec![
         number("CENSUS", params.census as u32),
         number("CENSUS_SYMMETRIC", Census::CentreSymmetric as u32),
-        number("CENSUS_PLANES", planes),
+        number("CENSUS_PLANES", params.census_planes()),
         number("CENSUS_COLUMNS", columns),
         number("CENSUS_ROWS", rows),
         number("CENSUS_ABOVE", above),

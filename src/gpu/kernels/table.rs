@@ -1,7 +1,7 @@
 //! The table: a row a kernel, with its files and what it is bound to.
 
 use crate::gpu::plan::{Exchange, GROUP_LANES, Plan, STRIP_LANES};
-use crate::params::{Cost, Params};
+use crate::params::Params;
 
 /// What a kernel does with a storage resource.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -12,7 +12,7 @@ pub(crate) enum Access {
     Texels(wgpu::TextureFormat),
     /// The cost, read as the plan has it: from a texture or from its buffer.
     Costs,
-    /// What pairs of values cost: there only for [`Cost::MutualInformation`].
+    /// What pairs of values cost: there only for [`crate::Cost::MutualInformation`].
     Table,
     /// The penalties of the pixels, where the plan has them.
     Penalties,
@@ -136,7 +136,7 @@ impl Kernel {
     pub(crate) fn storage(&self, params: &Params, plan: &Plan) -> Vec<Access> {
         let bound = |&access: &Access| match access {
             Costs => vec![if plan.per_subgroup { Read } else { QUAD }],
-            Table if params.cost == Cost::MutualInformation => vec![WORD],
+            Table if params.has_table() => vec![WORD],
             Penalties if plan.adaptive => vec![Read],
             Table | Penalties => vec![],
             Trees => vec![Trees; plan.parts() as usize],
@@ -147,14 +147,7 @@ impl Kernel {
 
     /// All its WGSL but the constants.
     pub(super) fn fragments(&self, params: &Params, plan: &Plan) -> Vec<&'static str> {
-        let pixel_costs = match params.cost {
-            Cost::Sad | Cost::ZeroMeanSad | Cost::SadXy => wgsl!("cost/parts/pixel_sad"),
-            Cost::Ncc => wgsl!("cost/parts/pixel_ncc"),
-            Cost::Ssd => wgsl!("cost/parts/pixel_ssd"),
-            Cost::MutualInformation => wgsl!("cost/parts/pixel_mi"),
-            Cost::BirchfieldTomasi => wgsl!("cost/parts/pixel_bt"),
-            Cost::Census | Cost::CensusSobel | Cost::AdCensus => wgsl!("cost/parts/pixel_census"),
-        };
+        let pixel_costs = params.cost.row().fragments;
         let mut fragments = self.sources.to_vec();
         for choice in self.choices {
             let chosen: &[&str] = match choice {
@@ -181,7 +174,7 @@ impl Kernel {
                 }
                 Choice::Sums if params.wide_sums() => wgsl!("cost/parts/sums32"),
                 Choice::Sums => wgsl!("cost/parts/sums16"),
-                Choice::BlockCosts if params.cost == Cost::Ncc => wgsl!("winner/parts/block_costs_ncc"),
+                Choice::BlockCosts if params.correlates() => wgsl!("winner/parts/block_costs_ncc"),
                 Choice::BlockCosts => wgsl!("winner/parts/block_costs_sum"),
                 Choice::Trees if plan.part_bits.is_some() => wgsl!("filters/speckle/parts/speckle_parts"),
                 Choice::Trees => wgsl!("filters/speckle/parts/speckle_trees"),

@@ -4,7 +4,7 @@ use crate::gpu::layout::request::{FEWER, ROW_UNIT, Request, Strides};
 use crate::gpu::layout::uniforms::TEXTURE_ROW;
 use crate::gpu::plan::paired;
 use crate::gpu::rounds::MOST_SIDE;
-use crate::{Cost, Error, Method};
+use crate::{Error, Method};
 
 /// Bytes a buffer of column sums may take. They live only until the cost is computed from them, so more of them than
 /// keeps a device busy is a waste of memory.
@@ -86,7 +86,7 @@ impl Division {
         let sum_bytes = if params.wide_sums() { 4 } else { 2 };
         let columns_row = 4 * sum_bytes * u64::from(width + reach) * u64::from(words);
         let statistics_row = 8 * u64::from(2 * width + params.disparities - 1);
-        let chunk_row = columns_row.max(if params.cost == Cost::Ncc { statistics_row } else { 0 });
+        let chunk_row = columns_row.max(if params.correlates() { statistics_row } else { 0 });
         let bands = bands(request, volume_row, former)?;
         let small_block = sums_small_blocks(request, strides, former);
         if !small_block {
@@ -172,7 +172,7 @@ fn sums_small_blocks(request: &Request<'_>, strides: &Strides, former: Option<Fo
                 && plan.subgroup >= 8
                 && !params.shader_checks
                 && params.disparities <= MOST_SLICED
-                && params.cost == Cost::Sad
+                && params.cost.row().small_match
                 && params.planes() == 1
                 && params.prefiltered_max() < 128
                 && !params.confidence

@@ -4,7 +4,7 @@ use crate::gpu::layout::bands::{Division, Former, Piece, Rows};
 use crate::gpu::layout::request::{Request, SMALLER, Strides, source_layout};
 use crate::gpu::layout::uniforms::{Frame, TEXTURE_ROW};
 use crate::gpu::plan::{MOST_PARTS, Plan};
-use crate::{Cost, Error, Fill, Params, PixelFormat, reference};
+use crate::{Error, Fill, Params, PixelFormat, reference};
 
 /// The sizes of everything. A volume is cut into bands of rows, each in a buffer of its own, none larger than one
 /// storage binding may be; planes are made for a piece of a band at a time, and column sums for a chunk of that. A map
@@ -134,7 +134,7 @@ fn whole_rows(request: &Request<'_>, row: u64) -> u64 {
 /// The images and what is made of them before the cost.
 fn check_images(request: &Request<'_>, strides: &Strides, source_texels: u32, source: u64) -> Result<(), Error> {
     let Request { format, params, limits, .. } = *request;
-    if params.cost == Cost::MutualInformation {
+    if params.has_table() {
         request.fits("the histogram of all pairs of values", 4 * 256 * 256, "take another cost")?;
     }
     if params.sums_windows() {
@@ -174,7 +174,7 @@ impl PixelSizes {
         let Request { height, params, limits, .. } = *request;
         let (map_row, allowed) = (4 * u64::from(strides.map), request.binding());
         let map = whole_rows(request, map_row);
-        if params.cost == Cost::MutualInformation {
+        if params.has_table() {
             let what = "a disparity map for the histogram of mutual information";
             request.fits(what, map, "make the images smaller or take another cost")?;
         }

@@ -1,6 +1,6 @@
+use crate::params::{Census, Descriptor, Params};
 use crate::reference::images::prefilter::sobel;
 use crate::reference::{Images, Plane, images::gray::narrow, window_sum};
-use crate::{Census, Cost, Params};
 
 /// What the matching cost compares of each pixel: `planes` bytes, `data[(y * width + x) * planes + p]`.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -51,33 +51,26 @@ pub fn descriptors(images: &[Plane<u16>], unit: i32, params: &Params) -> Descrip
                     let v = image.clamped(x + dx, y) as u16;
                     if unit == 1 { v as u8 } else { narrow(v) }
                 };
-                let gradients = || {
-                    let cap = params.prefilter_cap as i32;
-                    let (gx, gy) = sobel(image, unit, x, y);
-                    [gx, gy].map(|g| (g.clamp(-cap, cap) + cap) as u8)
-                };
-                match params.cost {
-                    Cost::Sad | Cost::Ssd | Cost::Ncc | Cost::MutualInformation => data.push(value(0)),
-                    Cost::ZeroMeanSad => {
-                        let n = (params.block * params.block) as i32;
-                        let excess = n * image.clamped(x, y) - window_sum(image, params.block, x, y);
-                        let rounded = (2 * excess + n * unit).div_euclid(2 * n * unit);
-                        data.push((rounded.clamp(-127, 127) + 127) as u8);
-                    }
-                    Cost::BirchfieldTomasi => {
-                        let v = value(0);
-                        let sides = [-1, 1].map(|dx| ((u32::from(v) + u32::from(value(dx))) / 2) as u8);
-                        data.extend([v, v.min(sides[0]).min(sides[1]), v.max(sides[0]).max(sides[1])]);
-                    }
-                    Cost::SadXy => data.extend(gradients()),
-                    Cost::Census => data.extend(census(image, x, y, params.census)),
-                    Cost::CensusSobel => {
-                        data.extend(census(image, x, y, params.census));
-                        data.extend(gradients());
-                    }
-                    Cost::AdCensus => {
-                        data.extend(census(image, x, y, params.census));
-                        data.push(value(0));
+                for descriptor in params.cost.row().descriptors {
+                    match descriptor {
+                        Descriptor::Value => data.push(value(0)),
+                        Descriptor::Excess => {
+                            let n = (params.block * params.block) as i32;
+                            let excess = n * image.clamped(x, y) - window_sum(image, params.block, x, y);
+                            let rounded = (2 * excess + n * unit).div_euclid(2 * n * unit);
+                            data.push((rounded.clamp(-127, 127) + 127) as u8);
+                        }
+                        Descriptor::Interval => {
+                            let v = value(0);
+                            let sides = [-1, 1].map(|dx| ((u32::from(v) + u32::from(value(dx))) / 2) as u8);
+                            data.extend([v, v.min(sides[0]).min(sides[1]), v.max(sides[0]).max(sides[1])]);
+                        }
+                        Descriptor::Gradients => {
+                            let cap = params.prefilter_cap as i32;
+                            let (gx, gy) = sobel(image, unit, x, y);
+                            data.extend([gx, gy].map(|g| (g.clamp(-cap, cap) + cap) as u8));
+                        }
+                        Descriptor::Census => data.extend(census(image, x, y, params.census)),
                     }
                 }
             }

@@ -1,7 +1,7 @@
+use crate::Params;
 use crate::reference::Descriptors;
-use crate::{Cost, Params};
 
-/// A pass through the chain for [`Cost::MutualInformation`], which begins on small images.
+/// A pass through the chain for [`crate::Cost::MutualInformation`], which begins on small images.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Round {
     /// How often the images are halved.
@@ -21,7 +21,7 @@ const FIRST_ROUNDS: u32 = 3;
 /// shorter side is at least 32, at most four times. One round for any other cost.
 pub fn rounds(width: u32, height: u32, params: &Params) -> Vec<Round> {
     let last = Round { halvings: 0, params: params.clone() };
-    if params.cost != Cost::MutualInformation {
+    if !params.has_table() {
         return vec![last];
     }
     let fits = |&halvings: &u32| width.min(height) >> halvings >= SHORTEST_SIDE;

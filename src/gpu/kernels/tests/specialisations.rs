@@ -9,7 +9,7 @@ use crate::gpu::kernels::table::Kernel;
 use crate::gpu::kernels::{KERNELS, source};
 use crate::gpu::plan::{Exchange, Plan};
 use crate::params::Named;
-use crate::{Census, Cost, Median, Params, Paths, PixelFormat, Prefilter, Subpixel, Wls};
+use crate::{Census, Cost, Median, Method, Params, Paths, PixelFormat, Prefilter, Subpixel, Wls};
 
 /// Plans for devices with and without subgroups and 64-bit integers.
 pub(crate) fn plans(params: &Params) -> BTreeSet<Plan> {
@@ -62,12 +62,12 @@ pub(crate) fn specialisations() -> Vec<(Params, PixelFormat, Plan)> {
             (5, Census::Five, false),
             (21, Census::Seven, false),
         ] {
-            let base = if cost == Cost::Ncc { Params::bm(40) } else { Params::sgm(40) };
-            let block = if cost == Cost::Ncc { block.clamp(3, 19) } else { block };
+            let row = cost.row();
+            let base = if row.methods.contains(&Method::Sgm) { Params::sgm(40) } else { Params::bm(40) };
+            let block = block.clamp(*row.blocks.start(), *row.blocks.end());
             let base = Params { cost, block, census, prefilter: Prefilter::None, ..base };
             for prefilter in [Prefilter::Normalized, Prefilter::None] {
-                let takes_colour = matches!(cost, Cost::Sad | Cost::BirchfieldTomasi);
-                let params = Params { prefilter, color_cost: color_cost && takes_colour, ..base.clone() };
+                let params = Params { prefilter, color_cost: color_cost && row.color, ..base.clone() };
                 all.extend(plans(&params).into_iter().map(|plan| (params.clone(), formats[1], plan)));
             }
         }
@@ -79,7 +79,7 @@ pub(crate) fn specialisations() -> Vec<(Params, PixelFormat, Plan)> {
 pub(crate) fn specialisations_of(kernel: &Kernel) -> impl Iterator<Item = (Params, PixelFormat, Plan)> {
     let name = kernel.name;
     specialisations().into_iter().filter(move |(params, ..)| match name {
-        "block_match_small" => params.block <= Params::SMALL_BLOCK && params.cost == Cost::Sad,
+        "block_match_small" => params.block <= Params::SMALL_BLOCK && params.cost.row().small_match,
         "matching_cost_pixels" => params.sums_small_blocks() && params.block == 1,
         "matching_cost_small" | "matching_cost_parallel" => params.sums_small_blocks(),
         _ => true,

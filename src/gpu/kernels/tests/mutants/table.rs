@@ -94,7 +94,7 @@ pub(super) const MUTANTS: &[Mutant] = &[
         (params.block, params.cost, params.prefilter) = (1, Cost::CensusSobel, Prefilter::None);
     }),
     mutant("matching_cost_small", "(a ^ b) & c", "(a ^ b) | c", |params| params.cost = Cost::Census),
-    mutant("matching_cost_small", "2u * bits", "bits", |params| params.cost = Cost::CensusSobel),
+    mutant("matching_cost_small", "2u * differing_bits", "differing_bits", |params| params.cost = Cost::CensusSobel),
     mutant("matching_cost_small", "+ vec4(8u)", "+ vec4(7u)", |params| params.cost = Cost::AdCensus),
     mutant("matching_cost_small", "there - above(there, back)", "there", |params| params.cost = Cost::BirchfieldTomasi),
     mutant("matching_cost_small", "((a ^ b) >> vec4(1u))", "((a | b) >> vec4(1u))", |params| params.color_cost = true),
