@@ -174,9 +174,6 @@ fn noise(width: u32, height: u32, format: u32, random: &mut ChaCha8Rng) -> Image
     Image::new(width, height, pixels).unwrap()
 }
 
-/// Every cost of the page, by name.
-const COSTS: [&str; 8] = ["sad", "ssd", "zsad", "bt", "sad-xy", "census", "census-sobel", "ad-census"];
-
 fn cases() -> Vec<Case> {
     let mut cases = Vec::new();
     // Pairs with a truth, in every pair of formats, with random parameters.
@@ -250,7 +247,7 @@ fn cases() -> Vec<Case> {
         params.uniqueness = 99;
     });
     // Every cost on samples of 16 bits, colour and gray: small blocks, then the largest block, cap and weights.
-    for (seed, option) in (300..).zip(COSTS) {
+    for (seed, option) in (300..).zip(support::costs()) {
         let mut random = ChaCha8Rng::seed_from_u64(seed);
         for (format, census) in ["5x5", "7x7", "9x7", "cs9x7"].into_iter().enumerate() {
             let mut params = if format % 2 == 0 { Params::sgm(6) } else { Params::bm(6) };

@@ -281,8 +281,9 @@ type NamedPair = [(&'static str, &'static str); 2];
 /// What [`Params::validate`] refuses of the values here.
 fn refusals() -> BTreeSet<NamedPair> {
     let with_ncc = [[("block", "1"), ("cost", "ncc")], [("cost", "ncc"), ("method", "sgm")]];
-    let colours = ["ssd", "zsad", "sad-xy", "census", "census-sobel", "ad-census", "ncc", "mi"]
-        .map(|cost| [("color-cost", "on"), ("cost", cost)]);
+    let costs = Params::OPTIONS.iter().find(|option| option.name == "cost").unwrap().values;
+    let gray = costs.iter().map(|(name, _)| *name).filter(|name| !["sad", "bt"].contains(name));
+    let colours = gray.map(|cost| [("color-cost", "on"), ("cost", cost)]);
     with_ncc.into_iter().chain(colours).collect()
 }
 

@@ -57,6 +57,13 @@ pub(crate) enum Descriptor {
 }
 
 impl Descriptor {
+    /// The names in shaders/cost/descriptors.wgsl of those that it computes beside a census string; `Value` is what is left.
+    pub(crate) const IN_SHADERS: &[(&'static str, Self)] = &[
+        ("DESCRIPTOR_INTERVAL", Self::Interval),
+        ("DESCRIPTOR_EXCESS", Self::Excess),
+        ("DESCRIPTOR_GRADIENTS", Self::Gradients),
+    ];
+
     /// Its bytes.
     pub(crate) fn planes(self, census: Census) -> u32 {
         match self {

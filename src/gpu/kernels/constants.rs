@@ -70,7 +70,8 @@ fn images(params: &Params, format: PixelFormat) -> Vec<Constant> {
 
 /// Blocks, and what is compared in them.
 fn cost(params: &Params) -> Vec<Constant> {
-    vec![
+    let names = Descriptor::IN_SHADERS.iter().map(|&(name, descriptor)| number(name, descriptor as u32));
+    let values = [
         number("BLOCK", params.block),
         number("BLOCK_WORDS", (params.block + 6) / 4),
         number("SMALL_VALUES", params.descriptor_max() < 128),
@@ -81,12 +82,10 @@ fn cost(params: &Params) -> Vec<Constant> {
         number("IMAGE_PLANES", params.planes() / params.channels()),
         number("CHANNELS", params.channels()),
         number("DESCRIPTOR", params.numeric_descriptor() as u32),
-        number("DESCRIPTOR_INTERVAL", Descriptor::Interval as u32),
-        number("DESCRIPTOR_EXCESS", Descriptor::Excess as u32),
-        number("DESCRIPTOR_GRADIENTS", Descriptor::Gradients as u32),
         number("AD_WEIGHT", params.ad_weight),
         number("CENSUS_WEIGHT", params.census_weight),
-    ]
+    ];
+    values.into_iter().chain(names).collect()
 }
 
 /// The window of a census.

@@ -48,6 +48,10 @@ fn rows_are_complete_and_their_settings_are_accepted() {
             "{cost}: a kernel computes one beside a census string"
         );
     }
+    let in_colour = Cost::VALUES.iter().filter(|cost| cost.row().color).map(|cost| cost.name());
+    let option = Params::OPTIONS.iter().find(|option| option.name == "color-cost").unwrap();
+    let named = format!("{}: ", in_colour.collect::<Vec<_>>().join(", "));
+    assert!(option.help.starts_with(&named), "the help of color-cost begins with {named:?}");
     for params in settings() {
         params.validate().unwrap();
         let above = Params { prefilter_cap: params.prefilter_cap + 1, ..params.clone() };
