@@ -51,7 +51,7 @@ impl Key {
 
 /// What is kept from frame to frame.
 #[derive(Default)]
-struct Made {
+struct Kept {
     pipelines: HashMap<Work, (wgpu::BindGroupLayout, Pipeline)>,
     /// The latest used one comes last.
     bind_groups: Vec<(Key, wgpu::BindGroup)>,
@@ -65,29 +65,29 @@ struct Made {
 /// The pipelines and bind groups for the caller's resources.
 #[derive(Default)]
 pub(crate) struct PassCache {
-    made: Mutex<Made>,
+    kept: Mutex<Kept>,
     hasher: RandomState,
 }
 
 impl std::fmt::Debug for PassCache {
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
-        let made = self.made();
-        let (pipelines, bind_groups) = (made.pipelines.len(), made.bind_groups.len());
+        let kept = self.kept();
+        let (pipelines, bind_groups) = (kept.pipelines.len(), kept.bind_groups.len());
         f.debug_struct("PassCache").field("pipelines", &pipelines).field("bind_groups", &bind_groups).finish()
     }
 }
 
 impl PassCache {
-    fn made(&self) -> MutexGuard<'_, Made> {
-        self.made.lock().unwrap_or_else(PoisonError::into_inner)
+    fn kept(&self) -> MutexGuard<'_, Kept> {
+        self.kept.lock().unwrap_or_else(PoisonError::into_inner)
     }
 
     /// Drops what holds the caller's resources.
     pub(crate) fn forget(&self) {
-        let mut made = self.made();
-        made.bind_groups.clear();
-        made.targets.clear();
-        made.known.clear();
+        let mut kept = self.kept();
+        kept.bind_groups.clear();
+        kept.targets.clear();
+        kept.known.clear();
     }
 
     /// The work between one resource of the caller's and one of the matcher's.
@@ -99,32 +99,32 @@ impl PassCache {
         resource: CallerResource<'_>,
         end: MatcherResource<'_>,
     ) -> Result<Prepared, Error> {
-        let mut made = self.made();
-        let (layout, pipeline) = match made.pipelines.get(&work) {
+        let mut kept = self.kept();
+        let (layout, pipeline) = match kept.pipelines.get(&work) {
             Some(found) => found.clone(),
             None => {
                 let compiled = scopes::guarded_or_left(context.device, || compile(context.device, work));
                 let new = compiled.map_err(|error| context.pulse.cause(error))?;
-                made.pipelines.insert(work, new.clone());
+                kept.pipelines.insert(work, new.clone());
                 new
             }
         };
         let key = Key::new(context, work, resource, end);
-        let bind_group = match made.bind_groups.iter().position(|(other, _)| *other == key) {
+        let bind_group = match kept.bind_groups.iter().position(|(other, _)| *other == key) {
             Some(at) => {
-                let found = made.bind_groups.remove(at);
+                let found = kept.bind_groups.remove(at);
                 let bind_group = found.1.clone();
-                made.bind_groups.push(found);
+                kept.bind_groups.push(found);
                 bind_group
             }
             None => {
                 let bind = || bind(context, work, &layout, resource, end);
                 let bind_group = scopes::guarded_or_left(context.device, bind);
                 let bind_group = bind_group.map_err(|error| resource.refused(context, name, error))?;
-                if made.bind_groups.len() >= KEPT {
-                    made.bind_groups.remove(0);
+                if kept.bind_groups.len() >= KEPT {
+                    kept.bind_groups.remove(0);
                 }
-                made.bind_groups.push((key, bind_group.clone()));
+                kept.bind_groups.push((key, bind_group.clone()));
                 bind_group
             }
         };
@@ -133,7 +133,7 @@ impl PassCache {
         match (pipeline, resource) {
             (Pipeline::Render(pipeline), CallerResource::Layer(layer, format)) => {
                 let drawn = |target| Prepared::Draw { label, pipeline, bind_group, target };
-                self.target(&mut made, context, layer, format, drawn)
+                self.target(&mut kept, context, layer, format, drawn)
                     .map_err(|error| resource.refused(context, name, error))
             }
             (Pipeline::Compute(pipeline), _) => {
@@ -154,27 +154,27 @@ impl PassCache {
     /// What is drawn into a layer.
     fn target(
         &self,
-        made: &mut Made,
+        kept: &mut Kept,
         context: &Context<'_>,
         layer: TextureLayer<'_>,
         format: TextureFormat,
         drawn: impl FnOnce(wgpu::TextureView) -> Prepared,
     ) -> Result<Prepared, Error> {
         let seen = layer.seen(format);
-        if let Some(at) = made.targets.iter().position(|(other, _)| *other == seen) {
-            let found = made.targets.remove(at);
+        if let Some(at) = kept.targets.iter().position(|(other, _)| *other == seen) {
+            let found = kept.targets.remove(at);
             let view = found.1.clone();
-            made.targets.push(found);
+            kept.targets.push(found);
             return Ok(drawn(view));
         }
         let view = scopes::guarded_or_left(context.device, || layer.view(format))?;
         let prepared = drawn(view.clone());
         let hash = self.hasher.hash_one(&seen);
-        if made.known.contains(&hash) {
-            if made.targets.len() >= KEPT {
-                made.targets.remove(0);
+        if kept.known.contains(&hash) {
+            if kept.targets.len() >= KEPT {
+                kept.targets.remove(0);
             }
-            made.targets.push((seen, view));
+            kept.targets.push((seen, view));
             return Ok(prepared);
         }
         // A texture that is no target would spoil the caller's encoder: it spoils another one first.
@@ -184,8 +184,8 @@ impl PassCache {
             prepared.record(&mut encoder);
             encoder.finish()
         })?;
-        made.known.truncate(KNOWN - 1);
-        made.known.push_front(hash);
+        kept.known.truncate(KNOWN - 1);
+        kept.known.push_front(hash);
         Ok(prepared)
     }
 }
