@@ -201,7 +201,7 @@ fn descriptors(x: i32, y: i32) -> Words {
 
 @compute @workgroup_size(LANES)
 fn main(@builtin(global_invocation_id) id: vec3<u32>) {
-    let mirrored = dispatch.mirrored == 1u;
+    let mirrored = dispatch.own.mirrored == 1u;
     let stride = dispatch.stride / 4u;
     if id.x >= stride || id.y >= dispatch.rows {
         return;
@@ -209,7 +209,7 @@ fn main(@builtin(global_invocation_id) id: vec3<u32>) {
     let x = lowest_column(id.x, mirrored);
     var words = descriptors(x, i32(dispatch.first_row + id.y));
     for (var p = 0u; p < IMAGE_PLANES; p++) {
-        let row = (dispatch.first_plane + p) * dispatch.rows + id.y;
+        let row = (dispatch.own.first_plane + p) * dispatch.rows + id.y;
         planes[row * stride + id.x] = laid_out(words[p], x, mirrored);
     }
 }

@@ -5,6 +5,10 @@
 // With: values, common
 // Reference: src/reference/cost/mi_histogram.rs
 
+struct Own {
+    halvings: u32,      // of the images of the map, beyond those of the images at hand
+}
+
 @group(0) @binding(2) var left: texture_storage_2d<rgba32uint, read>;
 @group(0) @binding(3) var right: texture_storage_2d<rgba32uint, read>;
 @group(0) @binding(4) var<storage, read> map: array<u32>;
@@ -15,9 +19,9 @@ fn main(@builtin(global_invocation_id) id: vec3<u32>) {
     if id.x >= frame.width || id.y >= frame.height {
         return;
     }
-    let column = id.x >> dispatch.halvings;
-    let value = map_value(map[(id.y >> dispatch.halvings) * dispatch.stride + (column >> 1u)], column);
-    let seen = i32(id.x) - ((value * i32(1u << dispatch.halvings) + 8) >> 4u);
+    let column = id.x >> dispatch.own.halvings;
+    let value = map_value(map[(id.y >> dispatch.own.halvings) * dispatch.stride + (column >> 1u)], column);
+    let seen = i32(id.x) - ((value * i32(1u << dispatch.own.halvings) + 8) >> 4u);
     if value == INVALID || seen < 0 || seen >= i32(frame.width) {
         return;
     }

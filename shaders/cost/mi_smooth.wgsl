@@ -4,6 +4,12 @@
 // With: common
 // Reference: src/reference/cost/mi_table.rs
 
+struct Own {
+    narrowing: u32,     // bits by which entries are shifted down
+    prior: u32,         // what is added to them
+    logarithms: u32,    // 1: their logarithms are taken
+}
+
 @group(0) @binding(2) var<storage, read> entries: array<vec4<u32>>;
 @group(0) @binding(3) var<storage, read_write> smoothed: array<vec4<u32>>;
 
@@ -16,9 +22,9 @@ fn logarithms(v: vec4<u32>) -> vec4<u32> {
 
 fn four_at(row: i32, four: i32) -> vec4<u32> {
     let line = u32(clamp(row, 0, i32(dispatch.rows) - 1));
-    let values = entries[line * 64u + u32(clamp(four, 0, 63))] >> vec4(dispatch.narrowing);
+    let values = entries[line * 64u + u32(clamp(four, 0, 63))] >> vec4(dispatch.own.narrowing);
     let continued = select(select(values, vec4(values.x), four < 0), vec4(values.w), four > 63);
-    if dispatch.logarithms == 1u {
+    if dispatch.own.logarithms == 1u {
         return logarithms(continued);
     }
     return continued;
@@ -46,5 +52,5 @@ fn main(@builtin(global_invocation_id) id: vec3<u32>) {
         middle = vec4(a.zw, b.xy) + vec4(b.zw, c.xy);
         inner = vec4(a.w, b.xyz) + vec4(b.yzw, c.x);
     }
-    smoothed[id.x] = outer + 6u * middle + 15u * inner + 20u * b + vec4(dispatch.prior);
+    smoothed[id.x] = outer + 6u * middle + 15u * inner + 20u * b + vec4(dispatch.own.prior);
 }

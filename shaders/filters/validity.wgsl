@@ -6,6 +6,10 @@
 // With: common
 // Reference: src/reference/filters/validity.rs
 
+struct Own {
+    side: u32,          // of the map: 0 the left view, 1 the right one
+}
+
 @group(0) @binding(2) var<storage, read> map: array<vec4<u32>>;
 @group(0) @binding(3) var<storage, read> contents: array<u32>;
 @group(0) @binding(4) var<storage, read_write> valid: array<vec4<u32>>;
@@ -17,9 +21,9 @@ fn has_content(side: u32, x: i32, row: u32) -> bool {
 }
 
 fn check(value: i32, x: i32, row: u32) -> i32 {
-    let place = 16 * x + select(-value, value, dispatch.side == 1u);
-    let other = 1u - dispatch.side;
-    let stays = has_content(dispatch.side, x, row) && has_content(other, place >> 4u, row)
+    let place = 16 * x + select(-value, value, dispatch.own.side == 1u);
+    let other = 1u - dispatch.own.side;
+    let stays = has_content(dispatch.own.side, x, row) && has_content(other, place >> 4u, row)
         && has_content(other, (place + 15) >> 4u, row);
     return select(INVALID, value, stays);
 }

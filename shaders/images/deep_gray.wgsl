@@ -19,9 +19,9 @@ fn four_at(row: u32, x: i32) -> vec4<u32> {
 // The pixels of a row from a column on; of the mirrored image, if that is what the pass takes.
 fn four_from(row: u32, start: u32) -> vec4<u32> {
     let left = min(frame.width - start, 4u);
-    let pixels = four_deep(row + select(start, frame.width - start - left, dispatch.reversed == 1u));
+    let pixels = four_deep(row + select(start, frame.width - start - left, dispatch.own.reversed == 1u));
     let turned = vec4(pixels[left - 1u], pixels[max(left, 2u) - 2u], pixels[max(left, 3u) - 3u], pixels.x);
-    return select(pixels, turned, dispatch.reversed == 1u);
+    return select(pixels, turned, dispatch.own.reversed == 1u);
 }
 
 @compute @workgroup_size(LANES)

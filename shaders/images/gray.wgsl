@@ -25,13 +25,13 @@ fn sixteen_pixels(p: u32) -> vec4<u32> {
 // The pixels of a row from a column on; of the mirrored image, if that is what the pass takes.
 fn pixels_from(row: u32, start: u32) -> vec4<u32> {
     let left = min(frame.width - start, 16u);
-    let first = select(start, frame.width - start - left, dispatch.reversed == 1u);
+    let first = select(start, frame.width - start - left, dispatch.own.reversed == 1u);
     let pixels = sixteen_pixels(row + first);
     let reversed = vec4(turned(pixels.w), turned(pixels.z), turned(pixels.y), turned(pixels.x));
     // Of the last pixels of a mirrored row, others were read before them.
     let skip = 16u - left;
     let words = from_word(reversed, reversed, skip >> 2u);
-    return select(pixels, from_byte(words, words.x, skip), dispatch.reversed == 1u);
+    return select(pixels, from_byte(words, words.x, skip), dispatch.own.reversed == 1u);
 }
 
 // The bytes of a word in the other order.

@@ -50,7 +50,7 @@ fn filtered(above: Pixels, here: Pixels, below: Pixels, i: u32, x: i32, y: i32) 
 
 @compute @workgroup_size(LANES)
 fn main(@builtin(global_invocation_id) id: vec3<u32>) {
-    let mirrored = dispatch.mirrored == 1u;
+    let mirrored = dispatch.own.mirrored == 1u;
     let stride = dispatch.stride / 4u;
     if id.x >= stride || id.y >= dispatch.rows {
         return;
@@ -62,5 +62,5 @@ fn main(@builtin(global_invocation_id) id: vec3<u32>) {
     let below = pixels_from(x - 1, y + 1);
     let words = vec4(filtered(above, here, below, 0u, x, y), filtered(above, here, below, 1u, x, y),
         filtered(above, here, below, 2u, x, y), filtered(above, here, below, 3u, x, y));
-    plane[(dispatch.first_plane * dispatch.rows + id.y) * stride + id.x] = laid_out(words, x, mirrored);
+    plane[(dispatch.own.first_plane * dispatch.rows + id.y) * stride + id.x] = laid_out(words, x, mirrored);
 }

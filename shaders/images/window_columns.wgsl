@@ -1,9 +1,13 @@
-// window_columns: sums over the dispatch.window rows around a pixel of its column; the first half of window_sums.
+// window_columns: sums over the dispatch.own.window rows around a pixel of its column; the first half of window_sums.
 // image (u8 or u16, in a texture) -> columns (u32, [y][x])
 // One invocation: four columns, SEGMENT rows downwards; a row enters the sum as another leaves it.
 // Border: rows are clamped into the image.
 // With: gray_pixels, bytes, common
 // Reference: src/reference/images/window_sums.rs
+
+struct Own {
+    window: u32,        // side of the window
+}
 
 @group(0) @binding(3) var<storage, read_write> columns: array<u32>;
 
@@ -14,7 +18,7 @@ fn main(@builtin(global_invocation_id) id: vec3<u32>) {
     if x >= frame.width || begin >= frame.height {
         return;
     }
-    let radius = i32(dispatch.window / 2u);
+    let radius = i32(dispatch.own.window / 2u);
     let first = i32(begin);
     var sum = vec4(0);
     for (var dy = -radius - 1; dy < radius; dy++) {

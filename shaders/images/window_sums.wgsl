@@ -1,9 +1,13 @@
-// window_sums: sums over the dispatch.window x dispatch.window pixels around a pixel.
+// window_sums: sums over the dispatch.own.window x dispatch.own.window pixels around a pixel.
 // columns (u32, [y][x], the sums of columns) -> sums (u32, [y][x])
 // One invocation: SEGMENT pixels of a row, to the right; a column enters the sum as another leaves it.
 // Border: columns are clamped into the image.
 // With: common
 // Reference: src/reference/images/window_sums.rs
+
+struct Own {
+    window: u32,        // side of the window
+}
 
 @group(0) @binding(2) var<storage, read> columns: array<u32>;
 @group(0) @binding(3) var<storage, read_write> sums: array<u32>;
@@ -20,7 +24,7 @@ fn main(@builtin(global_invocation_id) id: vec3<u32>) {
         return;
     }
     let row = y * frame.width;
-    let radius = i32(dispatch.window / 2u);
+    let radius = i32(dispatch.own.window / 2u);
     let first = i32(begin);
     var sum = 0u;
     for (var dx = -radius - 1; dx < radius; dx++) {

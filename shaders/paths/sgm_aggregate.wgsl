@@ -31,7 +31,7 @@ fn main(@builtin(global_invocation_id) id: vec3<u32>, @builtin(local_invocation_
     let y = select(dispatch.entry, line, horizontal);
     var state: State;
     let before = x - dispatch.dx;
-    let first_carry = dispatch.carry_from * frame.volume_stride;
+    let first_carry = dispatch.own.carry_from * frame.volume_stride;
     if dispatch.carried == 1u && before >= 0 && before < width {
         for (var s = 0u; s < SLICES; s++) {
             if in_volume(s * WIDTH) {
@@ -47,7 +47,7 @@ fn main(@builtin(global_invocation_id) id: vec3<u32>, @builtin(local_invocation_
     let turn = select(-width, width, dispatch.dx > 0);
     let steps = select(i32(dispatch.rows), width, horizontal);
     let forward = dispatch.dy > 0 || (horizontal && dispatch.dx > 0);
-    var place = dispatch.place;
+    var place = dispatch.own.place;
     var known = penalties_from(place, u32(line));
     for (var i = 0; i < steps; i++) {
         if is_unknown(place, forward) {
@@ -75,7 +75,7 @@ fn main(@builtin(global_invocation_id) id: vec3<u32>, @builtin(local_invocation_
         if last >= 0 && last < width {
             for (var s = 0u; s < SLICES; s++) {
                 if in_volume(s * WIDTH) {
-                    carry_out[slice_at(dispatch.carry_to * frame.volume_stride + u32(last), s)] = stored_of(state[s]);
+                    carry_out[slice_at(dispatch.own.carry_to * frame.volume_stride + u32(last), s)] = stored_of(state[s]);
                 }
             }
         }
@@ -89,7 +89,7 @@ fn path_step(state: ptr<function, State>, pixel: u32, p2: u32, writes: bool) {
         var sums = Slice();
         if in_volume(s * WIDTH) {
             costs = costs_at(slice_at(pixel + dispatch.volume_row * frame.volume_stride, s));
-            if dispatch.accumulate == 1u {
+            if dispatch.own.accumulate == 1u {
                 sums = slice_of(paths[slice_at(pixel + dispatch.slot, s)]);
             }
         }

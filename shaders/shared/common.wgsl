@@ -1,4 +1,4 @@
-// Appended to every kernel: the two uniform blocks (src/gpu/layout/mod.rs holds their Rust twins) and the packed formats.
+// Appended to every kernel: the two uniform blocks (src/gpu/layout/uniforms.rs holds their Rust twins) and the packed formats.
 
 // What stays the same for all dispatches of a frame.
 struct Frame {
@@ -37,33 +37,15 @@ struct Dispatch {
     shift: u32,           // columns from a line's number to where its path enters
     dx: i32,              // direction of aggregation
     dy: i32,
-    carried: u32,         // 1: the band before this one in the direction left its path costs in carry_in
-    accumulate: u32,      // 1: add to what the opposite direction left
-    channel: u32,         // 0: luma, 1 to 3: red, green, blue
-    mirrored: u32,        // 1: columns of a plane run to the left
-    lead: i32,            // the column of a plane's first byte, to the left or from where columns run to the left
-    stride: u32,          // words a row of the planes
-    first_plane: u32,     // the plane that is written, or the first one
-    window: u32,          // side of the window that is summed
-    row_step: u32,        // rows from one border of two bands to the next; from a pixel of a line to the next
-    occlusions: u32,      // 1: occlusions are filled in another way than mismatches
-    reversed: u32,        // 1: the images are taken mirrored
     entry: i32,           // row of the band at which paths enter
-    carry_from: u32,      // row of carry_in and of carry_out
-    carry_to: u32,
+    carried: u32,         // 1: the band before this one in the direction left its path costs in carry_in
+    stride: u32,          // words a row of the planes
+    row_step: u32,        // rows from one border of two bands to the next; from a pixel of a line to the next
     slot: u32,            // pixels of a volume: before the one that is written, or from one to the next in a buffer
-    penalties_from: u32,  // vectors of penalties: before the first line
-    penalties_line: u32,  // from line to line
-    penalties_step: u32,  // from one to the next of a line
-    place: i32,           // in its line, of the step into the first pixel of a path
-    halvings: u32,        // of the images of a map, beyond those of the images at hand
-    narrowing: u32,       // bits by which entries of a table are shifted down
-    prior: u32,           // what is added to them
-    logarithms: u32,      // 1: their logarithms are taken
-    side: u32,            // of a map: 0 the left view, 1 the right one
     map_row: u32,         // of the bound rows of the maps, the one that first_row is
     planes_row: u32,      // the row of the image with which the planes begin
     planes_rows: u32,     // rows of a plane
+    own: Own,             // what this kernel alone reads; declared by it or its fragments, else a number that is not used
 }
 
 @group(0) @binding(0) var<uniform> frame: Frame;

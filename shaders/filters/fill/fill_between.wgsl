@@ -4,6 +4,10 @@
 // With: map_octet, common
 // Reference: src/reference/filters/fill.rs
 
+struct Own {
+    occlusions: u32,    // 1: occlusions are filled in another way than mismatches
+}
+
 @group(0) @binding(3) var<storage, read> nearest: array<vec4<u32>>;
 @group(0) @binding(4) var<storage, read> seen: array<u32>;
 @group(0) @binding(5) var<storage, read_write> filled: array<vec4<u32>>;
@@ -21,7 +25,7 @@ fn main(@builtin(global_invocation_id) id: vec3<u32>) {
     let row = dispatch.first_row + id.y;
     let p = octet(row, id.x);
     var wanted = mask(p.even == vec4(INVALID), p.odd == vec4(INVALID));
-    if dispatch.occlusions == 1u {
+    if dispatch.own.occlusions == 1u {
         wanted &= ~(seen[row * stride + (id.x >> 2u)] >> (8u * (id.x & 3u)));
     }
     var even = p.even;

@@ -1,9 +1,13 @@
 // fill_rays: an invalid pixel takes the median of the nearest values on eight rays, the lower one of an even number; where
-//   dispatch.occlusions is 1 and no right pixel points to it, the second lowest.
+//   dispatch.own.occlusions is 1 and no right pixel points to it, the second lowest.
 // map (i16, in a texture), nearest (i16, of fill_rows and fill_lines), seen (a bit a pixel) -> filled (i16)
 // One invocation: four words, eight pixels of a row.
 // With: map_octet, common
 // Reference: src/reference/filters/fill.rs
+
+struct Own {
+    occlusions: u32,    // 1: occlusions are filled in another way than mismatches
+}
 
 @group(0) @binding(3) var<storage, read> along: array<u32>;
 @group(0) @binding(4) var<storage, read> falling: array<u32>;
@@ -59,7 +63,7 @@ fn main(@builtin(global_invocation_id) id: vec3<u32>) {
                 map_value(falling[f], u32(x - y)), map_value(rising[g], u32(x + y)));
             let second = vec4(map_value(along[r + 4u], half), map_value(upright[r + 4u], half),
                 map_value(falling[f + 4u], u32(x - y)), map_value(rising[g + 4u], u32(x + y)));
-            let value = ranked(first, second, dispatch.occlusions == 1u && ((marks >> j) & 1u) == 0u);
+            let value = ranked(first, second, dispatch.own.occlusions == 1u && ((marks >> j) & 1u) == 0u);
             let bits = (bitcast<u32>(value) & 0xffffu) << (16u * half);
             let kept = 0xffff0000u >> (16u * half);
             words = select(words, (words & vec4(kept)) | vec4(bits), vec4(j >> 1u) == vec4(0u, 1u, 2u, 3u));

@@ -1,4 +1,10 @@
 // Appended to the kernels that read uploaded images: their bytes, and luma.
+
+struct Own {
+    channel: u32,    // 0: luma, 1 to 3: red, green, blue
+    reversed: u32,   // 1: the images are taken mirrored
+}
+
 @group(0) @binding(2) var source: texture_storage_2d<rgba32uint, read>;
 
 fn luma(r: vec4<u32>, g: vec4<u32>, b: vec4<u32>) -> vec4<u32> {
@@ -7,7 +13,7 @@ fn luma(r: vec4<u32>, g: vec4<u32>, b: vec4<u32>) -> vec4<u32> {
 
 // Luma, or one of the colours.
 fn channel(r: vec4<u32>, g: vec4<u32>, b: vec4<u32>) -> vec4<u32> {
-    switch dispatch.channel {
+    switch dispatch.own.channel {
         case 1u: {
             return r;
         }

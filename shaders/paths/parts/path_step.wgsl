@@ -1,6 +1,17 @@
 // Appended to the kernels that walk a path: the recurrence of semi-global matching on the packed state L', sixteen
 // disparities a vector. MEMBERS invocations share a path; each owns OWN_QUADS vectors of its disparities. Disparities
 // beyond the range hold 255, which is never the smallest and never a neighbour's way.
+
+struct Own {
+    accumulate: u32,        // 1: add to what the opposite direction left
+    carry_from: u32,        // row of carry_in and of carry_out
+    carry_to: u32,
+    penalties_from: u32,    // vectors of penalties: before the first line
+    penalties_line: u32,    // from line to line
+    penalties_step: u32,    // from one to the next of a line
+    place: i32,             // in its line, of the step into the first pixel of a path
+}
+
 alias State = array<Slice, SLICES>;
 
 // What the members of a path tell each other before a step: min L', and the L' next to a member's own.

@@ -4,7 +4,7 @@
 @group(0) @binding(PENALTIES) var<storage, read> penalties: array<vec4<u32>>;
 
 fn penalties_from(place: i32, line: u32) -> vec4<u32> {
-    return penalties[dispatch.penalties_from + u32(place >> 4u) * dispatch.penalties_step + line * dispatch.penalties_line];
+    return penalties[dispatch.own.penalties_from + u32(place >> 4u) * dispatch.own.penalties_step + line * dispatch.own.penalties_line];
 }
 
 fn is_unknown(place: i32, forward: bool) -> bool {

@@ -1,7 +1,7 @@
 //! Stage `validity`: maps without what has no content.
 
 use crate::gpu::chain::view_maps::ViewMaps;
-use crate::gpu::layout::{Frame, Pass};
+use crate::gpu::layout::{Dispatch, Frame, ValidityOwn};
 use crate::gpu::recording::Bound::{Buffer, Rows};
 use crate::gpu::recording::{Builder, Written};
 use crate::reference;
@@ -34,9 +34,10 @@ impl ContentBits {
         let Frame { map_stride, .. } = b.sizes.frame;
         let content = &self.0[usize::from(b.mirrored)][b.levels[b.level].halvings as usize];
         let valid = b.buffer("validity", b.sizes.map);
-        let (row, pass) = (4 * u64::from(map_stride), Pass { side: side as u32, ..Pass::default() });
+        let (row, own) = (4 * u64::from(map_stride), ValidityOwn { side: side as u32 });
+        let dispatch = Dispatch { own: own.into(), ..Dispatch::default() };
         let storage = [Rows(map, row), Buffer(content), Rows(&valid, row)];
-        b.step_rows("validity", &storage, pass, map_stride / 4, 1, Written::Validity { side });
+        b.step_rows("validity", &storage, dispatch, map_stride / 4, 1, Written::Validity { side });
         valid
     }
 }

@@ -1,7 +1,7 @@
 //! From the planes to the matching cost of every disparity.
 
 use crate::gpu::chain::planes::Planes;
-use crate::gpu::layout::{Frame, Pass, Piece, Rows, Sizes};
+use crate::gpu::layout::{Dispatch, Frame, Piece, Rows, Sizes};
 use crate::gpu::plan;
 use crate::gpu::recording::Bound::{self, Buffer, Texture};
 use crate::gpu::recording::{Builder, Written};
@@ -23,15 +23,15 @@ impl Columns {
     }
 
     /// Stage `cost_columns` for the rows of `chunk`.
-    pub(super) fn compute(&self, b: &mut Builder<'_>, planes: &Planes, chunk: Rows, place: Pass) -> Pass {
-        let pass = Pass { first_row: chunk.first, rows: chunk.count, ..place };
+    pub(super) fn compute(&self, b: &mut Builder<'_>, planes: &Planes, chunk: Rows, place: Dispatch) -> Dispatch {
+        let dispatch = Dispatch { first_row: chunk.first, rows: chunk.count, ..place };
         let quads = b.params.quads();
         let invocations = (b.sizes.frame.width + 2 * b.params.radius()) * (quads / plan::vectors(quads, &b.plan));
         let segments = chunk.count.div_ceil(plan::segment(&b.plan));
         let [left, right] = &planes.buffers;
         let storage = planes.with_table(&[Buffer(left), Buffer(right), Buffer(&self.buffer)]);
-        b.step("cost_columns", &storage, pass, invocations, segments, Written::Columns { chunk });
-        pass
+        b.step("cost_columns", &storage, dispatch, invocations, segments, Written::Columns { chunk });
+        dispatch
     }
 }
 
@@ -47,16 +47,16 @@ impl Statistics {
     }
 
     /// Stage `block_statistics` for the rows of `chunk`.
-    pub(super) fn compute(&self, b: &mut Builder<'_>, planes: &Planes, chunk: Rows, place: Pass) {
+    pub(super) fn compute(&self, b: &mut Builder<'_>, planes: &Planes, chunk: Rows, place: Dispatch) {
         let Frame { width, left_stride, right_stride, .. } = b.sizes.frame;
         let right_blocks = width + b.params.disparities - 1;
         let sides = [(0, width, left_stride), (width, right_blocks, right_stride)];
         for (side, (first_line, lines, stride)) in sides.into_iter().enumerate() {
-            let pass = Pass { first_row: chunk.first, rows: chunk.count, first_line, lines, stride, ..place };
+            let dispatch = Dispatch { first_row: chunk.first, rows: chunk.count, first_line, lines, stride, ..place };
             let segments = chunk.count.div_ceil(plan::segment(&b.plan));
             let storage = [Buffer(&planes.buffers[side]), Buffer(&self.buffer)];
             let written = Written::BlockStatistics { side, chunk };
-            b.step("block_statistics", &storage, pass, lines.div_ceil(4), segments, written);
+            b.step("block_statistics", &storage, dispatch, lines.div_ceil(4), segments, written);
         }
     }
 }
@@ -73,15 +73,15 @@ pub(super) fn matching_cost(b: &mut Builder<'_>, planes: &mut Planes, computed: 
             let place = planes.hold(b, piece);
             let volume_row = piece.rows.first - rows.first;
             if sizes.small_block {
-                small_cost(b, planes, piece, Pass { volume_row, ..place }, cost);
+                small_cost(b, planes, piece, Dispatch { volume_row, ..place }, cost);
             }
             for &chunk in &piece.chunks {
                 let volume_row = chunk.first - rows.first;
-                let pass = Pass { volume_row, ..columns.compute(b, planes, chunk, place) };
+                let dispatch = Dispatch { volume_row, ..columns.compute(b, planes, chunk, place) };
                 let written = Written::Cost { chunk, volume_row };
                 let spans = sizes.frame.width.div_ceil(plan::span(&b.plan));
                 let lines = chunk.count * b.params.quads();
-                b.step("matching_cost", &[Buffer(&columns.buffer), Buffer(cost)], pass, lines, spans, written);
+                b.step("matching_cost", &[Buffer(&columns.buffer), Buffer(cost)], dispatch, lines, spans, written);
             }
         }
         costs.push(if b.plan.per_subgroup {
@@ -95,15 +95,15 @@ pub(super) fn matching_cost(b: &mut Builder<'_>, planes: &mut Planes, computed: 
 }
 
 /// The cost of the rows of a piece by small blocks.
-fn small_cost(b: &mut Builder<'_>, planes: &Planes, piece: &Piece, place: Pass, cost: &wgpu::Buffer) {
+fn small_cost(b: &mut Builder<'_>, planes: &Planes, piece: &Piece, place: Dispatch, cost: &wgpu::Buffer) {
     let (rows, quads) = (piece.rows, b.params.quads());
-    let pass = Pass { first_row: rows.first, rows: rows.count, ..place };
+    let dispatch = Dispatch { first_row: rows.first, rows: rows.count, ..place };
     let written = Written::Cost { chunk: rows, volume_row: place.volume_row };
     if b.plan.per_subgroup {
         let [left, right] = &planes.buffers;
         let storage = planes.with_table(&[Buffer(left), Buffer(right), Buffer(cost)]);
         let segments = rows.count.div_ceil(plan::segment(&b.plan));
-        b.step("matching_cost_parallel", &storage, pass, b.sizes.frame.width * quads, segments, written);
+        b.step("matching_cost_parallel", &storage, dispatch, b.sizes.frame.width * quads, segments, written);
         return;
     }
     let [left, right] = [0, 1].map(|side: usize| Texture(&planes.views[side]));
@@ -112,7 +112,7 @@ fn small_cost(b: &mut Builder<'_>, planes: &Planes, piece: &Piece, place: Pass, 
         1 => ("matching_cost_pixels", rows.count),
         _ => ("matching_cost_small", rows.count.div_ceil(2)),
     };
-    b.step(kernel, &storage, pass, lines * quads, 1, written);
+    b.step(kernel, &storage, dispatch, lines * quads, 1, written);
 }
 
 /// Where the cost of a band is read.

@@ -1,6 +1,6 @@
 //! From the uploaded images to the images that the cost is computed from.
 
-use crate::gpu::layout::{Frame, Pass};
+use crate::gpu::layout::{Dispatch, Frame, GrayOwn, PlaneOwn, WindowOwn};
 use crate::gpu::plan;
 use crate::gpu::recording::Bound::{self, Buffer, Texture};
 use crate::gpu::recording::{Builder, Written};
@@ -24,13 +24,13 @@ impl Picture {
         b: &mut Builder<'_>,
         name: &str,
         storage: &[Bound<'_>],
-        pass: Pass,
+        dispatch: Dispatch,
         [lines, rows]: [u32; 2],
         written: Written,
     ) {
         let depth = if self.deep { PixelFormat::Gray16 } else { PixelFormat::Gray8 };
         let format = std::mem::replace(&mut b.format, depth);
-        b.step(name, storage, pass, lines, rows, written);
+        b.step(name, storage, dispatch, lines, rows, written);
         b.format = format;
     }
 }
@@ -57,7 +57,7 @@ pub(super) fn rectified(b: &mut Builder<'_>, sources: [wgpu::TextureView; 2]) ->
         let positions = b.table("rectify.positions", numbers);
         let image = b.buffer("rectify", b.sizes.source);
         let storage = [Texture(&source), Buffer(&positions), Buffer(&image)];
-        b.step("rectify", &storage, Pass::default(), size[0], size[1], Written::Rectified { side });
+        b.step("rectify", &storage, Dispatch::default(), size[0], size[1], Written::Rectified { side });
         side += 1;
         b.copy_to_texture(size, size[1], wgpu::TextureFormat::Rgba32Uint)
     })
@@ -89,9 +89,10 @@ pub(super) fn gray(b: &mut Builder<'_>, source: &wgpu::TextureView, side: usize)
     let Frame { gray_stride, .. } = b.sizes.frame;
     let gray = b.buffer("gray", b.sizes.gray);
     let written = Written::Gray { side, channel: 0, deep: false };
-    let pass = Pass { reversed: b.mirrored.into(), ..Pass::default() };
+    let own = GrayOwn { channel: 0, reversed: b.mirrored.into() };
+    let dispatch = Dispatch { own: own.into(), ..Dispatch::default() };
     let storage = [Texture(source), Bound::Rows(&gray, 16 * u64::from(gray_stride))];
-    b.step_rows("gray", &storage, pass, gray_stride, 1, written);
+    b.step_rows("gray", &storage, dispatch, gray_stride, 1, written);
     b.copy_to_texels()
 }
 
@@ -100,15 +101,16 @@ fn channel_of(b: &mut Builder<'_>, source: &wgpu::TextureView, side: usize, chan
     let Frame { gray_stride, .. } = b.sizes.frame;
     let deep = b.format.is_deep();
     let channel_number = if b.params.color_cost { channel + 1 } else { 0 };
-    let pass = Pass { channel: channel_number, reversed: b.mirrored.into(), ..Pass::default() };
-    let written = Written::Gray { side, channel: pass.channel as usize, deep };
+    let own = GrayOwn { channel: channel_number, reversed: b.mirrored.into() };
+    let dispatch = Dispatch { own: own.into(), ..Dispatch::default() };
+    let written = Written::Gray { side, channel: channel_number as usize, deep };
     let (name, bytes, stride) = match deep {
         true => ("deep_gray", 2 * b.sizes.gray, 2 * gray_stride),
         false => ("gray", b.sizes.gray, gray_stride),
     };
     let picture = b.buffer(name, bytes);
     let storage = [Texture(source), Bound::Rows(&picture, 16 * u64::from(stride))];
-    b.step_rows(name, &storage, pass, stride, 1, written);
+    b.step_rows(name, &storage, dispatch, stride, 1, written);
     Picture { filtered: false, side, channel: channel as usize, texels: b.copy_to_texels(), deep }
 }
 
@@ -117,7 +119,8 @@ pub(super) fn filtered(b: &mut Builder<'_>, picture: &Picture, scratch: &Sums, w
     let filtered = b.buffer("prefilter", b.sizes.gray);
     let stride = 4 * b.sizes.frame.gray_stride;
     let to = Bound::Rows(&filtered, 4 * u64::from(stride));
-    prefilter(b, picture, scratch, to, Pass { lead: 16, stride, ..Pass::default() }, written);
+    let own = PlaneOwn { lead: 16, ..PlaneOwn::default() };
+    prefilter(b, picture, scratch, to, Dispatch { stride, own: own.into(), ..Dispatch::default() }, written);
     let Picture { side, channel, .. } = *picture;
     Picture { filtered: true, side, channel, texels: b.copy_to_texels(), deep: false }
 }
@@ -128,7 +131,7 @@ pub(super) fn prefilter(
     picture: &Picture,
     scratch: &Sums,
     to: Bound<'_>,
-    pass: Pass,
+    dispatch: Dispatch,
     written: Written,
 ) {
     let (side, channel) = (picture.side, picture.channel);
@@ -147,12 +150,12 @@ pub(super) fn prefilter(
             let lots = b.lots(&storage);
             for (i, &rows) in lots.iter().enumerate() {
                 let bound = [storage[0], storage[1], b.lot(to, rows)];
-                let pass = Pass { first_row: rows.first, rows: rows.count, ..pass };
-                picture.step(b, "prefilter", &bound, pass, [pass.stride / 4, rows.count], written.clone());
+                let dispatch = Dispatch { first_row: rows.first, rows: rows.count, ..dispatch };
+                picture.step(b, "prefilter", &bound, dispatch, [dispatch.stride / 4, rows.count], written.clone());
                 b.part_of(i, lots.len());
             }
         }
-        _ => picture.step(b, "prefilter", &storage, pass, [pass.stride / 4, pass.rows], written),
+        _ => picture.step(b, "prefilter", &storage, dispatch, [dispatch.stride / 4, dispatch.rows], written),
     }
     b.params.prefilter = wanted;
 }
@@ -173,12 +176,12 @@ impl Sums {
     /// The sums over the windows around all pixels of a picture.
     pub(super) fn compute(&self, b: &mut Builder<'_>, picture: &Picture, window: u32, written: Written) {
         let Frame { width, height, .. } = b.sizes.frame;
-        let pass = Pass { window, ..Pass::default() };
+        let dispatch = Dispatch { own: WindowOwn { window }.into(), ..Dispatch::default() };
         let segments = |side: u32| side.div_ceil(plan::segment(&b.plan));
         let (across, down) = (segments(width), segments(height));
         let storage = [Texture(&picture.texels), Buffer(&self.columns)];
-        picture.step(b, "window_columns", &storage, pass, [width.div_ceil(4), down], Written::Part);
-        b.step("window_sums", &[Buffer(&self.columns), Buffer(&self.sums)], pass, height, across, written);
+        picture.step(b, "window_columns", &storage, dispatch, [width.div_ceil(4), down], Written::Part);
+        b.step("window_sums", &[Buffer(&self.columns), Buffer(&self.sums)], dispatch, height, across, written);
     }
 }
 
@@ -209,12 +212,12 @@ pub(super) fn halved(b: &mut Builder<'_>, pyramid: &[[wgpu::TextureView; 2]]) ->
     let of = |halvings: usize| levels.iter().position(|level| level.halvings as usize == halvings).unwrap_or(0);
     let Frame { width, height, gray_stride, .. } = levels[of(pyramid.len() - 1)].sizes.frame;
     b.enter(of(pyramid.len()));
-    let pass = Pass { lines: width, rows: height, stride: gray_stride, ..Pass::default() };
+    let dispatch = Dispatch { lines: width, rows: height, stride: gray_stride, ..Dispatch::default() };
     let Frame { height, gray_stride, .. } = b.sizes.frame;
     [0, 1].map(|side| {
         let halved = b.buffer("halve", b.sizes.gray);
         let storage = [Texture(&pyramid[pyramid.len() - 1][side]), Buffer(&halved)];
-        b.step("halve", &storage, pass, 4 * gray_stride, height, Written::Values { side });
+        b.step("halve", &storage, dispatch, 4 * gray_stride, height, Written::Values { side });
         b.copy_to_texels()
     })
 }

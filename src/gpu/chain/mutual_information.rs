@@ -7,7 +7,7 @@ use crate::gpu::chain::images::{halved, values};
 use crate::gpu::chain::planes::{Planes, planes_of};
 use crate::gpu::chain::view_maps::ViewMaps;
 use crate::gpu::chain::winner;
-use crate::gpu::layout::{Frame, Pass};
+use crate::gpu::layout::{Dispatch, Frame, HistogramOwn, SmoothOwn};
 use crate::gpu::recording::Bound::{Buffer, Texture};
 use crate::gpu::recording::{Builder, Level, Written};
 use crate::reference::{mi_narrowing, mi_prior};
@@ -76,39 +76,43 @@ impl Scratch {
         let Frame { width, height, .. } = b.sizes.frame;
         let Level { halvings, .. } = b.levels[b.level];
         let [left, right] = &pyramid[halvings as usize];
-        let (pass, map, rows) = match map {
+        let (dispatch, map, rows) = match map {
             Some(map) => {
                 let before = &b.levels[b.level - 1];
                 let stride = before.sizes.frame.map_stride;
-                (Pass { stride, halvings: before.halvings - halvings, ..Pass::default() }, map, height)
+                let own = HistogramOwn { halvings: before.halvings - halvings };
+                (Dispatch { stride, own: own.into(), ..Dispatch::default() }, map, height)
             }
-            None => (Pass::default(), &self.no_map, 0),
+            None => (Dispatch::default(), &self.no_map, 0),
         };
         let storage = [Texture(left), Texture(right), Buffer(map), Buffer(&self.counts)];
-        b.step("mi_histogram", &storage, pass, width, rows, Written::Histogram);
+        b.step("mi_histogram", &storage, dispatch, width, rows, Written::Histogram);
         b.clear();
 
         let pixels = u64::from(width) * u64::from(height);
-        let along = Pass { rows: 256, ..Pass::default() };
-        let down = Pass { dy: 1, ..along };
+        let along = Dispatch { rows: 256, ..Dispatch::default() };
+        let down = Dispatch { dy: 1, ..along };
         let [across, joint] = &self.joint;
         let [sums, marginals] = &self.marginals;
-        smooth(b, &self.counts, across, Pass { narrowing: mi_narrowing(pixels), ..along });
-        smooth(b, across, joint, Pass { prior: mi_prior(pixels), ..down });
-        b.step("mi_marginals", &[Buffer(joint), Buffer(sums)], Pass::default(), 512, 1, Written::Part);
-        smooth(b, sums, marginals, Pass { rows: 2, logarithms: 1, ..Pass::default() });
-        smooth(b, joint, across, Pass { logarithms: 1, ..along });
-        smooth(b, across, joint, down);
+        let none = SmoothOwn::default();
+        let logarithms = SmoothOwn { logarithms: 1, ..none };
+        smooth(b, &self.counts, across, along, SmoothOwn { narrowing: mi_narrowing(pixels), ..none });
+        smooth(b, across, joint, down, SmoothOwn { prior: mi_prior(pixels), ..none });
+        b.step("mi_marginals", &[Buffer(joint), Buffer(sums)], Dispatch::default(), 512, 1, Written::Part);
+        smooth(b, sums, marginals, Dispatch { rows: 2, ..Dispatch::default() }, logarithms);
+        smooth(b, joint, across, along, logarithms);
+        smooth(b, across, joint, down, none);
         let storage = [Buffer(joint), Buffer(marginals), Buffer(&self.range)];
-        b.step("mi_range", &storage, Pass::default(), 256, 1, Written::Part);
+        b.step("mi_range", &storage, Dispatch::default(), 256, 1, Written::Part);
         let table = b.buffer("mi_table", TABLE_BYTES / 4);
         let storage = [Buffer(joint), Buffer(marginals), Buffer(&self.range), Buffer(&table)];
-        b.step("mi_table", &storage, Pass::default(), 256 * 64, 1, Written::Table);
+        b.step("mi_table", &storage, Dispatch::default(), 256 * 64, 1, Written::Table);
         b.copy_to_texture([64, 256], 256, wgpu::TextureFormat::R32Uint)
     }
 }
 
 /// A table smoothed along one axis.
-fn smooth(b: &mut Builder<'_>, from: &wgpu::Buffer, to: &wgpu::Buffer, pass: Pass) {
-    b.step("mi_smooth", &[Buffer(from), Buffer(to)], pass, 64 * pass.rows, 1, Written::Part);
+fn smooth(b: &mut Builder<'_>, from: &wgpu::Buffer, to: &wgpu::Buffer, dispatch: Dispatch, own: SmoothOwn) {
+    let dispatch = Dispatch { own: own.into(), ..dispatch };
+    b.step("mi_smooth", &[Buffer(from), Buffer(to)], dispatch, 64 * dispatch.rows, 1, Written::Part);
 }

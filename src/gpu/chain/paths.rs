@@ -2,7 +2,7 @@
 
 use crate::gpu::chain::cost::{CostVolume, matching_cost};
 use crate::gpu::chain::planes::Planes;
-use crate::gpu::layout::{Frame, PAIR_BUFFERS, Pass, Rows, cut};
+use crate::gpu::layout::{Dispatch, Frame, PAIR_BUFFERS, PathOwn, Rows, cut};
 use crate::gpu::plan::PATHS_BYTES;
 use crate::gpu::recording::Bound::{self, Buffer, Texture};
 use crate::gpu::recording::{Builder, Written};
@@ -58,11 +58,18 @@ impl Penalties {
             let buffer = b.buffer("penalties", b.sizes.penalties);
             let (storage, written) = ([Texture(gray), Buffer(&buffer)], Written::Penalties { direction });
             match direction.dy.unsigned_abs() {
-                0 => b.step("penalties", &storage, Pass::default(), width / 16 + 1, height, written),
+                0 => b.step("penalties", &storage, Dispatch::default(), width / 16 + 1, height, written),
                 step => {
                     let Direction { dx, dy } = direction;
-                    let pass = Pass { dx: step_across(width, dx), dy, ..Pass::default() };
-                    b.step("penalties_lines", &storage, pass, width, step * (height.div_ceil(step) / 16 + 1), written);
+                    let dispatch = Dispatch { dx: step_across(width, dx), dy, ..Dispatch::default() };
+                    b.step(
+                        "penalties_lines",
+                        &storage,
+                        dispatch,
+                        width,
+                        step * (height.div_ceil(step) / 16 + 1),
+                        written,
+                    );
                 }
             }
             (direction, buffer)
@@ -76,27 +83,32 @@ impl Penalties {
         frame: Frame,
         direction: Direction,
         storage: &[Bound<'a>],
-        pass: Pass,
-    ) -> (Vec<Bound<'a>>, Pass) {
+        dispatch: Dispatch,
+        own: PathOwn,
+    ) -> (Vec<Bound<'a>>, Dispatch) {
         let of = self.0.iter().find(|(forward, _)| [direction, direction.opposite()].contains(forward));
-        let pass = match direction.dy.unsigned_abs() {
+        let own = match direction.dy.unsigned_abs() {
             0 => {
                 let vectors = frame.width / 16 + 1;
-                Pass { penalties_from: pass.first_row * vectors, penalties_line: vectors, penalties_step: 1, ..pass }
+                let penalties_from = dispatch.first_row * vectors;
+                PathOwn { penalties_from, penalties_line: vectors, penalties_step: 1, ..own }
             }
             step => {
                 // Of two sets of paths in a band of one row the second one has no pixel.
-                let (entry, rows) = (pass.first_row as i32 + pass.entry, step as i32);
-                Pass {
+                let (entry, rows) = (dispatch.first_row as i32 + dispatch.entry, step as i32);
+                PathOwn {
                     penalties_from: entry.rem_euclid(rows) as u32 * frame.width,
                     penalties_line: 1,
                     penalties_step: step * frame.width,
                     place: entry.div_euclid(rows) + i32::from(direction.dy < 0),
-                    ..pass
+                    ..own
                 }
             }
         };
-        (storage.iter().copied().chain(of.map(|(_, buffer)| Buffer(buffer))).collect(), pass)
+        (
+            storage.iter().copied().chain(of.map(|(_, buffer)| Buffer(buffer))).collect(),
+            Dispatch { own: own.into(), ..dispatch },
+        )
     }
 }
 
@@ -107,24 +119,24 @@ fn step_across(width: u32, dx: i32) -> i32 {
 
 /// Paths that cross a band: `set` 0 are those that enter at its first row in their direction, `set` 1 those that
 /// enter at the second, of a direction that takes two rows a step.
-fn paths_through(frame: Frame, band: Rows, direction: Direction, set: u32) -> Pass {
+fn paths_through(frame: Frame, band: Rows, direction: Direction, set: u32) -> (Dispatch, PathOwn) {
     let Direction { dx, dy } = direction;
     let (step, entry) = (dy.unsigned_abs(), if dy > 0 { set as i32 } else { band.count as i32 - 1 - set as i32 });
     let rows = (band.count + step - 1 - set) / step;
     // A line is named by the row, 0 or 1, and the column at which it crosses that.
     let steps = (i64::from(band.first) + i64::from(entry)).div_euclid(step.into());
     let slope = i64::from(dx * dy.signum());
-    Pass {
+    let own = PathOwn { carry_from: set, carry_to: set + step * rows - band.count, ..PathOwn::default() };
+    let dispatch = Dispatch {
         first_row: band.first,
         rows,
         shift: (slope * steps).rem_euclid(frame.width.into()) as u32,
         dx: step_across(frame.width, dx),
         dy,
         entry,
-        carry_from: set,
-        carry_to: set + step * rows - band.count,
-        ..Pass::default()
-    }
+        ..Dispatch::default()
+    };
+    (dispatch, own)
 }
 
 /// The paths of a pair that cross rows, a strip of them at a time: if they are opposite ones, there and back.
@@ -148,13 +160,14 @@ fn paths_across(
                 let rows = b.sizes.bands[band];
                 let sets = direction.dy.unsigned_abs();
                 for set in 0..sets {
-                    let pass = Pass {
+                    let (through, own) = paths_through(b.sizes.frame, rows, direction, set);
+                    let own = PathOwn { accumulate: second as u32, ..own };
+                    let dispatch = Dispatch {
                         first_line: strip.first,
                         lines: strip.count,
                         carried: (nth > 0).into(),
-                        accumulate: second as u32,
                         slot: slot * rows.count * volume_stride,
-                        ..paths_through(b.sizes.frame, rows, direction, set)
+                        ..through
                     };
                     let (from, to) = (Buffer(&carry[nth % 2]), Buffer(&carry[1 - nth % 2]));
                     let written = Written::Paths {
@@ -165,8 +178,8 @@ fn paths_across(
                         last: second + 1 == pair.len() && strip.first + strip.count == width && set + 1 == sets,
                     };
                     let storage = [costs[band].bound(), Buffer(&paths[band]), from, to];
-                    let (storage, pass) = penalties.bound(b.sizes.frame, direction, &storage, pass);
-                    b.step("sgm_aggregate", &storage, pass, strip.count, 1, written);
+                    let (storage, dispatch) = penalties.bound(b.sizes.frame, direction, &storage, dispatch, own);
+                    b.step("sgm_aggregate", &storage, dispatch, strip.count, 1, written);
                 }
             }
         }

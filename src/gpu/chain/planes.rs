@@ -2,7 +2,7 @@
 
 use crate::Prefilter;
 use crate::gpu::chain::images::{Picture, Sums, filtered, gray, picture_of, prefilter, source_of};
-use crate::gpu::layout::{Frame, Pass, Piece, Rows};
+use crate::gpu::layout::{Dispatch, Frame, Piece, PlaneOwn, Rows};
 use crate::gpu::recording::Bound::{self, Buffer, Texture};
 use crate::gpu::recording::{Builder, Written};
 use crate::params::Descriptor;
@@ -27,10 +27,10 @@ pub(super) struct Planes {
 impl Planes {
     fn new(b: &mut Builder<'_>, pictures: [Vec<Picture>; 2], grays: Vec<wgpu::TextureView>, scratch: Sums) -> Self {
         let buffers = [b.buffer("descriptors.left", b.sizes.left), b.buffer("descriptors.right", b.sizes.right)];
-        let (rows, places) = (b.params.planes() * b.sizes.planes_rows, [0, 1].map(|side| place_of(b, side)));
+        let (rows, strides) = (b.params.planes() * b.sizes.planes_rows, [0, 1].map(|side| place_of(b, side).0));
         let in_textures = b.sizes.small_block && !b.plan.per_subgroup;
-        let texture = |place: Pass| b.texture("planes", [place.stride, rows], rows, wgpu::TextureFormat::R32Uint);
-        let textures = if in_textures { places.map(texture).to_vec() } else { Vec::new() };
+        let texture = |stride: u32| b.texture("planes", [stride, rows], rows, wgpu::TextureFormat::R32Uint);
+        let textures = if in_textures { strides.map(texture).to_vec() } else { Vec::new() };
         let mut planes =
             Self { buffers, textures, views: Vec::new(), pictures, scratch, held: None, grays, table: None };
         let first = b.sizes.pieces[0][0].clone();
@@ -40,29 +40,31 @@ impl Planes {
 
     /// Stages `descriptors`, or `prefilter` if that is what is compared, of the rows of a piece, unless it is done. Returns
     /// where the kernels that take the planes find the rows.
-    pub(super) fn hold(&mut self, b: &mut Builder<'_>, piece: &Piece) -> Pass {
+    pub(super) fn hold(&mut self, b: &mut Builder<'_>, piece: &Piece) -> Dispatch {
         let rows = piece.planes;
         if self.held.replace(rows) != Some(rows) {
             self.views.clear();
             for side in [0, 1] {
                 self.compute(b, side, rows);
                 if let Some(texture) = self.textures.get(side) {
-                    let size = [place_of(b, side).stride, b.params.planes() * rows.count];
+                    let size = [place_of(b, side).0, b.params.planes() * rows.count];
                     self.views.push(b.copy_into(texture, size));
                 }
             }
         }
-        Pass { planes_row: rows.first, planes_rows: rows.count, ..Pass::default() }
+        Dispatch { planes_row: rows.first, planes_rows: rows.count, ..Dispatch::default() }
     }
 
     fn compute(&self, b: &mut Builder<'_>, side: usize, rows: Rows) {
         let count = b.params.planes() / b.params.channels();
         for (channel, picture) in (0..).zip(&self.pictures[side]) {
             let first_plane = channel * count;
-            let pass = Pass { first_plane, first_row: rows.first, rows: rows.count, ..place_of(b, side) };
+            let (stride, own) = place_of(b, side);
+            let own = PlaneOwn { first_plane, ..own }.into();
+            let dispatch = Dispatch { first_row: rows.first, rows: rows.count, stride, own, ..Dispatch::default() };
             let written = Written::Descriptors { side, first: first_plane as usize, count: count as usize, rows };
             if b.params.compares_values() {
-                prefilter(b, picture, &self.scratch, Buffer(&self.buffers[side]), pass, written);
+                prefilter(b, picture, &self.scratch, Buffer(&self.buffers[side]), dispatch, written);
                 continue;
             }
             if b.params.compares(Descriptor::Excess) {
@@ -71,7 +73,7 @@ impl Planes {
                 self.scratch.compute(b, picture, window, sums);
             }
             let storage = [Texture(&picture.texels), Buffer(&self.scratch.sums), Buffer(&self.buffers[side])];
-            picture.step(b, "descriptors", &storage, pass, [pass.stride / 4, rows.count], written);
+            picture.step(b, "descriptors", &storage, dispatch, [dispatch.stride / 4, rows.count], written);
         }
     }
 
@@ -102,15 +104,15 @@ pub(super) fn planes(b: &mut Builder<'_>, sources: &[wgpu::TextureView; 2]) -> P
     Planes::new(b, pictures, grays, scratch)
 }
 
-/// Where the bytes of a side lie in its planes.
-fn place_of(b: &Builder<'_>, side: usize) -> Pass {
+/// Words a row of the planes of a side, and where its bytes lie in them.
+fn place_of(b: &Builder<'_>, side: usize) -> (u32, PlaneOwn) {
     let Frame { width, min_disparity, block_radius, left_stride, right_stride, .. } = b.sizes.frame;
     let radius = block_radius as i32;
     if side == 0 {
-        return Pass { lead: radius, stride: left_stride, ..Pass::default() };
+        return (left_stride, PlaneOwn { lead: radius, ..PlaneOwn::default() });
     }
     let lead = width as i32 - 1 + radius - min_disparity;
-    Pass { mirrored: 1, lead, stride: right_stride, ..Pass::default() }
+    (right_stride, PlaneOwn { mirrored: 1, lead, first_plane: 0 })
 }
 
 /// The planes of values that [`images::values`](crate::gpu::chain::images::values) left, or that were halved.

@@ -5,7 +5,7 @@ use crate::gpu::chain::cost::{Columns, Statistics};
 use crate::gpu::chain::paths::{AcrossRows, across_rows};
 use crate::gpu::chain::planes::Planes;
 use crate::gpu::chain::view_maps::ViewMaps;
-use crate::gpu::layout::{Frame, Pass, Rows, TEXTURE_ROW, cut};
+use crate::gpu::layout::{Dispatch, Frame, PathOwn, Rows, TEXTURE_ROW, cut};
 use crate::gpu::plan::{ROWS_BYTES, parts_and_strip};
 use crate::gpu::recording::Bound::{self, Buffer, Texture};
 use crate::gpu::recording::{Builder, Written};
@@ -32,21 +32,21 @@ fn along_rows(b: &mut Builder<'_>, across: &AcrossRows, views: &ViewMaps) {
     for (band, &rows) in b.sizes.bands.iter().enumerate() {
         for strip in cut(rows, strip_rows) {
             let volume_row = strip.first - rows.first;
-            let pass = Pass { first_row: strip.first, rows: strip.count, volume_row, ..Pass::default() };
-            let along_row = Pass { lines: strip.count, dx: along[0].dx, dy: along[0].dy, ..pass };
+            let dispatch = Dispatch { first_row: strip.first, rows: strip.count, volume_row, ..Dispatch::default() };
+            let along_row = Dispatch { lines: strip.count, dx: along[0].dx, dy: along[0].dy, ..dispatch };
             let written =
                 Written::Paths { directions: vec![along[0]], band: strip, volume_row: 0, first: true, last: true };
             let storage = [costs[band].bound(), Buffer(&forward), Buffer(&unused[0]), Buffer(&unused[1])];
-            let (storage, along_row) = penalties.bound(frame, along[0], &storage, along_row);
+            let (storage, along_row) = penalties.bound(frame, along[0], &storage, along_row, PathOwn::default());
             b.step("sgm_aggregate", &storage, along_row, strip.count, 1, written);
             let pair = |i: usize| Buffer(&paired[i.min(paired.len() - 1)][band]);
             let ([left_map, right_map], map_row) = views.bound(b, strip);
             let storage = [costs[band].bound(), Buffer(&forward), pair(0), pair(1), pair(2), left_map, right_map];
             let written =
                 Written::Views { right: views.right.clone(), last: strip.first + strip.count == frame.height };
-            let pass = Pass { slot: rows.count * frame.volume_stride, map_row, ..pass };
-            let (storage, pass) = penalties.bound(frame, along[1], &storage, pass);
-            b.step("winner", &storage, pass, strip.count, 1, written);
+            let dispatch = Dispatch { slot: rows.count * frame.volume_stride, map_row, ..dispatch };
+            let (storage, dispatch) = penalties.bound(frame, along[1], &storage, dispatch, PathOwn::default());
+            b.step("winner", &storage, dispatch, strip.count, 1, written);
         }
     }
 }
@@ -64,20 +64,20 @@ fn block_match(b: &mut Builder<'_>, planes: &mut Planes, views: &ViewMaps) {
             let rows = piece.rows;
             let [left, right] = &planes.views[..] else { unreachable!("small blocks are matched from textures") };
             let ([left_map, right_map], map_row) = views.bound(b, rows);
-            let pass = Pass { first_row: rows.first, rows: rows.count, map_row, ..place };
+            let dispatch = Dispatch { first_row: rows.first, rows: rows.count, map_row, ..place };
             let storage = [Texture(left), Texture(right), left_map, right_map];
             let (parts, strip) = parts_and_strip(b.params.disparities);
-            b.step("block_match_small", &storage, pass, parts * rows.count.div_ceil(strip), 1, written(rows));
+            b.step("block_match_small", &storage, dispatch, parts * rows.count.div_ceil(strip), 1, written(rows));
         }
         for &chunk in &piece.chunks {
-            let pass = columns.compute(b, planes, chunk, place);
+            let dispatch = columns.compute(b, planes, chunk, place);
             if let Some(statistics) = &statistics {
                 statistics.compute(b, planes, chunk, place);
             }
             let known = statistics.as_ref().map_or(&columns.buffer, |statistics| &statistics.buffer);
             let ([left_map, right_map], map_row) = views.bound(b, chunk);
             let storage = [Buffer(&columns.buffer), left_map, right_map, Buffer(known)];
-            b.step("block_match", &storage, Pass { map_row, ..pass }, chunk.count, 1, written(chunk));
+            b.step("block_match", &storage, Dispatch { map_row, ..dispatch }, chunk.count, 1, written(chunk));
         }
     }
 }
@@ -87,6 +87,6 @@ pub(super) fn mirror(b: &mut Builder<'_>, left: &wgpu::Buffer) -> wgpu::Buffer {
     let map_stride = b.sizes.frame.map_stride;
     let map = b.buffer("mirror", b.sizes.map);
     let storage = [left, &map].map(|map| Bound::Rows(map, 4 * u64::from(map_stride)));
-    b.step_rows("mirror", &storage, Pass::default(), map_stride / 4, 1, Written::Mirrored);
+    b.step_rows("mirror", &storage, Dispatch::default(), map_stride / 4, 1, Written::Mirrored);
     map
 }

@@ -3,7 +3,7 @@
 use crate::gpu::interop::context::Context;
 use crate::gpu::interop::resources::TextureLayer;
 use crate::gpu::interop::work::{Work, WriteMethod};
-use crate::gpu::layout::Pass;
+use crate::gpu::layout::Dispatch;
 use crate::gpu::scopes;
 use crate::{Error, color};
 use wgpu::TextureFormat;
@@ -121,13 +121,13 @@ pub(super) fn bind(
     let frame = uniform("gpu-stereo.frame", bytemuck::bytes_of(context.frame));
     let stride = if let CallerResource::Buffer { bytes_per_row, .. } = resource { bytes_per_row / 4 } else { 0 };
     let mut colors = None;
-    let mut pass = None;
+    let mut dispatch = None;
     let (source, view);
     let mut entries = vec![(0, frame.as_entire_binding())];
     match end {
         MatcherResource::Texture(texture) => {
-            let block = Pass { stride, ..Pass::default() };
-            let block = pass.insert(uniform("gpu-stereo.passes", bytemuck::bytes_of(&block)));
+            let block = Dispatch { stride, ..Dispatch::default() };
+            let block = dispatch.insert(uniform("gpu-stereo.dispatch", bytemuck::bytes_of(&block)));
             source = texture.create_view(&wgpu::TextureViewDescriptor::default());
             entries.push((1, block.as_entire_binding()));
             entries.push((2, wgpu::BindingResource::TextureView(&source)));

@@ -1,6 +1,7 @@
 //! The shaders between the caller's resources and the matcher's, and what they are bound to.
 
 use crate::PixelFormat;
+use crate::gpu::layout::NO_OWN;
 use wgpu::TextureFormat;
 
 /// Invocations of a workgroup.
@@ -71,7 +72,7 @@ impl Work {
     /// The whole text.
     pub(super) fn source(self) -> String {
         let number = |name: &str, value: u32| format!("const {name}: u32 = {value}u; ");
-        let mut constants = number("LANES", LANES);
+        let mut constants = number("LANES", LANES) + NO_OWN;
         if let Work::Intake { format, srgb, .. } = self {
             let (bits, units) = match format.bytes_per_pixel() {
                 bytes @ 1..=4 => (8 * bytes, 1),

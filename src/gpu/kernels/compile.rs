@@ -1,5 +1,7 @@
 //! From the text of a kernel to its pipeline.
 
+use std::sync::Arc;
+
 use super::table::Access::{Costs, Penalties, Read, Table, Texels, Trees, Write};
 use super::table::Kernel;
 use crate::gpu::plan::Plan;
@@ -10,6 +12,8 @@ use crate::params::Params;
 pub(crate) struct Compiled {
     pub(crate) layout: wgpu::BindGroupLayout,
     pub(crate) pipeline: wgpu::ComputePipeline,
+    /// What it was compiled from.
+    pub(crate) text: Arc<str>,
 }
 
 /// Compiles `text`, a kernel's [`source`].
@@ -60,7 +64,7 @@ pub(crate) fn compile(device: &wgpu::Device, kernel: &Kernel, text: &str, params
         },
         cache: None,
     });
-    Compiled { layout, pipeline }
+    Compiled { layout, pipeline, text: text.into() }
 }
 
 /// The kernels run without naga's guards against endless loops and against indices out of range, unless

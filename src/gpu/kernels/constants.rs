@@ -4,7 +4,7 @@ use std::collections::HashSet;
 
 use super::table::{Access, Kernel};
 use crate::PixelFormat;
-use crate::gpu::layout::TEXELS;
+use crate::gpu::layout::{NO_OWN, TEXELS};
 use crate::gpu::plan::{Plan, paired, parts_and_strip, segment, span, vectors};
 use crate::params::{Census, Descriptor, Params, Prefilter, Subpixel};
 use crate::reference::{median_decay, median_spacing, wls_bits};
@@ -131,6 +131,10 @@ fn filters(params: &Params, plan: &Plan) -> Vec<Constant> {
     ]
 }
 
+fn no_own(fragments: &[&str]) -> Option<&'static str> {
+    fragments.iter().all(|text| !text.contains("struct Own {")).then_some(NO_OWN)
+}
+
 /// The constants of a kernel, as the WGSL line that is appended to `fragments`, its text: `override` constants cannot size the
 /// arrays that hold a path's state. Only those that the text names are given, so that settings which do not concern a kernel do
 /// not change its text, and the driver's cache finds it again.
@@ -156,5 +160,6 @@ pub(super) fn constants(
     .flatten()
     .filter(|(name, ..)| words.contains(name))
     .map(|(name, kind, value)| format!("const {name}: {kind} = {value}; "))
+    .chain(no_own(fragments).map(str::to_string))
     .collect()
 }

@@ -3,7 +3,7 @@
 use super::table::Access::{self, Costs, Penalties, Read, Table, Texels, Trees, Write};
 use super::table::KERNELS;
 use crate::Error;
-use crate::gpu::layout::{Frame, Pass};
+use crate::gpu::layout::{Dispatch, Frame};
 use crate::gpu::plan::GROUP_LANES;
 
 /// Bytes of workgroup memory of `shared_path_workgroup` and of `mi_range`, which have most of it.
@@ -18,7 +18,7 @@ pub(crate) fn check_limits(limits: &wgpu::Limits) -> Result<(), Error> {
     let buffers = most(|access| matches!(access, Read | Write | Costs | Penalties | Trees));
     let textures = most(|access| matches!(access, Texels(_) | Costs | Table));
     let lanes = KERNELS.iter().map(|kernel| kernel.lanes).max().unwrap_or(0).max(GROUP_LANES);
-    let uniform = size_of::<Frame>().max(size_of::<Pass>());
+    let uniform = size_of::<Frame>().max(size_of::<Dispatch>());
     let mut lacking = Vec::new();
     macro_rules! need {
         ($($name:ident $needed:expr;)+) => {$(

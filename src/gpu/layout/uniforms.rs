@@ -35,10 +35,10 @@ pub(crate) struct Frame {
     pub(crate) source_shift: u32,
 }
 
-/// The WGSL block `Pass`: what differs between dispatches.
+/// The WGSL block `Dispatch`: what differs between dispatches.
 #[repr(C)]
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, bytemuck::Pod, bytemuck::Zeroable)]
-pub(crate) struct Pass {
+pub(crate) struct Dispatch {
     pub(crate) first_row: u32,
     pub(crate) rows: u32,
     pub(crate) volume_row: u32,
@@ -47,31 +47,69 @@ pub(crate) struct Pass {
     pub(crate) shift: u32,
     pub(crate) dx: i32,
     pub(crate) dy: i32,
-    pub(crate) carried: u32,
-    pub(crate) accumulate: u32,
-    pub(crate) channel: u32,
-    pub(crate) mirrored: u32,
-    pub(crate) lead: i32,
-    pub(crate) stride: u32,
-    pub(crate) first_plane: u32,
-    pub(crate) window: u32,
-    pub(crate) row_step: u32,
-    pub(crate) occlusions: u32,
-    pub(crate) reversed: u32,
     pub(crate) entry: i32,
-    pub(crate) carry_from: u32,
-    pub(crate) carry_to: u32,
+    pub(crate) carried: u32,
+    pub(crate) stride: u32,
+    pub(crate) row_step: u32,
     pub(crate) slot: u32,
-    pub(crate) penalties_from: u32,
-    pub(crate) penalties_line: u32,
-    pub(crate) penalties_step: u32,
-    pub(crate) place: i32,
-    pub(crate) halvings: u32,
-    pub(crate) narrowing: u32,
-    pub(crate) prior: u32,
-    pub(crate) logarithms: u32,
-    pub(crate) side: u32,
     pub(crate) map_row: u32,
     pub(crate) planes_row: u32,
     pub(crate) planes_rows: u32,
+    pub(crate) own: Own,
+}
+
+/// The WGSL block `Own` of any kernel, which ends `Dispatch`: what only this kernel reads.
+#[repr(C)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, bytemuck::Pod, bytemuck::Zeroable)]
+pub(crate) struct Own([u32; 8]);
+
+/// What stands for [`Own`] in the text of a kernel that declares none.
+pub(crate) const NO_OWN: &str = "alias Own = u32; ";
+
+/// Structs that become [`Own`].
+macro_rules! own {
+    ($($(#[$doc:meta])* $name:ident { $($field:ident: $type:ty),+ })+) => {$(
+        $(#[$doc])*
+        #[repr(C)]
+        #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, bytemuck::Pod, bytemuck::Zeroable)]
+        pub(crate) struct $name {
+            $(pub(crate) $field: $type),+
+        }
+
+        impl From<$name> for Own {
+            fn from(fields: $name) -> Self {
+                let mut own = Self::default();
+                let bytes = bytemuck::bytes_of(&fields);
+                bytemuck::bytes_of_mut(&mut own)[..bytes.len()].copy_from_slice(bytes);
+                own
+            }
+        }
+    )+};
+}
+
+own! {
+    /// Of `gray` and `deep_gray`.
+    GrayOwn { channel: u32, reversed: u32 }
+    /// Of `prefilter` and `descriptors`.
+    PlaneOwn { mirrored: u32, lead: i32, first_plane: u32 }
+    /// Of `window_columns` and `window_sums`.
+    WindowOwn { window: u32 }
+    /// Of `mi_histogram`.
+    HistogramOwn { halvings: u32 }
+    /// Of `mi_smooth`.
+    SmoothOwn { narrowing: u32, prior: u32, logarithms: u32 }
+    /// Of `sgm_aggregate` and `winner`.
+    PathOwn {
+        accumulate: u32,
+        carry_from: u32,
+        carry_to: u32,
+        penalties_from: u32,
+        penalties_line: u32,
+        penalties_step: u32,
+        place: i32
+    }
+    /// Of `validity`.
+    ValidityOwn { side: u32 }
+    /// Of `fill_between` and `fill_rays`.
+    FillOwn { occlusions: u32 }
 }

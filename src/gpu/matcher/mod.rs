@@ -4,6 +4,7 @@ mod build;
 mod compute;
 mod rebuild;
 mod record;
+mod shaders;
 mod stereo_matcher;
 mod timed;
 mod timer;

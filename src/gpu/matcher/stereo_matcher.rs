@@ -36,7 +36,7 @@ pub struct StereoMatcher {
     /// Bytes that are read back of such a pair.
     pub(super) room: u64,
     pub(crate) sizes: Sizes,
-    /// The passes through the chain; the last one has these settings and sizes.
+    /// The rounds through the chain; the last one has these settings and sizes.
     pub(crate) levels: Vec<Level>,
     pub(crate) steps: Vec<Step>,
     pub(super) ends: Ends,

@@ -3,10 +3,10 @@
 use std::collections::HashMap;
 
 use crate::gpu::kernels::{self, Compiled, KERNELS};
-use crate::gpu::layout::{Pass, ROW_UNIT, Rows, Sizes, TEXELS, TEXTURE_ROW};
+use crate::gpu::layout::{Dispatch, ROW_UNIT, Rows, Sizes, TEXELS, TEXTURE_ROW};
 use crate::gpu::plan::Plan;
 use crate::gpu::recording::level::Level;
-use crate::gpu::recording::planned::{PASS_STRIDE, Planned, Resource};
+use crate::gpu::recording::planned::{DISPATCH_STRIDE, Planned, Resource};
 use crate::gpu::recording::pool::{Pool, Shared, Sized, SizedTexture, take};
 use crate::gpu::recording::step::{Part, Step};
 use crate::gpu::recording::written::Written;
@@ -246,7 +246,7 @@ impl<'a> Builder<'a> {
         &mut self,
         name: &str,
         storage: &[Bound<'_>],
-        pass: Pass,
+        dispatch: Dispatch,
         lines: u32,
         rows: u32,
         written: Written,
@@ -279,7 +279,7 @@ impl<'a> Builder<'a> {
             level: self.level,
             compiled,
             storage: storage.iter().map(resource).collect(),
-            pass,
+            dispatch,
             workgroups: [invocations.div_ceil(row.lanes(&self.plan)), rows],
             written,
             buffer: buffer.clone(),
@@ -319,7 +319,7 @@ impl<'a> Builder<'a> {
         &mut self,
         name: &str,
         storage: &[Bound<'_>],
-        pass: Pass,
+        dispatch: Dispatch,
         lines: u32,
         rows_each: u32,
         written: Written,
@@ -327,8 +327,8 @@ impl<'a> Builder<'a> {
         let lots = self.lots(storage);
         for (i, &rows) in lots.iter().enumerate() {
             let bound: Vec<_> = storage.iter().map(|&bound| self.lot(bound, rows)).collect();
-            let pass = Pass { first_row: rows.first, rows: rows.count, ..pass };
-            self.step(name, &bound, pass, lines, rows.count.div_ceil(rows_each), written.clone());
+            let dispatch = Dispatch { first_row: rows.first, rows: rows.count, ..dispatch };
+            self.step(name, &bound, dispatch, lines, rows.count.div_ceil(rows_each), written.clone());
             self.part_of(i, lots.len());
         }
     }
@@ -371,9 +371,9 @@ impl<'a> Builder<'a> {
         for (buffer, contents) in &self.tables {
             queue.write_buffer(buffer, 0, bytemuck::cast_slice(contents));
         }
-        let mut blocks = vec![0u8; self.planned.len() * PASS_STRIDE as usize];
-        for (block, step) in blocks.chunks_exact_mut(PASS_STRIDE as usize).zip(&self.planned) {
-            block[..size_of::<Pass>()].copy_from_slice(bytemuck::bytes_of(&step.pass));
+        let mut blocks = vec![0u8; self.planned.len() * DISPATCH_STRIDE as usize];
+        for (block, step) in blocks.chunks_exact_mut(DISPATCH_STRIDE as usize).zip(&self.planned) {
+            block[..size_of::<Dispatch>()].copy_from_slice(bytemuck::bytes_of(&step.dispatch));
         }
         // There may be more steps for a smaller image.
         let (levels, room) = (self.levels, 2 * blocks.len() as u64);
@@ -381,10 +381,10 @@ impl<'a> Builder<'a> {
             .iter()
             .map(|level| self.uniform(queue, "frame", bytemuck::bytes_of(&level.sizes.frame), 0))
             .collect();
-        let passes = self.uniform(queue, "passes", &blocks, room);
+        let dispatches = self.uniform(queue, "dispatches", &blocks, room);
         let finished = |(i, step): (u32, Planned)| {
             let frame = &frames[step.level];
-            step.finished(self.device, frame, &passes, i * PASS_STRIDE)
+            step.finished(self.device, frame, &dispatches, i * DISPATCH_STRIDE)
         };
         let steps = (0..).zip(self.planned).filter_map(finished).collect();
         if self.free.compiled.len() < MOST_SPARE_KERNELS {

@@ -1,4 +1,4 @@
-//! The passes through the chain: one, or with mutual information several, from small images to large ones.
+//! The rounds through the chain: one, or with mutual information several, from small images to large ones.
 
 use crate::gpu::kernels;
 use crate::gpu::layout::Sizes;
@@ -6,7 +6,7 @@ use crate::gpu::plan::Plan;
 use crate::reference::{self, Round};
 use crate::{Error, Params, PixelFormat};
 
-/// A pass through the chain: its settings, and what follows from them.
+/// A round through the chain: its settings, and what follows from them.
 #[derive(Clone, Debug)]
 pub(crate) struct Level {
     /// How often the images are halved.
@@ -16,7 +16,7 @@ pub(crate) struct Level {
     pub(crate) sizes: Sizes,
 }
 
-/// The passes through the chain for pairs of `width` x `height` pixels, in buffers that were made for `largest`.
+/// The rounds through the chain for pairs of `width` x `height` pixels, in buffers that were made for `largest`.
 pub(crate) fn levels(
     device: &wgpu::Device,
     [width, height]: [u32; 2],
@@ -42,7 +42,7 @@ pub(crate) fn levels(
     reference::rounds(width, height, params).into_iter().map(level).collect()
 }
 
-/// The passes of smaller pairs that need buffers which the largest one does not.
+/// The rounds of smaller pairs that need buffers which the largest one does not.
 pub(crate) fn rooms(
     device: &wgpu::Device,
     [width, height]: [u32; 2],

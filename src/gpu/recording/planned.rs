@@ -3,12 +3,12 @@
 use std::num::NonZeroU64;
 
 use crate::gpu::kernels::{Compiled, KERNELS};
-use crate::gpu::layout::Pass;
+use crate::gpu::layout::Dispatch;
 use crate::gpu::recording::step::{Part, Step};
 use crate::gpu::recording::written::Written;
 
-/// Distance of the blocks in the uniform buffer of [`Pass`]es: the largest alignment that WebGPU allows a device to ask.
-pub(super) const PASS_STRIDE: u32 = 256;
+/// Distance of the blocks in the uniform buffer of [`Dispatch`]es: the largest alignment that WebGPU allows a device to ask.
+pub(super) const DISPATCH_STRIDE: u32 = 256;
 
 /// A step whose bind group is not made yet.
 pub(super) struct Planned {
@@ -17,7 +17,7 @@ pub(super) struct Planned {
     /// None if it is only planned.
     pub(super) compiled: Option<Compiled>,
     pub(super) storage: Vec<Resource>,
-    pub(super) pass: Pass,
+    pub(super) dispatch: Dispatch,
     pub(super) workgroups: [u32; 2],
     pub(super) written: Written,
     pub(super) buffer: wgpu::Buffer,
@@ -36,20 +36,20 @@ pub(super) enum Resource {
 }
 
 impl Planned {
-    /// The step, bound to the uniform blocks of its frame and to those of all passes, of which its own begins at `pass`.
+    /// The step, bound to the uniform blocks of its frame and to those of all dispatches, of which its own begins at `dispatch`.
     /// `None` if it is only planned.
     pub(super) fn finished(
         self,
         device: &wgpu::Device,
         frame: &wgpu::Buffer,
-        passes: &wgpu::Buffer,
-        pass: u32,
+        dispatches: &wgpu::Buffer,
+        dispatch: u32,
     ) -> Option<Step> {
-        let Compiled { layout, pipeline } = self.compiled?;
+        let Compiled { layout, pipeline, text } = self.compiled?;
         let part_of = |buffer, offset, bytes| {
             wgpu::BindingResource::Buffer(wgpu::BufferBinding { buffer, offset, size: NonZeroU64::new(bytes) })
         };
-        let uniforms = [frame.as_entire_binding(), part_of(passes, 0, size_of::<Pass>() as u64)];
+        let uniforms = [frame.as_entire_binding(), part_of(dispatches, 0, size_of::<Dispatch>() as u64)];
         let storage = self.storage.iter().map(|resource| match resource {
             Resource::Buffer(buffer, offset, bytes) => part_of(buffer, *offset, *bytes),
             Resource::Texture(view) => wgpu::BindingResource::TextureView(view),
@@ -66,9 +66,10 @@ impl Planned {
         Some(Step {
             kernel: self.kernel,
             level: self.level,
+            text,
             pipeline,
             bind_group,
-            pass,
+            dispatch,
             workgroups: self.workgroups,
             written: self.written,
             buffer: self.buffer,

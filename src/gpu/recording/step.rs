@@ -1,5 +1,7 @@
 //! A step: one dispatch.
 
+use std::sync::Arc;
+
 use crate::gpu::kernels::KERNELS;
 use crate::gpu::recording::pool::row_bytes;
 use crate::gpu::recording::written::Written;
@@ -18,10 +20,12 @@ pub(crate) struct Step {
     pub(super) kernel: usize,
     /// The [`Level`] that it belongs to.
     pub(crate) level: usize,
+    /// The text of that kernel.
+    pub(super) text: Arc<str>,
     pub(crate) pipeline: wgpu::ComputePipeline,
     pub(crate) bind_group: wgpu::BindGroup,
-    /// The offset of its [`Pass`] in the uniform buffer.
-    pub(crate) pass: u32,
+    /// The offset of its [`Dispatch`] in the uniform buffer.
+    pub(crate) dispatch: u32,
     pub(crate) workgroups: [u32; 2],
     pub(crate) written: Written,
     pub(crate) buffer: wgpu::Buffer,
@@ -40,6 +44,11 @@ pub(crate) struct Step {
 impl Step {
     pub(crate) fn stage(&self) -> &'static str {
         KERNELS[self.kernel].stage
+    }
+
+    /// The name of its kernel and its text.
+    pub(crate) fn shader(&self) -> (&'static str, &str) {
+        (KERNELS[self.kernel].name, &self.text)
     }
 
     /// Records the copy of what the step left, if there is one.
@@ -68,7 +77,7 @@ pub(crate) fn record_steps(
     let mut pass = encoder.begin_compute_pass(&wgpu::ComputePassDescriptor { label, timestamp_writes });
     for step in steps {
         pass.set_pipeline(&step.pipeline);
-        pass.set_bind_group(0, &step.bind_group, &[step.pass]);
+        pass.set_bind_group(0, &step.bind_group, &[step.dispatch]);
         pass.dispatch_workgroups(step.workgroups[0], step.workgroups[1], 1);
     }
     drop(pass);

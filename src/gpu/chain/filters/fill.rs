@@ -2,7 +2,7 @@
 
 use crate::Fill;
 use crate::gpu::chain::filters::map_step::by_rows;
-use crate::gpu::layout::{Frame, Pass};
+use crate::gpu::layout::{Dispatch, FillOwn, Frame};
 use crate::gpu::recording::Bound::{self, Buffer, Texture};
 use crate::gpu::recording::{Builder, Written};
 use crate::params::Filter;
@@ -30,18 +30,18 @@ pub(super) fn fill(b: &mut Builder<'_>, right: &wgpu::Buffer) -> wgpu::Buffer {
         lines: SLOPES.map(|_| b.buffer("fill.lines", b.sizes.nearest)),
         carry: b.buffer("fill.carry", 2 * 16 * lines),
     };
-    let occlusions = Pass { occlusions: 1, ..Pass::default() };
+    let occlusions = Dispatch { own: FillOwn { occlusions: 1 }.into(), ..Dispatch::default() };
     let mut texels = b.copy_to_texels();
     if b.params.fill != Fill::Background {
         filling.rows(b, &texels);
         let storage = [by_rows(b, right), Buffer(&filling.seen)];
-        b.step_rows("fill_seen", &storage, Pass::default(), map_stride / 4, 1, Written::Part);
-        let mut pass = occlusions;
+        b.step_rows("fill_seen", &storage, Dispatch::default(), map_stride / 4, 1, Written::Part);
+        let mut dispatch = occlusions;
         if b.params.fill == Fill::Rays {
             filling.between(b, &texels, &filling.along, occlusions, Written::Part);
             texels = b.copy_to_texels();
             filling.rows(b, &texels);
-            pass = Pass::default();
+            dispatch = Dispatch::default();
         }
         for i in 0..SLOPES.len() {
             filling.lines(b, &texels, i);
@@ -51,14 +51,14 @@ pub(super) fn fill(b: &mut Builder<'_>, right: &wgpu::Buffer) -> wgpu::Buffer {
         let nearest = [&filling.along, falling, upright, rising].map(|nearest| nearest_rows(b, nearest));
         let storage: Vec<_> =
             [&[Texture(&texels)][..], &nearest[..], &[Buffer(&filling.seen), by_rows(b, &filled)][..]].concat();
-        b.step_rows("fill_rays", &storage, pass, map_stride / 4, 1, Written::Part);
+        b.step_rows("fill_rays", &storage, dispatch, map_stride / 4, 1, Written::Part);
         texels = b.copy_to_texels();
     }
     filling.rows(b, &texels);
-    filling.between(b, &texels, &filling.along, Pass::default(), Written::Part);
+    filling.between(b, &texels, &filling.along, Dispatch::default(), Written::Part);
     texels = b.copy_to_texels();
     filling.lines(b, &texels, 0);
-    filling.between(b, &texels, &filling.lines[0], Pass::default(), Written::Filter(Filter::Fill))
+    filling.between(b, &texels, &filling.lines[0], Dispatch::default(), Written::Filter(Filter::Fill))
 }
 
 /// Nearest values by the rows of the image.
@@ -72,8 +72,8 @@ impl Filling {
         let lots = b.lots(&storage);
         for &rows in &lots {
             let storage = storage.map(|bound| b.lot(bound, rows));
-            let pass = Pass { first_row: rows.first, rows: rows.count, ..Pass::default() };
-            b.step("fill_rows", &storage, pass, rows.count, 2, Written::Part);
+            let dispatch = Dispatch { first_row: rows.first, rows: rows.count, ..Dispatch::default() };
+            b.step("fill_rows", &storage, dispatch, rows.count, 2, Written::Part);
         }
     }
 
@@ -91,10 +91,11 @@ impl Filling {
         for way in ways {
             for nth in 0..lots.len() {
                 let rows = if way == 0 { lots[nth] } else { lots[lots.len() - 1 - nth] };
-                let pass = Pass { dx, shift, lines, first_row: rows.first, rows: rows.count, ..Pass::default() };
-                let pass = Pass { entry: way, carried: (nth > 0).into(), ..pass };
+                let dispatch =
+                    Dispatch { dx, shift, lines, first_row: rows.first, rows: rows.count, ..Dispatch::default() };
+                let dispatch = Dispatch { entry: way, carried: (nth > 0).into(), ..dispatch };
                 let storage = [Texture(map), b.lot(nearest, rows), Buffer(&self.carry)];
-                b.step("fill_lines", &storage, pass, lines, at_once, Written::Part);
+                b.step("fill_lines", &storage, dispatch, lines, at_once, Written::Part);
             }
         }
     }
@@ -104,12 +105,12 @@ impl Filling {
         b: &mut Builder<'_>,
         map: &wgpu::TextureView,
         nearest: &wgpu::Buffer,
-        pass: Pass,
+        dispatch: Dispatch,
         written: Written,
     ) -> wgpu::Buffer {
         let filled = b.buffer("fill", b.sizes.map);
         let storage = [Texture(map), nearest_rows(b, nearest), Buffer(&self.seen), by_rows(b, &filled)];
-        b.step_rows("fill_between", &storage, pass, b.sizes.frame.map_stride / 4, 1, written);
+        b.step_rows("fill_between", &storage, dispatch, b.sizes.frame.map_stride / 4, 1, written);
         filled
     }
 }

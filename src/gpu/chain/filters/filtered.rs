@@ -6,7 +6,7 @@ use crate::gpu::chain::filters::map_step::{by_rows, map_step};
 use crate::gpu::chain::filters::speckle::speckle;
 use crate::gpu::chain::filters::wls::wls;
 use crate::gpu::chain::view_maps::ViewMaps;
-use crate::gpu::layout::{Frame, Pass};
+use crate::gpu::layout::{Dispatch, Frame};
 use crate::gpu::plan;
 use crate::gpu::recording::Bound::{self, Buffer, Texture};
 use crate::gpu::recording::{Builder, Written};
@@ -47,7 +47,7 @@ fn filter_step(
         Filter::Texture => {
             let columns = b.buffer("texture_columns", b.sizes.map);
             let (storage, lines) = ([Texture(gray), by_rows(b, &columns)], b.sizes.frame.map_stride.div_ceil(8));
-            b.step_rows("texture_columns", &storage, Pass::default(), lines, plan::segment(&b.plan), Written::Part);
+            b.step_rows("texture_columns", &storage, Dispatch::default(), lines, plan::segment(&b.plan), Written::Part);
             let reads = [by_rows(b, &columns), by_rows(b, map)];
             map_step(b, "texture", [&reads, &[]], written)
         }
@@ -78,7 +78,7 @@ pub(crate) fn confidence(b: &mut Builder<'_>, views: &ViewMaps, map: &wgpu::Buff
     let Frame { height, map_stride, .. } = b.sizes.frame;
     let confidence = b.buffer("confidence", b.sizes.confidence);
     let storage = [Buffer(map), Buffer(&views.right), Buffer(&confidence)];
-    b.step("confidence", &storage, Pass::default(), map_stride / 4, height, Written::Confidence);
+    b.step("confidence", &storage, Dispatch::default(), map_stride / 4, height, Written::Confidence);
     confidence
 }
 
@@ -87,6 +87,6 @@ pub(crate) fn depth(b: &mut Builder<'_>, map: &wgpu::Buffer) -> wgpu::Buffer {
     let Frame { map_stride, .. } = b.sizes.frame;
     let depth = b.buffer("depth", b.sizes.regions);
     let storage = [by_rows(b, map), Bound::Rows(&depth, 8 * u64::from(map_stride))];
-    b.step_rows("depth", &storage, Pass::default(), map_stride / 2, 1, Written::Depth);
+    b.step_rows("depth", &storage, Dispatch::default(), map_stride / 2, 1, Written::Depth);
     depth
 }

@@ -1,6 +1,6 @@
 //! Steps that make a map.
 
-use crate::gpu::layout::Pass;
+use crate::gpu::layout::Dispatch;
 use crate::gpu::recording::{Bound, Builder, Written};
 
 /// A map of disparities by the rows of the image.
@@ -12,6 +12,6 @@ pub(super) fn by_rows<'a>(b: &Builder<'_>, map: &'a wgpu::Buffer) -> Bound<'a> {
 pub(super) fn map_step(b: &mut Builder<'_>, kernel: &str, reads: [&[Bound<'_>]; 2], written: Written) -> wgpu::Buffer {
     let map = b.buffer(kernel, b.sizes.map);
     let storage = [reads[0], &[by_rows(b, &map)], reads[1]].concat();
-    b.step_rows(kernel, &storage, Pass::default(), b.sizes.frame.map_stride / 4, 1, written);
+    b.step_rows(kernel, &storage, Dispatch::default(), b.sizes.frame.map_stride / 4, 1, written);
     map
 }

@@ -1,7 +1,7 @@
 //! The filter of small regions.
 
 use crate::gpu::chain::filters::map_step::by_rows;
-use crate::gpu::layout::{Frame, Pass, Rows, cut};
+use crate::gpu::layout::{Dispatch, Frame, Rows, cut};
 use crate::gpu::plan::MOST_PARTS;
 use crate::gpu::recording::Bound::{self, Buffer, Texture};
 use crate::gpu::recording::{Builder, Written};
@@ -18,8 +18,8 @@ pub(super) fn speckle(b: &mut Builder<'_>) -> wgpu::Buffer {
     let by_pixel = Bound::Rows(&trees, 8 * u64::from(map_stride));
     for rows in b.lots(&[by_pixel]) {
         let storage = [Texture(&texels), b.lot(by_pixel, rows)];
-        let pass = Pass { first_row: rows.first, rows: rows.count, ..Pass::default() };
-        b.step("speckle_rows", &storage, pass, rows.count, 1, Written::Part);
+        let dispatch = Dispatch { first_row: rows.first, rows: rows.count, ..Dispatch::default() };
+        b.step("speckle_rows", &storage, dispatch, rows.count, 1, Written::Part);
     }
     let storage: Vec<_> = [Texture(&texels)].into_iter().chain(parts(b, &trees)).collect();
     let mut band = 1;
@@ -27,20 +27,21 @@ pub(super) fn speckle(b: &mut Builder<'_>) -> wgpu::Buffer {
         let borders = (height - band).div_ceil(2 * band);
         for groups in cut(Rows { first: 0, count: map_stride / 4 }, SEGMENT_GROUPS) {
             let (first_line, lines) = (groups.first, groups.count);
-            let pass = Pass { first_row: band - 1, row_step: 2 * band, first_line, lines, ..Pass::default() };
+            let dispatch =
+                Dispatch { first_row: band - 1, row_step: 2 * band, first_line, lines, ..Dispatch::default() };
             for kernel in ["speckle_link", "speckle_flatten"] {
-                b.step(kernel, &storage, pass, lines, borders, Written::Part);
+                b.step(kernel, &storage, dispatch, lines, borders, Written::Part);
             }
         }
         band *= 2;
     }
-    let pass = Pass { rows: height, ..Pass::default() };
-    b.step("speckle_count", &storage, pass, map_stride / 4, height, Written::Part);
+    let dispatch = Dispatch { rows: height, ..Dispatch::default() };
+    b.step("speckle_count", &storage, dispatch, map_stride / 4, height, Written::Part);
     let (map, lots) = (by_rows(b, &filtered), b.lots(&[by_rows(b, &filtered)]));
     for (i, &rows) in lots.iter().enumerate() {
         let storage: Vec<_> = storage.iter().copied().chain([b.lot(map, rows)]).collect();
-        let pass = Pass { first_row: rows.first, rows: rows.count, ..pass };
-        b.step("speckle", &storage, pass, map_stride / 4, rows.count, Written::Filter(Filter::Speckle));
+        let dispatch = Dispatch { first_row: rows.first, rows: rows.count, ..dispatch };
+        b.step("speckle", &storage, dispatch, map_stride / 4, rows.count, Written::Filter(Filter::Speckle));
         b.part_of(i, lots.len());
     }
     filtered

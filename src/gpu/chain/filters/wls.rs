@@ -1,7 +1,7 @@
 //! Weighted least squares.
 
 use crate::gpu::chain::filters::map_step::by_rows;
-use crate::gpu::layout::{Frame, Pass, Rows};
+use crate::gpu::layout::{Dispatch, Frame, Rows};
 use crate::gpu::recording::Bound::{self, Buffer, Texture};
 use crate::gpu::recording::{Builder, Written};
 use crate::params::Filter;
@@ -17,19 +17,20 @@ pub(super) fn wls(b: &mut Builder<'_>, gray: &wgpu::TextureView, couplings: Vec<
     let row = u64::from(volume_stride);
     let (values_rows, shares_rows) = (Bound::Rows(&values, 8 * row), Bound::Rows(&shares, 4 * row));
     let storage = [Texture(&texels), values_rows];
-    b.step_rows("wls_start", &storage, Pass::default(), map_stride / 4, 1, Written::Part);
+    b.step_rows("wls_start", &storage, Dispatch::default(), map_stride / 4, 1, Written::Part);
     let lots = b.lots(&[values_rows, shares_rows]);
     for iteration in 0..3 {
         let shift = 256 * iteration;
         for &rows in &lots {
             let (lines, stride) = (rows.count, volume_stride as i32);
-            let pass = Pass { first_row: rows.first, rows: width, lines, dx: 1, dy: stride, shift, ..Pass::default() };
+            let dispatch =
+                Dispatch { first_row: rows.first, rows: width, lines, dx: 1, dy: stride, shift, ..Dispatch::default() };
             let own = [b.lot(values_rows, rows), b.lot(shares_rows, rows), Buffer(&carry)];
             let storage = [&own[..], &[Texture(gray), Buffer(&couplings)]].concat();
-            b.step("wls_forward", &storage, pass, lines, 1, Written::Part);
-            b.step("wls_backward", &own, pass, lines, 1, Written::Part);
+            b.step("wls_forward", &storage, dispatch, lines, 1, Written::Part);
+            b.step("wls_backward", &own, dispatch, lines, 1, Written::Part);
         }
-        let down = |rows: Rows| Pass {
+        let down = |rows: Rows| Dispatch {
             first_row: rows.first,
             rows: rows.count,
             lines: width,
@@ -37,22 +38,22 @@ pub(super) fn wls(b: &mut Builder<'_>, gray: &wgpu::TextureView, couplings: Vec<
             dy: 1,
             row_step: 1,
             shift,
-            ..Pass::default()
+            ..Dispatch::default()
         };
         for &rows in &lots {
-            let pass = Pass { carried: (rows.first > 0).into(), ..down(rows) };
+            let dispatch = Dispatch { carried: (rows.first > 0).into(), ..down(rows) };
             let own = [b.lot(values_rows, rows), b.lot(shares_rows, rows), Buffer(&carry)];
             let storage = [&own[..], &[Texture(gray), Buffer(&couplings)]].concat();
-            b.step("wls_forward", &storage, pass, width, 1, Written::Part);
+            b.step("wls_forward", &storage, dispatch, width, 1, Written::Part);
         }
         for &rows in lots.iter().rev() {
-            let pass = Pass { carried: (rows.end() < height).into(), ..down(rows) };
+            let dispatch = Dispatch { carried: (rows.end() < height).into(), ..down(rows) };
             let own = [b.lot(values_rows, rows), b.lot(shares_rows, rows), Buffer(&carry)];
-            b.step("wls_backward", &own, pass, width, 1, Written::Part);
+            b.step("wls_backward", &own, dispatch, width, 1, Written::Part);
         }
     }
     let smooth = b.buffer("wls", b.sizes.map);
     let storage = [values_rows, by_rows(b, &smooth)];
-    b.step_rows("wls", &storage, Pass::default(), map_stride, 1, Written::Filter(Filter::Wls));
+    b.step_rows("wls", &storage, Dispatch::default(), map_stride, 1, Written::Filter(Filter::Wls));
     smooth
 }

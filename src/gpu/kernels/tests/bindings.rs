@@ -6,7 +6,9 @@ use wgpu::naga;
 
 use super::specialisations::{PLAN, parse, specialisations_of};
 use crate::gpu::kernels::{Access, KERNELS, source};
-use crate::gpu::layout::{Frame, Pass};
+use crate::gpu::layout::{
+    Dispatch, FillOwn, Frame, GrayOwn, HistogramOwn, Own, PathOwn, PlaneOwn, SmoothOwn, ValidityOwn, WindowOwn,
+};
 use crate::{Params, PixelFormat};
 
 /// Name, offset and kind of each member, and the size: of a Rust struct. A member left out does not compile.
@@ -65,8 +67,8 @@ fn frame_layout() -> (Vec<(String, u32, String)>, u32) {
     })
 }
 
-fn pass_layout() -> (Vec<(String, u32, String)>, u32) {
-    layout!(Pass {
+fn dispatch_layout() -> (Vec<(String, u32, String)>, u32) {
+    layout!(Dispatch {
         first_row,
         rows,
         volume_row,
@@ -75,42 +77,53 @@ fn pass_layout() -> (Vec<(String, u32, String)>, u32) {
         shift,
         dx,
         dy,
-        carried,
-        accumulate,
-        channel,
-        mirrored,
-        lead,
-        stride,
-        first_plane,
-        window,
-        row_step,
-        occlusions,
-        reversed,
         entry,
-        carry_from,
-        carry_to,
+        carried,
+        stride,
+        row_step,
         slot,
-        penalties_from,
-        penalties_line,
-        penalties_step,
-        place,
-        halvings,
-        narrowing,
-        prior,
-        logarithms,
-        side,
         map_row,
         planes_row,
         planes_rows,
+        own,
     })
 }
 
+/// The block `Own` of each kernel that has one.
+fn own_layout(kernel: &str) -> Option<(Vec<(String, u32, String)>, u32)> {
+    Some(match kernel {
+        "gray" | "deep_gray" => layout!(GrayOwn { channel, reversed }),
+        "prefilter" | "descriptors" => layout!(PlaneOwn { mirrored, lead, first_plane }),
+        "window_columns" | "window_sums" => layout!(WindowOwn { window }),
+        "mi_histogram" => layout!(HistogramOwn { halvings }),
+        "mi_smooth" => layout!(SmoothOwn { narrowing, prior, logarithms }),
+        "sgm_aggregate" | "winner" => {
+            layout!(PathOwn { accumulate, carry_from, carry_to, penalties_from, penalties_line, penalties_step, place })
+        }
+        "validity" => layout!(ValidityOwn { side }),
+        "fill_between" | "fill_rays" => layout!(FillOwn { occlusions }),
+        _ => return None,
+    })
+}
+
+/// What all kernels share, and what each has of its own.
 #[test]
 fn uniform_blocks_are_laid_out_as_their_rust_twins() {
+    let (dispatch, bytes) = dispatch_layout();
+    let (shared, own) = (&dispatch[..dispatch.len() - 1], dispatch.last().unwrap().1);
+    assert_eq!((own, bytes), (64, 64 + size_of::<Own>() as u32));
     for kernel in KERNELS {
+        let name = kernel.name;
         let module = parse(kernel, &source(kernel, &Params::sgm(64), PixelFormat::Gray8, &PLAN));
         assert_eq!(reflected(&module, "Frame"), frame_layout(), "Frame in WGSL (left) and Rust (right)");
-        assert_eq!(reflected(&module, "Dispatch"), pass_layout(), "Dispatch in WGSL (left) and Rust (right)");
+        let (members, span) = reflected(&module, "Dispatch");
+        assert_eq!(members[..members.len() - 1], *shared, "{name}: Dispatch in WGSL (left) and Rust (right)");
+        let (last, at, _) = members.last().unwrap();
+        assert_eq!((last.as_str(), *at), ("own", own), "{name}");
+        assert!(span <= bytes, "{name}: {span} bytes of Dispatch, but only {bytes} are bound");
+        let has_own = module.types.iter().any(|(_, ty)| ty.name.as_deref() == Some("Own"));
+        let declared = has_own.then(|| reflected(&module, "Own"));
+        assert_eq!(declared, own_layout(name), "{name}: Own in WGSL (left) and Rust (right)");
     }
 }
 
@@ -128,6 +141,11 @@ fn a_changed_uniform_block_is_noticed() {
         assert_ne!(changed, text, "{from:?} is no longer in the text");
         assert_ne!(reflected(&parse(kernel, &changed), "Frame"), frame_layout(), "{to:?} went unnoticed");
     }
+    let kernel = KERNELS.iter().find(|kernel| kernel.name == "gray").unwrap();
+    let text = source(kernel, &Params::sgm(64), PixelFormat::Gray8, &PLAN);
+    let changed = text.replace("channel: u32,", "channel: i32,");
+    assert_ne!(changed, text);
+    assert_ne!(Some(reflected(&parse(kernel, &changed), "Own")), own_layout(kernel.name));
 }
 
 #[test]

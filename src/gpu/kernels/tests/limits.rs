@@ -10,7 +10,7 @@ use crate::gpu::kernels::Access::{Costs, Read, Write};
 use crate::gpu::kernels::limits::SHARED_BYTES;
 use crate::gpu::kernels::{KERNELS, source};
 use crate::gpu::kernels::{check_limits, compile};
-use crate::gpu::layout::{Frame, Pass};
+use crate::gpu::layout::{Dispatch, Frame};
 
 #[test]
 fn webgpu_default_limits_suffice() {
@@ -89,7 +89,7 @@ fn the_limits_that_are_needed_are_those_that_are_checked() {
             *limit(&mut least) += 1;
         }
     }
-    least.max_uniform_buffer_binding_size = size_of::<Pass>().max(size_of::<Frame>()) as u64;
+    least.max_uniform_buffer_binding_size = size_of::<Dispatch>().max(size_of::<Frame>()) as u64;
     assert!(check_limits(&least).is_ok());
     // What differs in its bindings, its workgroup or its shared memory.
     let differing: Vec<_> = KERNELS

@@ -4,12 +4,24 @@ use std::collections::BTreeSet;
 
 use wgpu::naga;
 
-use super::specialisations::{CAPABILITIES, PLAN, parse, specialisations, specialisations_of, texts};
+use super::specialisations::{CAPABILITIES, PLAN, specialisations, specialisations_of, texts};
 use crate::gpu::kernels::compile;
 use crate::gpu::kernels::table::Kernel;
 use crate::gpu::kernels::{KERNELS, source};
+use crate::{Cost, Median, Prefilter, RightView, Schedule, StereoMatcher};
 use crate::{Params, PixelFormat};
-use crate::{Schedule, StereoMatcher};
+
+/// Panics unless naga takes a text as it is.
+fn validate(name: &str, text: &str) {
+    let module =
+        naga::front::wgsl::parse_str(text).unwrap_or_else(|error| panic!("{name}: {}", error.emit_to_string(text)));
+    let mut validator = naga::valid::Validator::new(naga::valid::ValidationFlags::all(), CAPABILITIES);
+    validator.subgroup_stages(naga::valid::ShaderStages::COMPUTE);
+    validator.subgroup_operations(naga::valid::SubgroupOperationSet::all());
+    if let Err(error) = validator.validate(&module) {
+        panic!("{name}: {}", error.emit_to_string(text));
+    }
+}
 
 #[test]
 fn every_kernel_is_valid_wgsl() {
@@ -17,16 +29,41 @@ fn every_kernel_is_valid_wgsl() {
     for kernel in KERNELS {
         let texts = texts(kernel);
         assert!(!texts.is_empty(), "{} has no text", kernel.name);
-        for text in texts {
-            let module = parse(kernel, text);
-            let mut validator = naga::valid::Validator::new(naga::valid::ValidationFlags::all(), CAPABILITIES);
-            validator.subgroup_stages(naga::valid::ShaderStages::COMPUTE);
-            validator.subgroup_operations(naga::valid::SubgroupOperationSet::all());
-            if let Err(error) = validator.validate(&module) {
-                panic!("{}.wgsl: {}", kernel.name, error.emit_to_string(text));
-            }
-        }
+        texts.iter().for_each(|text| validate(kernel.name, text));
     }
+}
+
+/// The texts that a matcher gives are those of its kernels and no others, each once and valid alone.
+#[test]
+fn a_matcher_gives_the_shaders_that_it_runs() {
+    let (device, queue) = noop_device();
+    let names = |params: &Params| {
+        let matcher = StereoMatcher::new(&device, &queue, 70, 50, PixelFormat::Gray8, params).unwrap();
+        let shaders = matcher.shaders();
+        shaders.iter().for_each(|(name, text)| validate(name, text));
+        shaders.into_iter().map(|(name, _)| name).collect::<Vec<_>>()
+    };
+    let classic = |schedule| Params { schedule, median: Median::Off, lr_check: None, ..Params::sgm(16) };
+    let [before, after] = [["gray", "prefilter"], ["sgm_aggregate", "winner"]];
+    for (schedule, cost) in
+        [(Schedule::PerThread, "matching_cost_small"), (Schedule::PerSubgroup, "matching_cost_parallel")]
+    {
+        assert_eq!(names(&classic(schedule)), [&before[..], &[cost], &after[..]].concat());
+    }
+    let mutual =
+        Params { cost: Cost::MutualInformation, block: 1, prefilter: Prefilter::None, ..classic(Schedule::PerThread) };
+    let mutual = names(&mutual);
+    for name in ["mi_histogram", "matching_cost_pixels", "winner"] {
+        assert_eq!(mutual.iter().filter(|other| *other == name).count(), 1, "{name} in {mutual:?}");
+    }
+    // The images of the second match are prefiltered in the same way, but its winner gives no right view.
+    let twice = names(&Params {
+        right_view: RightView::Match,
+        lr_check: Some(1),
+        uniqueness: 10,
+        ..classic(Schedule::PerThread)
+    });
+    assert!(twice.iter().any(|name| name.ends_with(".2")), "{twice:?}");
 }
 
 /// A device without a driver, with the features that some plans need.

@@ -23,7 +23,7 @@ pub(super) const MUTANTS: &[Mutant] = &[
     mutant("prefilter", "low_bytes(-x)", "low_bytes(-x - 1)", |_| ()),
     mutant("prefilter", "low_bytes(last - x)", "low_bytes(last - x + 2)", |_| ()),
     mutant("prefilter", "frame.height) - 1)", "frame.height) - 2)", |_| ()),
-    mutant("prefilter", "dispatch.lead", "(dispatch.lead + 1)", |_| ()),
+    mutant("prefilter", "dispatch.own.lead", "(dispatch.own.lead + 1)", |_| ()),
     mutant("prefilter", "vec4(-128 * divisor)", "vec4(-12 * divisor)", |params| {
         params.prefilter = Prefilter::Normalized
     }),
@@ -49,7 +49,7 @@ pub(super) const MUTANTS: &[Mutant] = &[
     mutant("halve", "+ 2u) >> 2u", "+ 1u) >> 2u", mutual),
     mutant("halve", "dispatch.lines - 1u", "dispatch.lines - 2u", mutual),
     mutant("mi_histogram", "+ 8) >> 4u", "+ 7) >> 4u", mutual),
-    mutant("mi_histogram", "value * i32(1u << dispatch.halvings)", "value", mutual),
+    mutant("mi_histogram", "value * i32(1u << dispatch.own.halvings)", "value", mutual),
     mutant("mi_smooth", "6u * middle", "5u * middle", mutual),
     mutant("mi_smooth", "fraction) * 11u", "fraction) * 9u", mutual),
     mutant("mi_smooth", "vec4(values.x), four < 0", "values, four < 0", |params| {
@@ -121,9 +121,9 @@ pub(super) const MUTANTS: &[Mutant] = &[
     mutant("sgm_aggregate", "select(after, (*state)[s]", "select(0u, (*state)[s]", |params| params.disparities = 64),
     mutant("sgm_aggregate", "stored >> vec4(32u)", "stored >> vec4(31u)", |params| params.disparities = 64),
     mutant("sgm_aggregate", "i32(dispatch.first_line", "i32(0u * dispatch.first_line", |_| ()),
-    mutant("sgm_aggregate", "var place = dispatch.place", "var place = 0", adaptive),
+    mutant("sgm_aggregate", "var place = dispatch.own.place", "var place = 0", adaptive),
     mutant("sgm_aggregate", "select(15, 0, forward)", "15", adaptive),
-    mutant("sgm_aggregate", "dispatch.penalties_from +", "0u +", sixteen),
+    mutant("sgm_aggregate", "dispatch.own.penalties_from +", "0u +", sixteen),
     mutant("sgm_aggregate", "select(-width, width", "select(-width, width - 1", sixteen),
     mutant("sgm_aggregate", "dispatch.entry", "0", sixteen),
     mutant("penalties", "vec4(10.0))", "vec4(12.0))", adaptive),
@@ -190,9 +190,9 @@ pub(super) const MUTANTS: &[Mutant] = &[
     mutant("texture", "(last & 4u) != 0u", "(last & 4u) == 0u", texture),
     mutant("validity", "place >> 4u, row", "(place + 8) >> 4u, row", masked),
     mutant("validity", "(place + 15) >> 4u", "place >> 4u", masked),
-    mutant("validity", "has_content(dispatch.side, x, row)", "true", masked),
-    mutant("validity", "select(-value, value, dispatch.side == 1u)", "-value", masked),
-    mutant("validity", "1u - dispatch.side", "dispatch.side", masked),
+    mutant("validity", "has_content(dispatch.own.side, x, row)", "true", masked),
+    mutant("validity", "select(-value, value, dispatch.own.side == 1u)", "-value", masked),
+    mutant("validity", "1u - dispatch.own.side", "dispatch.own.side", masked),
     mutant("validity", "side * frame.height + row", "row", masked),
     mutant("validity", "column & 31u", "column & 30u", masked),
     mutant("validity", "i32(frame.width) - 1", "i32(frame.width) - 2", masked),
@@ -249,7 +249,7 @@ pub(super) const MUTANTS: &[Mutant] = &[
     mutant("fill_between", "select(min(a, b), max(a, b)", "select(max(a, b), max(a, b)", |params| {
         params.fill = Fill::Background
     }),
-    mutant("fill_between", "dispatch.occlusions == 1u", "false", rays),
+    mutant("fill_between", "dispatch.own.occlusions == 1u", "false", rays),
     mutant("fill_rays", "(valid - 1u) / 2u", "valid / 2u", rays),
     mutant("fill_rays", "min(valid - 1u, 1u)", "min(valid - 1u, 2u)", |params| {
         rays(params);

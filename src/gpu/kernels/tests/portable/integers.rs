@@ -100,13 +100,28 @@ impl<'a> Ranges<'a> {
         }
     }
 
+    /// The type of a uniform block, or of a struct in one.
+    fn uniform(&self, f: &Function, base: Handle<Expression>) -> Option<Handle<naga::Type>> {
+        match f.expressions[base] {
+            Expression::GlobalVariable(variable) => {
+                let variable = &self.module.global_variables[variable];
+                (variable.space == AddressSpace::Uniform).then_some(variable.ty)
+            }
+            Expression::AccessIndex { base, index } => {
+                let TypeInner::Struct { members, .. } = &self.module.types[self.uniform(f, base)?].inner else {
+                    return None;
+                };
+                Some(members[index as usize].ty)
+            }
+            _ => None,
+        }
+    }
+
     /// The most of a member of a uniform block that shifts.
     fn shifting(&self, f: &Function, base: Handle<Expression>, index: u32) -> Option<u64> {
-        let Expression::GlobalVariable(variable) = f.expressions[base] else { return None };
-        let variable = &self.module.global_variables[variable];
-        let TypeInner::Struct { members, .. } = &self.module.types[variable.ty].inner else { return None };
+        let TypeInner::Struct { members, .. } = &self.module.types[self.uniform(f, base)?].inner else { return None };
         let member = members[index as usize].name.as_deref();
-        let known = (variable.space == AddressSpace::Uniform).then_some(SHIFTING)?;
+        let known = SHIFTING;
         known.into_iter().find(|(name, _)| member == Some(*name)).map(|(_, most)| most)
     }
 

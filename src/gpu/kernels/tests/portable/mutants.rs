@@ -63,7 +63,8 @@ fn barriers_that_some_do_not_reach_are_found() {
 fn doubtful_integers_are_found() {
     let kernel = |expression: &str| {
         format!(
-            "struct Dispatch {{ halvings: u32, other: u32 }}
+            "struct Own {{ halvings: u32, other: u32 }}
+            struct Dispatch {{ rows: u32, @align(16) own: Own }}
             @group(0) @binding(0) var<uniform> dispatch: Dispatch;
             @group(0) @binding(1) var<storage, read_write> data: array<u32>;
             fn shifted(v: u32, by: u32) -> u32 {{ return v >> by; }}
@@ -81,7 +82,7 @@ fn doubtful_integers_are_found() {
         ("u << (8u * (u & 3u))", 0),
         ("u << (31u - 8u * (u % 4u))", 0),
         ("(v << vec4(0u, 8u, 16u, 24u)).x", 0),
-        ("1u << dispatch.halvings", 0),
+        ("1u << dispatch.own.halvings", 0),
         ("1u << min(u, 31u)", 0),
         ("shifted(u, 3u) + shifted(u, u & 31u)", 0),
         ("u >> select(4u, 8u, u > 3u)", 0),
@@ -92,7 +93,7 @@ fn doubtful_integers_are_found() {
         ("u << u", 1),
         ("u << (32u - 8u * (u & 3u))", 1),
         ("u >> (8u * (u & 7u))", 1),
-        ("1u << dispatch.other", 1),
+        ("1u << dispatch.own.other", 1),
         ("shifted(u, 3u) + shifted(u, u)", 1),
         ("(v >> vec4(u)).x", 1),
         ("u >> (u - 1u)", 1),
