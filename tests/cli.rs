@@ -629,6 +629,9 @@ fn options_that_contradict_each_other() {
     let folder = scene();
     refuses(folder.path(), &on("left.png", "right.png", &["--check"]), &["--check", "--backend is cpu"]);
     refuses(folder.path(), &on("left.png", "right.png", &["--adapter", "0"]), &["--adapter", "--backend cpu"]);
+    let shaders = ["--dump-shaders", "shaders"];
+    refuses(folder.path(), &on("left.png", "right.png", &shaders), &["--dump-shaders", "--backend is cpu"]);
+    assert!(!folder.path().join("shaders").exists());
 }
 
 // Studies.
@@ -1020,6 +1023,7 @@ fn help_and_version() {
         "--check",
         "--timings",
         "--repeat",
+        "--dump-shaders",
         "--json",
         "-q",
         "sweep",
@@ -1033,6 +1037,36 @@ fn help_and_version() {
     assert!(stdout(&help).lines().all(|line| line.chars().count() <= 120));
     let version = succeeds(folder.path(), &["--version"]);
     assert_eq!(stdout(&version), concat!("gpu-stereo ", env!("CARGO_PKG_VERSION"), "\n"));
+}
+
+/// The kernels of the run and no others, each valid alone, in a folder that has nothing else.
+#[test]
+fn shaders_are_written_into_a_folder_of_their_own() {
+    let folder = scene();
+    if succeeds(folder.path(), &["--list-adapters", "--json"]).stdout.starts_with(b"[]") {
+        assert!(std::env::var_os("GPU_STEREO_NO_ADAPTER").is_some(), "no adapter was found");
+        eprintln!("NOT TESTED: there is no adapter, and GPU_STEREO_NO_ADAPTER is set");
+        return;
+    }
+    let pair =
+        ["left.png", "right.png", "--disp", "16", "--preset", "classic", "--speckle-window", "0", "-o", "map.npy"];
+    for (schedule, cost) in [("per-thread", "matching_cost_small"), ("per-subgroup", "matching_cost_parallel")] {
+        succeeds(folder.path(), &[&pair[..], &["--schedule", schedule, "--dump-shaders", schedule]].concat());
+        let mut names = Vec::new();
+        for file in fs::read_dir(folder.path().join(schedule)).unwrap().map(|file| file.unwrap()) {
+            let name = file.file_name().into_string().unwrap();
+            let text = fs::read_to_string(file.path()).unwrap();
+            let module = gpu_stereo::wgpu::naga::front::wgsl::parse_str(&text).unwrap();
+            assert_eq!(module.entry_points.len(), 1, "{name}");
+            names.push(name.strip_suffix(".wgsl").unwrap().to_owned());
+        }
+        names.sort();
+        assert_eq!(names, ["gray", "lr_check", cost, "median", "prefilter", "sgm_aggregate", "winner"]);
+    }
+    let again = [&pair[..], &["--dump-shaders", "per-thread"]].concat();
+    refuses(folder.path(), &again, &["--dump-shaders is \"per-thread\"", "not empty", "new or an empty folder"]);
+    let again = [&pair[..], &["--dump-shaders", "left.png"]].concat();
+    refuses(folder.path(), &again, &["--dump-shaders is \"left.png\"", "is a file"]);
 }
 
 #[test]
@@ -1107,6 +1141,7 @@ fn without_any_adapter_the_reference_computes_and_says_so() {
     };
     is_one_line_error(&bare(&["--backend", "gpu"]), &["--backend is gpu", "no usable adapter"]);
     is_one_line_error(&bare(&["--check"]), &["--check", "no usable adapter"]);
+    is_one_line_error(&bare(&["--dump-shaders", "s"]), &["--dump-shaders", "no usable adapter"]);
     is_one_line_error(&bare(&["--adapter", "0"]), &["--adapter is \"0\"", "no adapter"]);
     assert_eq!(fs::read_dir(folder.path()).unwrap().count(), 2);
 

@@ -114,6 +114,10 @@ pub struct SingleArgs {
     #[arg(long, value_name = "N", allow_negative_numbers = true, help_heading = OUTPUT)]
     pub repeat: Option<Whole>,
 
+    /// Write the WGSL of every kernel that the run compiles, NAME.wgsl each, into a new or empty folder
+    #[arg(long, value_name = "DIR", help_heading = OUTPUT)]
+    pub dump_shaders: Option<PathBuf>,
+
     /// Print one JSON object instead of the summary and the tables
     #[arg(long, help_heading = OUTPUT)]
     pub json: bool,

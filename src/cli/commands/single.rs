@@ -3,6 +3,7 @@
 mod report;
 mod resolve;
 mod run;
+mod shaders;
 
 use super::outcome::Outcome;
 use crate::args::SingleArgs;

@@ -55,8 +55,9 @@ pub struct Frames {
 }
 
 impl Engine {
-    /// What computes with `params` maps of pairs that are as `image` is. `check`: it must be an adapter.
-    pub fn open(device: &DeviceArgs, check: bool, image: &Image, params: &Params) -> Result<Self> {
+    /// What computes with `params` maps of pairs that are as `image` is. `needed_for`: what
+    /// only an adapter can do.
+    pub fn open(device: &DeviceArgs, needed_for: Option<&str>, image: &Image, params: &Params) -> Result<Self> {
         let (backend, wanted) = (device.backend, device.adapter.as_deref());
         if backend == Backend::Cpu {
             return Self::reference(image, params);
@@ -84,10 +85,8 @@ impl Engine {
                 "--backend is gpu, but there is no usable adapter{why}; install a Vulkan driver, or take auto or cpu"
             );
         }
-        if check {
-            bail!(
-                "--check compares an adapter with the CPU reference, but there is no usable adapter{why}; install a Vulkan driver"
-            );
+        if let Some(what) = needed_for {
+            bail!("{what}, but there is no usable adapter{why}; install a Vulkan driver");
         }
         tell(&format!("note: no usable GPU or CPU adapter{why}; computing with the CPU reference"));
         Self::reference(image, params)
@@ -101,7 +100,7 @@ impl Engine {
         params: &Params,
     ) -> Result<&'a Self> {
         let engine = match kept.take() {
-            None => Self::open(device, false, image, params)?,
+            None => Self::open(device, None, image, params)?,
             Some(Self::Adapter(on)) => {
                 let OnAdapter { opened, matcher } = *on;
                 drop(matcher); // its memory goes to the next one
@@ -189,6 +188,14 @@ impl Engine {
                 Ok(stages?)
             }
             Self::Reference => Ok(Vec::new()), // refused before: there is nothing to compare
+        }
+    }
+
+    /// The names and texts of the kernels.
+    pub fn shaders(&self) -> Vec<(String, &str)> {
+        match self {
+            Self::Adapter(on) => on.matcher.shaders(),
+            Self::Reference => Vec::new(), // refused before: there are none
         }
     }
 

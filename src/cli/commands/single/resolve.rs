@@ -1,5 +1,6 @@
 //! Resolve: what was typed becomes settings that are known to be good, before an image is decoded or a device opened.
 
+use super::shaders;
 use crate::args::{self, Backend, CameraArgs, DeviceArgs, InputArgs, SingleArgs};
 use crate::engine::{adapter, output_files};
 use crate::terminal::tell;
@@ -39,10 +40,14 @@ pub struct Job {
     pub outputs: Vec<Output>,
     /// Compare every stage.
     pub check: bool,
+    /// What of this only an adapter can do.
+    pub needs_adapter: Option<&'static str>,
     /// Print the table of stages.
     pub timings: bool,
     /// Frames after one warm-up; `None`: the first frame is the only one.
     pub repeat: Option<u32>,
+    /// The folder for the text of the kernels.
+    pub shaders: Option<PathBuf>,
     /// Print JSON.
     pub json: bool,
     /// Print no summary.
@@ -56,8 +61,13 @@ pub fn resolve(typed: SingleArgs) -> Result<Job> {
     let mut params = args::params(typed.settings.iter())?;
     params.confidence = typed.confidence.is_some();
     args::report_unused(&[(given, &params)]);
-    if typed.check && typed.device.backend == Backend::Cpu {
-        bail!("--check compares an adapter with the CPU reference, but --backend is cpu; take auto or gpu");
+    let needs_adapter = match (typed.check, &typed.dump_shaders) {
+        (true, _) => Some("--check compares an adapter with the CPU reference"),
+        (false, Some(_)) => Some("--dump-shaders writes the kernels that an adapter runs"),
+        (false, None) => None,
+    };
+    if let Some(what) = needs_adapter.filter(|_| typed.device.backend == Backend::Cpu) {
+        bail!("{what}, but --backend is cpu; take auto or gpu");
     }
     adapter::ensure_consistent(&typed.device)?;
     let repeat = typed.repeat.as_ref().map(args::repeat).transpose()?.or(typed.timings.then_some(1));
@@ -98,6 +108,9 @@ pub fn resolve(typed: SingleArgs) -> Result<Job> {
         .chain([left.as_path(), &right])
         .collect();
     let outputs = output_files::resolve(&typed.output, &pictures, &depths, &inputs, &params)?;
+    if let Some(folder) = &typed.dump_shaders {
+        shaders::ensure_empty(folder, &inputs)?;
+    }
     Ok(Job {
         left,
         right,
@@ -111,8 +124,10 @@ pub fn resolve(typed: SingleArgs) -> Result<Job> {
         truth,
         outputs,
         check: typed.check,
+        needs_adapter,
         timings: typed.timings,
         repeat,
+        shaders: typed.dump_shaders,
         json: typed.json,
         quiet: typed.quiet,
     })

@@ -2,6 +2,7 @@
 
 use super::report::Report;
 use super::resolve::Job;
+use super::shaders;
 use crate::engine::compute::{Engine, Frames};
 use crate::engine::{diagnosis, images, output_files};
 use crate::terminal::{Evaluation, warnings};
@@ -26,7 +27,10 @@ pub fn run(job: &Job) -> Result<Report> {
 
     let (params, camera) = &params_for(job, &left)?;
     let start = Instant::now();
-    let engine = Engine::open(&job.device, job.check, &left, params)?;
+    let engine = Engine::open(&job.device, job.needs_adapter, &left, params)?;
+    if let Some(folder) = &job.shaders {
+        shaders::write(folder, &engine.shaders())?;
+    }
     // Stage times come from the frames that are reported, so that stages and transfers add up to the frame.
     let timed = job.timings || job.json;
     let Frames { matched, first, times, stages } = engine.frames(&left, &right, params, timed, job.repeat)?;

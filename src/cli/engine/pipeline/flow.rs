@@ -84,7 +84,7 @@ impl Streams {
 impl Flow {
     /// For pairs that are as `left` is.
     pub fn open(setup: &Setup<'_>, left: &Image) -> Result<Self> {
-        let engine = Engine::open(setup.device, false, left, setup.params)?;
+        let engine = Engine::open(setup.device, None, left, setup.params)?;
         let names = engine.names();
         let params = setup.params.clone();
         let matcher = match engine {
