@@ -4,15 +4,22 @@
 //! readback. Throughput is in elements: pixels times disparities, whether or not a stage has a value for each.
 #![allow(missing_docs, clippy::unwrap_used)]
 
+use std::path::PathBuf;
 use std::time::Duration;
 
 use criterion::{BenchmarkId, Criterion, Throughput};
+use gpu_stereo::files::images::{Bits, read_pair};
+use gpu_stereo::reference::{Channel, gray};
 use gpu_stereo::{Image, Params, Paths, Pixels, StereoMatcher, wgpu};
 
-fn load(name: &str) -> Image {
-    let path = format!("{}/data/motorcycle/{name}.png", env!("CARGO_MANIFEST_DIR"));
-    let image = image::open(path).unwrap().to_luma8();
-    Image::new(image.width(), image.height(), Pixels::Gray8(image.into_raw())).unwrap()
+/// The pair in gray.
+fn load() -> [Image; 2] {
+    let at = |name: &str| PathBuf::from(format!("{}/data/motorcycle/{name}.png", env!("CARGO_MANIFEST_DIR")));
+    let pair = read_pair(&at("left"), &at("right"), Bits::Auto).unwrap();
+    [pair.left, pair.right].map(|image| {
+        let luma = gray(&image, Channel::Luma).data;
+        Image::new(image.width(), image.height(), Pixels::Gray8(luma)).unwrap()
+    })
 }
 
 fn settings(disparities: u32) -> [(&'static str, Params); 3] {
@@ -36,7 +43,7 @@ fn stages(criterion: &mut Criterion) {
         println!("NOT MEASURED: stages, for lack of timestamps; whole frames only");
     }
 
-    let (left, right) = (load("left"), load("right"));
+    let [left, right] = load();
     for disparities in [64, 128] {
         for (name, params) in settings(disparities) {
             let matcher =

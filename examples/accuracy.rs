@@ -7,11 +7,13 @@
 use std::fs;
 use std::path::{Path, PathBuf};
 
-use anyhow::{Context, Result, bail};
+use anyhow::{Context, Result};
 use clap::Parser;
 use comfy_table::{CellAlignment, Table, presets};
 use gpu_stereo::evaluation::{FloatMap, evaluate};
-use gpu_stereo::{DisparityMap, Image, Params, Pixels, reference};
+use gpu_stereo::files::images::{Bits, ImagePair, read_pair};
+use gpu_stereo::files::maps::{self, Encoding};
+use gpu_stereo::{DisparityMap, Params, reference};
 use serde::Deserialize;
 
 /// Disparity maps of the CPU reference against ground truth.
@@ -108,48 +110,11 @@ fn collected_scenes(directory: &Path) -> Result<Vec<Scene>> {
     Ok(scenes.collect())
 }
 
-fn read_picture(path: &Path) -> Result<Image> {
-    let picture = image::open(path).with_context(|| format!("{}: cannot be read", path.display()))?;
-    let (width, height) = (picture.width(), picture.height());
-    let pixels = match picture {
-        image::DynamicImage::ImageLuma8(samples) => Pixels::Gray8(samples.into_raw()),
-        other => Pixels::Rgba8(other.into_rgba8().into_raw()),
-    };
-    Ok(Image::new(width, height, pixels)?)
-}
-
 /// The true disparities in px; NaN where unknown.
 fn read_truth(path: &Path, scale: f64) -> Result<FloatMap> {
-    let context = || format!("{}: cannot be read", path.display());
-    if path.extension().is_some_and(|ending| ending == "pfm") {
-        return read_pfm(&fs::read(path).with_context(context)?).with_context(context);
-    }
-    let samples = image::open(path).with_context(context)?;
-    let (width, height) = (samples.width(), samples.height());
-    let values: Vec<f64> = match samples {
-        image::DynamicImage::ImageLuma8(samples) => samples.into_raw().into_iter().map(f64::from).collect(),
-        image::DynamicImage::ImageLuma16(samples) => samples.into_raw().into_iter().map(f64::from).collect(),
-        _ => bail!("{}: the truth has colours, but must be gray", path.display()),
-    };
-    let values = values.into_iter().map(|v| if v > 0.0 { (v / scale) as f32 } else { f32::NAN });
-    Ok(FloatMap::new(width, height, values.collect())?)
-}
-
-/// A gray PFM: three lines of text, then rows of f32 from the bottom, little endian if the third line is negative.
-fn read_pfm(bytes: &[u8]) -> Result<FloatMap> {
-    let mut parts = bytes.splitn(4, |&byte| byte == b'\n');
-    let mut line = || std::str::from_utf8(parts.next().unwrap_or_default()).map(str::trim);
-    let (magic, size, scale) = (line()?, line()?, line()?);
-    let (width, height) = size.split_once(' ').context("no size in the second line")?;
-    let (width, height): (u32, u32) = (width.parse()?, height.parse()?);
-    if magic != "Pf" || width == 0 {
-        bail!("a gray PFM was expected");
-    }
-    let little = scale.parse::<f64>()? < 0.0;
-    let (samples, _) = parts.next().unwrap_or_default().as_chunks::<4>();
-    let value = |b: &[u8; 4]| if little { f32::from_le_bytes(*b) } else { f32::from_be_bytes(*b) };
-    let rows = samples.chunks_exact(width as usize).rev();
-    Ok(FloatMap::new(width, height, rows.flatten().map(value).collect())?)
+    // Floats are in px whatever a manifest says.
+    let scale = path.extension().is_none_or(|ending| ending != "pfm").then_some(scale);
+    Ok(maps::read(path, Encoding { scale, depth: None }, "gt_scale")?)
 }
 
 /// Figures of a scene, in the order of the table's columns.
@@ -199,7 +164,7 @@ fn main() -> Result<()> {
     table.column_iter_mut().skip(1).for_each(|column| column.set_cell_alignment(CellAlignment::Right));
     let (mut kitti, mut middlebury) = (Vec::new(), Vec::new());
     for scene in &scenes {
-        let (left, right) = (read_picture(&scene.left)?, read_picture(&scene.right)?);
+        let ImagePair { left, right, .. } = read_pair(&scene.left, &scene.right, Bits::Auto)?;
         let truth = read_truth(&scene.truth, scene.scale)?;
         let map = reference::compute(&left, &right, &options.params(scene.disparities)?)?;
         let figures = figures(&map, &truth).with_context(|| scene.name.clone())?;

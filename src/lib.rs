@@ -65,7 +65,10 @@
 //!
 //! # Features
 //!
-//! `cli` (default): the command `gpu-stereo` and its file formats. The library alone: `default-features = false`.
+//! - `files`: the module `gpu_stereo::files`, which reads and writes images, maps, calibrations, lists and truths.
+//! - `cli` (default): the command `gpu-stereo`; brings `files` along.
+//!
+//! The library alone: `default-features = false`.
 //!
 //! # Browsers
 //!
@@ -76,6 +79,7 @@
 //! [`StereoMatcher::read`], [`StereoMatcher::check`] and the results of a [`StereoStream`] come with it.
 //! [`mod@reference`] works, on one thread.
 #![cfg_attr(test, allow(clippy::unwrap_used))]
+#![cfg_attr(docsrs, feature(doc_cfg))]
 #![cfg_attr(target_arch = "wasm32", allow(dead_code, unused_imports))] // what only blocking functions use
 
 #[cfg(test)]
@@ -85,6 +89,7 @@ mod color;
 mod error;
 pub mod evaluation;
 #[cfg(feature = "files")]
+#[cfg_attr(docsrs, doc(cfg(feature = "files")))]
 pub mod files;
 mod gpu;
 mod image;

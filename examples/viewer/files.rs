@@ -3,8 +3,10 @@
 use std::fs;
 use std::path::{Path, PathBuf};
 
-use gpu_stereo::{Image, Pixels};
-use image::{DynamicImage, ImageReader};
+use gpu_stereo::Image;
+use gpu_stereo::files::calibration::{Calibration, Reading};
+use gpu_stereo::files::encoders;
+use gpu_stereo::files::images::{self, Bits, ImagePair};
 
 /// The files of the left and the right image.
 pub type Paths = [PathBuf; 2];
@@ -39,15 +41,13 @@ impl Camera {
         (depth.is_finite() && depth > 0.0).then_some(depth)
     }
 
-    /// From the text of a `calib.txt` as Middlebury 2014 has it; its baseline is in millimetres.
-    pub fn parse(text: &str) -> Option<Self> {
-        let value = |name: &str| text.lines().find_map(|line| line.strip_prefix(name)?.strip_prefix('='));
-        let number = |name: &str| value(name)?.trim().parse::<f32>().ok();
-        let matrix = value("cam0")?.trim().trim_matches(['[', ']']).replace(';', " ");
-        let matrix: Vec<f32> = matrix.split_whitespace().filter_map(|v| v.parse().ok()).collect();
-        let [focal, _, x, _, _, y, ..] = matrix[..] else { return None };
-        let (baseline, doffs) = (number("baseline")? / 1000.0, number("doffs")?);
-        Some(Self { focal, baseline, doffs, centre: Some([x, y]) })
+    /// From a calibration file, if there is one of images of this size.
+    fn read(path: &Path, width: u32, height: u32) -> Option<Self> {
+        let fitted =
+            Calibration::read(path, None, Reading::default()).and_then(|found| found.fit(width, height)).ok()?;
+        let gpu_stereo::Camera { focal, baseline, doffs, cx, cy } = fitted.camera;
+        let [focal, baseline, doffs] = [focal, baseline, doffs].map(|value| value as f32);
+        Some(Self { focal, baseline, doffs, centre: Some([cx as f32, cy as f32]) })
     }
 }
 
@@ -113,30 +113,10 @@ fn is_right_of(a: &str, b: &str) -> bool {
 
 /// Reads a pair, and the calibration beside it.
 pub fn read([left, right]: &Paths) -> Result<Pair, String> {
-    let (l, r) = (decode(left)?, decode(right)?);
-    // The matcher takes one format for both images.
-    let colour = l.color().has_color() || r.color().has_color();
-    let deep = [&l, &r].iter().any(|image| image.color().bytes_per_pixel() > image.color().channel_count());
-    let shown = [l.to_rgba8().into_raw(), r.to_rgba8().into_raw()];
-    let (left_image, right_image) = (to_image(l, colour, deep)?, to_image(r, colour, deep)?);
     let calib = left.with_file_name("calib.txt");
-    let camera = fs::read_to_string(calib).ok().and_then(|text| Camera::parse(&text)).unwrap_or_default();
-    Ok(Pair { left: left_image, right: right_image, shown, camera })
-}
-
-fn decode(path: &Path) -> Result<DynamicImage, String> {
-    let told = |error: &dyn std::fmt::Display| format!("{path:?} cannot be read: {error}; give an image file");
-    let reader = ImageReader::open(path).and_then(ImageReader::with_guessed_format).map_err(|error| told(&error))?;
-    reader.decode().map_err(|error| told(&error))
-}
-
-fn to_image(image: DynamicImage, colour: bool, deep: bool) -> Result<Image, String> {
-    let (width, height) = (image.width(), image.height());
-    let pixels = match (colour, deep) {
-        (false, false) => Pixels::Gray8(image.into_luma8().into_raw()),
-        (false, true) => Pixels::Gray16(image.into_luma16().into_raw()),
-        (true, false) => Pixels::Rgba8(image.into_rgba8().into_raw()),
-        (true, true) => Pixels::Rgba16(image.into_rgba16().into_raw()),
-    };
-    Image::new(width, height, pixels).map_err(|error| error.to_string())
+    let ImagePair { left, right, .. } =
+        images::read_pair(left, right, Bits::Auto).map_err(|error| error.to_string())?;
+    let camera = Camera::read(&calib, left.width(), left.height()).unwrap_or_default();
+    let shown = [encoders::rgba8(&left), encoders::rgba8(&right)];
+    Ok(Pair { left, right, shown, camera })
 }

@@ -1,10 +1,11 @@
 //! ROS camera_info in YAML, a file for each camera: `camera_matrix`, `projection_matrix`, .. or `K`, `P`, ..
 
+use super::cameras::{Calibration, Cameras};
 use super::lenses::{MATRIX, PROJECTION, lens};
 use super::opencv::READABLE;
+use super::reading::{Reading, Unit};
 use super::rectified::of_projections;
 use super::tree::{Tree, has, matrix, size_of};
-use super::{Calibration, Cameras, Reading, Unit};
 use crate::files::error::{Context as _, Result, bail, ensure};
 
 pub fn is(tree: &Tree) -> bool {

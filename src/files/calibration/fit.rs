@@ -1,11 +1,13 @@
 //! A calibration beside the images: their size, their scale, and what makes its numbers doubtful.
 
+use super::apart::Apart;
+use super::cameras::{Calibration, Cameras};
+use super::reading::Unit;
 use super::rectified::of_projections;
+use super::scale::{Scale, told};
 use super::stereo_rectify::stereo_rectify;
-use super::{Calibration, Cameras, Unit};
 use crate::files::error::{Result, bail, ensure};
-use crate::{Camera, Distortion, Lens};
-use std::str::FromStr;
+use crate::{Camera, Lens};
 
 type Matrix = [f64; 9];
 
@@ -18,109 +20,11 @@ pub struct Fitted {
     pub lenses: Option<[Lens; 2]>,
 }
 
-/// Two cameras, of which the right one sees `rotation` x + `translation`, in metres, where the left one sees x.
-#[derive(Clone, Debug, PartialEq)]
-pub struct Apart {
-    cameras: [(Matrix, Distortion); 2],
-    rotation: Matrix,
-    translation: [f64; 3],
-}
-
-impl Apart {
-    pub fn new(cameras: [(Matrix, Distortion); 2], rotation: Matrix, translation: [f64; 3]) -> Result<Self> {
-        let fisheyes = cameras.map(|(_, distortion)| matches!(distortion, Distortion::Fisheye(_)));
-        ensure!(
-            fisheyes[0] == fisheyes[1],
-            "one of its lenses is a pinhole and one a fisheye, which OpenCV rectifies by no function; give R1, P1, R2 and P2 beside \
-             the lenses"
-        );
-        Ok(Self { cameras, rotation, translation })
-    }
-
-    /// The cameras as they are, if they are rectified: without lenses and turns.
-    pub fn as_it_is(&self) -> Option<Result<Camera>> {
-        let Self { cameras: [(left, a), (right, b)], rotation, translation } = self;
-        let straight = rotation.iter().enumerate().all(|(i, r)| (r - f64::from(u8::from(i % 4 == 0))).abs() <= 1e-6);
-        if [a, b].iter().any(|lens| **lens != Distortion::NONE) || !straight {
-            return None;
-        }
-        let projection = |k: &Matrix, t: [f64; 3]| {
-            let column: [f64; 3] = std::array::from_fn(|i| (0..3).map(|j| k[3 * i + j] * t[j]).sum());
-            let row = |i: usize| [k[3 * i], k[3 * i + 1], k[3 * i + 2], column[i]];
-            [row(0), row(1), row(2)].concat()
-        };
-        // The fourth column of a principal point off the axis is -f B alone if the cameras lie side by side.
-        Some(of_projections(&projection(left, [0.0; 3]), &projection(right, *translation), 1.0))
-    }
-
-    fn fitted(&self, size: [u32; 2], scale: Scale) -> Result<Fitted> {
-        let cameras = self.cameras.map(|(matrix, distortion)| (scale.of_matrix(matrix), distortion));
-        let (lenses, [left, right]) = stereo_rectify(cameras, size, &self.rotation, &self.translation)?;
-        Ok(Fitted { camera: of_projections(&left, &right, 1.0)?, lenses: Some(lenses) })
-    }
-}
-
-/// The images' size by that of the calibrated ones.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Scale(f64);
-
-impl FromStr for Scale {
-    type Err = String;
-
-    fn from_str(text: &str) -> Result<Self, String> {
-        let number = |text: &str| text.trim().parse::<f64>().ok();
-        let scale = match text.split_once('/') {
-            Some((images, calibrated)) => number(images).zip(number(calibrated)).map(|(a, b)| a / b),
-            None => number(text),
-        };
-        let scale = scale.filter(|scale| (1.0 / 64.0..=64.0).contains(scale));
-        scale.map(Self).ok_or_else(|| "a number from 1/64 to 64 is needed, such as 0.5 or 2/3".into())
-    }
-}
-
-impl Scale {
-    /// The images are as large as those that were calibrated.
-    pub const ONE: Self = Self(1.0);
-
-    /// A place in the scaled image. 0 is the centre of the first pixel, so that its border lies at -0.5.
-    fn of_place(self, place: f64) -> f64 {
-        if self == Self::ONE { place } else { (place + 0.5) * self.0 - 0.5 }
-    }
-
-    fn of_matrix(self, m: Matrix) -> Matrix {
-        let row = |i: usize| [m[i] * self.0, m[i + 1] * self.0, self.of_place(m[i + 2])];
-        let ([a, b, c], [d, e, f]) = (row(0), row(3));
-        [a, b, c, d, e, f, m[6], m[7], m[8]]
-    }
-
-    fn of_camera(self, camera: Camera) -> Camera {
-        let Camera { focal, baseline, doffs, cx, cy } = camera;
-        let [cx, cy] = [cx, cy].map(|place| self.of_place(place));
-        Camera { focal: focal * self.0, baseline, doffs: doffs * self.0, cx, cy }
-    }
-
-    fn of_lens(self, lens: &Lens) -> Lens {
-        Lens { matrix: self.of_matrix(lens.matrix), projection: self.of_matrix(lens.projection), ..*lens }
-    }
-
-    /// Whether images of a side are those of another one, scaled; halves may be rounded either way.
-    fn fits(self, calibrated: u32, side: u32) -> bool {
-        match self {
-            Self::ONE => calibrated == side,
-            Self(scale) => (f64::from(calibrated) * scale - f64::from(side)).abs() < 1.0,
-        }
-    }
-}
-
-/// A scale in digits, or as a quotient.
-fn told(scale: f64) -> String {
-    let quotient =
-        |of: u32| (1..=8 * of).find(|n| (f64::from(*n) / f64::from(of) / scale - 1.0).abs() < 0.04).map(|n| (n, of));
-    match (1..=8).find_map(quotient) {
-        Some((n, of @ (1 | 2 | 4 | 5 | 8))) => (f64::from(n) / f64::from(of)).to_string(),
-        Some((n, of)) => format!("{n}/{of}"),
-        None => format!("{scale:.3}"),
-    }
+/// The rectified cameras of those that lie apart.
+fn fitted(apart: &Apart, size: [u32; 2], scale: Scale) -> Result<Fitted> {
+    let cameras = apart.cameras.map(|(matrix, distortion)| (scale.of_matrix(matrix), distortion));
+    let (lenses, [left, right]) = stereo_rectify(cameras, size, &apart.rotation, &apart.translation)?;
+    Ok(Fitted { camera: of_projections(&left, &right, 1.0)?, lenses: Some(lenses) })
 }
 
 impl Calibration {
@@ -137,7 +41,7 @@ impl Calibration {
                 camera: scale.of_camera(*camera),
                 lenses: Some(lenses.each_ref().map(|lens| scale.of_lens(lens))),
             },
-            Cameras::Apart(apart) => apart.fitted([width, height], scale)?,
+            Cameras::Apart(apart) => fitted(apart, [width, height], scale)?,
         };
         fitted.camera.validate()?;
         if matches!(self.cameras, Cameras::Lenses(..)) && self.scale.is_none() {

@@ -1,9 +1,10 @@
 //! Kalibr's camchain.yaml: `cam0` and `cam1`, each with its lens, and `T_cn_cnm1` from the first to the second.
 
-use super::fit::Apart;
+use super::apart::Apart;
+use super::cameras::{Calibration, Cameras};
 use super::lenses::{LensModel, ensure_rotation, of_model};
+use super::reading::{Reading, Unit};
 use super::tree::{Tree, matrix, whole};
-use super::{Calibration, Cameras, Reading, Unit};
 use crate::Distortion;
 use crate::files::error::{Context as _, Result, ensure};
 

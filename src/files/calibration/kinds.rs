@@ -1,7 +1,9 @@
 //! The kinds of calibrations, each by the structure of its files.
 
+use super::cameras::Calibration;
+use super::reading::Reading;
 use super::tree::{self, Tree, has};
-use super::{Calibration, Reading, camera_info, kalibr, kitti, middlebury, opencv, zed};
+use super::{camera_info, kalibr, kitti, middlebury, opencv, zed};
 use crate::files::error::{Context as _, Result, bail, ensure, error};
 use std::fs;
 use std::path::Path;
@@ -101,7 +103,7 @@ impl Source {
         if let Some(kind) = LINES.iter().find(|kind| !is_xml && (kind.is)(text)) {
             return Ok(Self(Content::Lines(kind, text.into())));
         }
-        let tree = if is_xml { tree::xml(text) } else { tree::yaml(text) }?;
+        let tree = if is_xml { tree::xml(text, &names()) } else { tree::yaml(text, &names()) }?;
         match TREES.iter().find(|kind| (kind.is)(&tree)) {
             Some(kind) => Ok(Self(Content::Tree(kind, tree))),
             None => {

@@ -1,9 +1,10 @@
 //! KITTI's calib files, and DrivingStereo's: 3 x 4 projection matrices of the rectified cameras, a line each, as `P0` to `P3`,
 //! `P_rect_00` to `P_rect_03`, `P_rect_101` and `P_rect_103`, or without names.
 
+use super::cameras::{Calibration, Cameras};
+use super::reading::{KittiPair, Reading, Unit};
 use super::rectified::of_projections;
 use super::tree::{number, whole};
-use super::{Calibration, Cameras, KittiPair, Reading, Unit};
 use crate::files::error::{Context as _, Result, bail, ensure};
 use std::collections::BTreeMap;
 

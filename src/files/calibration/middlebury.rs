@@ -1,9 +1,10 @@
 //! Middlebury's calib.txt, vision.middlebury.edu/stereo/submit3: `cam0=[f 0 cx; 0 f cy; 0 0 1]`, `cam1`, `doffs`, `baseline`,
 //! `width`, `height`.
 
+use super::cameras::{Calibration, Cameras};
+use super::reading::{Reading, Unit};
 use super::rectified::of_projections;
 use super::tree::{number, whole};
-use super::{Calibration, Cameras, Reading, Unit};
 use crate::files::error::{Context as _, Result, ensure};
 use std::collections::BTreeMap;
 

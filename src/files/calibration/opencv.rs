@@ -1,10 +1,11 @@
 //! OpenCV's FileStorage in YAML or XML: what stereoCalibrate and stereoRectify give.
 
-use super::fit::Apart;
+use super::apart::Apart;
+use super::cameras::{Calibration, Cameras};
 use super::lenses::{DISTORTION, MATRIX, PROJECTION, ROTATION, camera_matrix, distortion, ensure_rotation, lens, nine};
+use super::reading::{Reading, Unit};
 use super::rectified::{ensure_same, of_projections, of_q};
 use super::tree::{Tree, has, matrix, size_of};
-use super::{Calibration, Cameras, Reading, Unit};
 use crate::Camera;
 use crate::files::error::{Context as _, Error, Result, bail, ensure, error};
 

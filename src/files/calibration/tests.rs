@@ -107,7 +107,7 @@ fn the_structure_tells_the_kind() {
     }
     let told = Source::parse(b"a: 1\nb: [2]\n").err().unwrap().to_string();
     assert!(told.contains("has a, b") && told.contains("Kalibr"), "{told}");
-    assert!(yaml("a: []\nb: {}\n").unwrap() == [("a".to_string(), vec![])].into());
+    assert!(yaml("a: []\nb: {}\n", "").unwrap() == [("a".to_string(), vec![])].into());
 }
 
 #[test]

@@ -1,6 +1,5 @@
 //! YAML and XML: the scalars under each path of names.
 
-use super::kinds;
 use crate::files::error::{Context as _, Result, bail, ensure, error};
 use std::collections::BTreeMap;
 use yaml_rust2::Event;
@@ -75,8 +74,8 @@ pub fn matrix(tree: &Tree, names: &[&str], shapes: &[(usize, usize)]) -> Result<
     Ok(None)
 }
 
-/// Of YAML. OpenCV's header, `%YAML:1.0`, is not YAML's.
-pub fn yaml(text: &str) -> Result<Tree> {
+/// Of YAML; `known`: what is read, for errors. OpenCV's header, `%YAML:1.0`, is not YAML's.
+pub fn yaml(text: &str, known: &str) -> Result<Tree> {
     let body: String = match text.trim_start().strip_prefix('%') {
         Some(rest) => rest.split_once('\n').map_or(String::new(), |(_, body)| body.into()),
         None => text.into(),
@@ -87,7 +86,7 @@ pub fn yaml(text: &str) -> Result<Tree> {
     let mut open: Vec<Option<Option<String>>> = Vec::new();
     loop {
         let (event, _) = parser.next_token().map_err(|error| {
-            error!("it is no calibration of a known kind, nor YAML ({error}); give one of {}", kinds::names())
+            error!("it is no calibration of a known kind, nor YAML ({error}); give one of {}", known)
         })?;
         match event {
             Event::StreamEnd => break,
@@ -119,7 +118,7 @@ pub fn yaml(text: &str) -> Result<Tree> {
             _ => {}
         }
     }
-    ensure!(!tree.is_empty(), "it holds no named value; give a calibration of {}", kinds::names());
+    ensure!(!tree.is_empty(), "it holds no named value; give a calibration of {}", known);
     Ok(tree)
 }
 
@@ -135,7 +134,7 @@ fn filled(open: &mut [Option<Option<String>>]) {
 }
 
 /// The same of an XML file of OpenCV: `<opencv_storage><P1 type_id="opencv-matrix"><rows>3</rows>..`.
-pub fn xml(text: &str) -> Result<Tree> {
+pub fn xml(text: &str, known: &str) -> Result<Tree> {
     // Many of them nested cost minutes: every element gets those of all around it.
     ensure!(!text.contains("xmlns"), "it has a namespace (xmlns), which OpenCV does not write; save it again");
     let options = roxmltree::ParsingOptions { nodes_limit: 100_000, ..Default::default() };
@@ -151,6 +150,6 @@ pub fn xml(text: &str) -> Result<Tree> {
         tree.entry(path.join(".")).or_default().extend(words);
     }
     tree.retain(|_, words| !words.is_empty());
-    ensure!(!tree.is_empty(), "it holds no named value; give a calibration of {}", kinds::names());
+    ensure!(!tree.is_empty(), "it holds no named value; give a calibration of {}", known);
     Ok(tree)
 }

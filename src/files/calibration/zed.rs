@@ -1,10 +1,11 @@
 //! The factory calibration of a ZED, SN*.conf: `[LEFT_CAM_HD]`, `[RIGHT_CAM_HD]`, .. with fx, fy, cx, cy, k1, k2, p1, p2, k3, and
 //! `[STEREO]` with the baseline in millimetres and the turns RX, CV (about y) and RZ.
 
-use super::fit::Apart;
+use super::apart::Apart;
+use super::cameras::{Calibration, Cameras};
+use super::reading::{Reading, Unit};
 use super::stereo_rectify::rotation;
 use super::tree::number;
-use super::{Calibration, Cameras, Reading, Unit};
 use crate::Distortion;
 use crate::files::error::{Context as _, Result, bail, ensure};
 use std::collections::BTreeMap;

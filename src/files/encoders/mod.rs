@@ -11,6 +11,6 @@ mod samples;
 pub use depth::{metres, millimetres};
 pub use format::{DepthFormat, Format, SheetFormat, default_format, ending, ensure_range, map_format, searched};
 pub use map::{Encoded, Maps, encode};
-pub use pictures::{picture, truth_picture};
+pub use pictures::{picture, rgba8, truth_picture};
 pub use points::{pcd, ply};
 pub use samples::{jpeg, npy, pfm, png, png8, png16, tiff};

@@ -1,7 +1,7 @@
 //! Maps as pictures.
 
 use crate::evaluation::FloatMap;
-use crate::{DisparityMap, turbo};
+use crate::{DisparityMap, Image, Pixels, turbo};
 use image::{Rgb, RgbImage};
 
 /// A map in turbo colours over the disparities `first` to `last`, invalid black.
@@ -19,6 +19,17 @@ pub fn truth_picture(map: &FloatMap, (first, last): (i32, i32)) -> RgbImage {
     };
     let mut values = map.data().iter();
     RgbImage::from_fn(map.width(), map.height(), |_, _| Rgb(values.next().map_or([0; 3], color)))
+}
+
+/// An image as it is shown: red, green, blue and alpha in 8 bits each.
+pub fn rgba8(image: &Image) -> Vec<u8> {
+    let high = |sample: u16| ((u32::from(sample) + 128) / 257) as u8;
+    match image.pixels() {
+        Pixels::Gray8(samples) => samples.iter().flat_map(|&s| [s, s, s, u8::MAX]).collect(),
+        Pixels::Gray16(samples) => samples.iter().map(|&s| high(s)).flat_map(|s| [s, s, s, u8::MAX]).collect(),
+        Pixels::Rgba8(samples) => samples.clone(),
+        Pixels::Rgba16(samples) => samples.iter().map(|&s| high(s)).collect(),
+    }
 }
 
 #[cfg(test)]

@@ -1,7 +1,8 @@
 //! Depths as coloured points.
 
+use super::pictures::rgba8;
 use crate::files::error::Result;
-use crate::{Camera, DepthMap, Image, Pixels};
+use crate::{Camera, DepthMap, Image};
 use std::io::Write as _;
 
 /// A point in metres: to the right, down and forward of the left camera; and its colour.
@@ -14,22 +15,12 @@ struct Point {
 fn points(depth: &DepthMap, camera: &Camera, left: &Image) -> Vec<Point> {
     let width = depth.width.max(1) as usize;
     let with_depth = depth.data.iter().enumerate().filter(|(_, value)| **value != DepthMap::NONE);
+    let colors = rgba8(left);
     let point = |(i, &value): (usize, &u32)| {
         let place = camera.point((i % width) as u32, (i / width) as u32, value).map(|metres| metres as f32);
-        Point { place, color: color(left, i) }
+        Point { place, color: [colors[4 * i], colors[4 * i + 1], colors[4 * i + 2]] }
     };
     with_depth.map(point).collect()
-}
-
-/// The colour of pixel i in 8 bits.
-fn color(image: &Image, i: usize) -> [u8; 3] {
-    let high = |sample: u16| ((u32::from(sample) + 128) / 257) as u8;
-    match image.pixels() {
-        Pixels::Gray8(s) => [s[i]; 3],
-        Pixels::Gray16(s) => [high(s[i]); 3],
-        Pixels::Rgba8(s) => [s[4 * i], s[4 * i + 1], s[4 * i + 2]],
-        Pixels::Rgba16(s) => [s[4 * i], s[4 * i + 1], s[4 * i + 2]].map(high),
-    }
 }
 
 /// A binary PLY file of coloured points.

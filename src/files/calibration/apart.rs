@@ -1,0 +1,43 @@
+//! Two cameras and what lies between them.
+
+use super::rectified::of_projections;
+use crate::files::error::{Result, ensure};
+use crate::{Camera, Distortion};
+
+type Matrix = [f64; 9];
+
+/// Two cameras, of which the right one sees `rotation` x + `translation`, in metres, where the left one sees x.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Apart {
+    pub(super) cameras: [(Matrix, Distortion); 2],
+    pub(super) rotation: Matrix,
+    pub(super) translation: [f64; 3],
+}
+
+impl Apart {
+    pub fn new(cameras: [(Matrix, Distortion); 2], rotation: Matrix, translation: [f64; 3]) -> Result<Self> {
+        let fisheyes = cameras.map(|(_, distortion)| matches!(distortion, Distortion::Fisheye(_)));
+        ensure!(
+            fisheyes[0] == fisheyes[1],
+            "one of its lenses is a pinhole and one a fisheye, which OpenCV rectifies by no function; give R1, P1, R2 and P2 beside \
+             the lenses"
+        );
+        Ok(Self { cameras, rotation, translation })
+    }
+
+    /// The cameras as they are, if they are rectified: without lenses and turns.
+    pub fn as_it_is(&self) -> Option<Result<Camera>> {
+        let Self { cameras: [(left, a), (right, b)], rotation, translation } = self;
+        let straight = rotation.iter().enumerate().all(|(i, r)| (r - f64::from(u8::from(i % 4 == 0))).abs() <= 1e-6);
+        if [a, b].iter().any(|lens| **lens != Distortion::NONE) || !straight {
+            return None;
+        }
+        let projection = |k: &Matrix, t: [f64; 3]| {
+            let column: [f64; 3] = std::array::from_fn(|i| (0..3).map(|j| k[3 * i + j] * t[j]).sum());
+            let row = |i: usize| [k[3 * i], k[3 * i + 1], k[3 * i + 2], column[i]];
+            [row(0), row(1), row(2)].concat()
+        };
+        // The fourth column of a principal point off the axis is -f B alone if the cameras lie side by side.
+        Some(of_projections(&projection(left, [0.0; 3]), &projection(right, *translation), 1.0))
+    }
+}
