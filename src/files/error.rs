@@ -126,7 +126,8 @@ macro_rules! bail {
 /// Returns an error with a text unless the condition holds.
 macro_rules! ensure {
     ($condition:expr, $($text:tt)*) => {
-        if !$condition {
+        let holds: bool = $condition;
+        if !holds {
             $crate::files::error::bail!($($text)*);
         }
     };
