@@ -41,7 +41,7 @@ pub enum Range {
     Known(u32),
     /// As `ndisp` in Middlebury's calib.txt.
     Calibration(PathBuf),
-    /// The data set does not tell: [`USUAL`].
+    /// The data set does not say: 128.
     Unknown,
 }
 
@@ -66,7 +66,7 @@ pub struct Scene {
 
 /// Disparities of KITTI: the truth ends below it.
 const KITTI: u32 = 192;
-/// Disparities where nothing tells them.
+/// Disparities where the data set does not say.
 const USUAL: u32 = 128;
 /// Virtual KITTI 2: the focal length in px times the distance of the cameras in m (its web page).
 const VKITTI2: f64 = 725.0087 * 0.532725;
@@ -249,7 +249,7 @@ fn vkitti2(dataset: &Path) -> Result<Vec<Scene>> {
     Ok(scenes)
 }
 
-/// An entry of a manifest. What is not named here is passed over.
+/// An entry of a manifest. Other fields are ignored.
 #[derive(Deserialize)]
 struct Entry {
     set: String,

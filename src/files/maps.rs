@@ -166,7 +166,7 @@ fn ensure_pixels(width: u32, height: u32) -> Result<()> {
     Ok(())
 }
 
-/// Whether so many samples are there; what is told otherwise.
+/// The sides, if the file has as many samples as it declares.
 fn ensure_length(width: u64, height: u64, bytes_each: u64, got: usize) -> Result<(u32, u32)> {
     let needed = width.checked_mul(height).and_then(|count| count.checked_mul(bytes_each));
     let sides = u32::try_from(width).ok().zip(u32::try_from(height).ok());
@@ -303,7 +303,7 @@ fn transposed<T: Copy>(values: &[T], (width, height): (u32, u32)) -> Vec<T> {
 
 /// The first image of a TIFF file, in floats or whole numbers, one sample a pixel.
 fn tiff(bytes: &[u8]) -> Result<(u32, u32, Samples)> {
-    // What the library tells can name every entry of a damaged list.
+    // The decoder's message can name every entry of a damaged list.
     let damaged = |error: tiff::TiffError| {
         let told: String = error.to_string().chars().take(200).collect();
         error!("it is damaged, cut short or of a rare kind ({told}): save it again")

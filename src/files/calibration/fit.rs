@@ -4,7 +4,7 @@ use super::apart::Apart;
 use super::cameras::{Calibration, Cameras};
 use super::reading::Unit;
 use super::rectified::of_projections;
-use super::scale::{Scale, told};
+use super::scale::{Scale, in_words};
 use super::stereo_rectify::stereo_rectify;
 use crate::files::error::{Result, bail, ensure};
 use crate::{Camera, Lens};
@@ -76,7 +76,7 @@ impl Calibration {
                 !outside,
                 "at --calib-scale {} the principal point is ({x}, {y}), outside the {width}x{height} images; it must be the images' \
                  size by that of the calibrated ones",
-                told(scale.0)
+                in_words(scale.0)
             );
             return Ok(());
         }
@@ -90,7 +90,10 @@ impl Calibration {
         }
         let remedy = match alike {
             true => {
-                format!("give --calib-scale {}, the images' size by that of the calibrated ones", told(1.0 / factor))
+                format!(
+                    "give --calib-scale {}, the images' size by that of the calibrated ones",
+                    in_words(1.0 / factor)
+                )
             }
             false => {
                 "take the calibration of these images, or give --calib-scale, their size by that of the calibrated ones"
@@ -151,7 +154,7 @@ fn ensure_size(calibrated: [u32; 2], images: [u32; 2], scale: Scale) -> Result<(
         Scale::ONE => String::new(),
         Scale(scale) => format!(", {}x{} at --calib-scale {scale}", f64::from(w) * scale, f64::from(h) * scale),
     };
-    let remedy = match told(factor.0) {
+    let remedy = match in_words(factor.0) {
         // Both sides by one factor.
         of if of.parse::<Scale>().is_ok_and(|of| of.fits(w, width) && of.fits(h, height)) => {
             format!("where they are the same images at another size, give --calib-scale {of}")

@@ -43,7 +43,7 @@ pub fn of_projections(left: &[f64], right: &[f64], unit: f64) -> Result<Camera> 
         "the baseline is 0 m: both cameras are one; give the right camera's projection, whose \
          fourth number is -f B"
     );
-    // The tenths of a per cent that KITTI's files have are let pass.
+    // KITTI's files are off by tenths of a per cent.
     ensure!(
         down.abs() <= 0.01 * across.abs() && ahead.abs() <= 0.01 * across.abs(),
         "the cameras lie {across} m apart along rows, {down} m along columns and {ahead} m in depth, but must lie side by side; \

@@ -57,8 +57,8 @@ impl Scale {
     }
 }
 
-/// A scale in digits, or as a quotient.
-pub(super) fn told(scale: f64) -> String {
+/// A scale as a decimal or a quotient.
+pub(super) fn in_words(scale: f64) -> String {
     let quotient =
         |of: u32| (1..=8 * of).find(|n| (f64::from(*n) / f64::from(of) / scale - 1.0).abs() < 0.04).map(|n| (n, of));
     match (1..=8).find_map(quotient) {
