@@ -107,7 +107,7 @@ pub(crate) fn rounds(kernel: &str, params: &Params, [width, height]: [u32; 2], p
             unseen + 2 + repeated(steps, repeated(4, 0))
         }
         "speckle_rows" => repeated(eights, repeated(2, 0)),
-        // src/gpu/chain/filters.rs joins the runs of `SEGMENT_GROUPS` eights of all borders at a time. Only roots get other parents, and only
+        // src/gpu/chain/filters/speckle.rs joins the runs of `SEGMENT_GROUPS` eights of all borders at a time. Only roots get other parents, and only
         // roots of the upper band become them. So a way to a root has at most 8 * SEGMENT_GROUPS of those, and what it had before
         // in each band: one pixel for each segment of each border so far. `speckle_flatten` walks eight times a way from above, to
         // look for the root, and one from above and one from below; `speckle_link` goes up the ways to two roots.

@@ -85,6 +85,6 @@ fn shader_module(
         ..wgpu::ShaderRuntimeChecks::checked()
     };
     // SAFETY: every loop of the kernels counts up to a constant or to a size from the uniform blocks, and every index is
-    // made of such sizes; the matcher fills the blocks and sizes the buffers from one source (src/gpu/layout/mod.rs).
+    // made of such sizes; the matcher fills the blocks and sizes the buffers from one source (src/gpu/layout).
     unsafe { device.create_shader_module_trusted(descriptor, checks) }
 }

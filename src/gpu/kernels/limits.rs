@@ -10,7 +10,7 @@ use crate::gpu::plan::GROUP_LANES;
 pub(crate) const SHARED_BYTES: u32 = 2048;
 
 /// The limits that the kernels need, whatever the settings; all that the device lacks is named at once. The sizes of
-/// buffers and textures, which depend on the pair, are checked where they are computed (src/gpu/layout/mod.rs).
+/// buffers and textures, which depend on the pair, are checked where they are computed (src/gpu/layout).
 pub(crate) fn check_limits(limits: &wgpu::Limits) -> Result<(), Error> {
     let most = |bound: fn(&Access) -> bool| {
         KERNELS.iter().map(|kernel| kernel.storage.iter().filter(|access| bound(access)).count()).max().unwrap_or(0)
