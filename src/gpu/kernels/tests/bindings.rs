@@ -11,6 +11,9 @@ use crate::gpu::layout::{
 };
 use crate::{Params, PixelFormat};
 
+/// Name, offset and kind of each member of a struct, and its size.
+type StructLayout = (Vec<(String, u32, String)>, u32);
+
 /// Name, offset and kind of each member, and the size: of a Rust struct. A member left out does not compile.
 macro_rules! layout {
     ($type:ident { $($field:ident),+ $(,)? }) => {{
@@ -25,7 +28,7 @@ macro_rules! layout {
 }
 
 /// The same of a WGSL struct.
-fn reflected(module: &naga::Module, name: &str) -> (Vec<(String, u32, String)>, u32) {
+fn reflected(module: &naga::Module, name: &str) -> StructLayout {
     let found = module.types.iter().find(|(_, ty)| ty.name.as_deref() == Some(name));
     let Some((_, naga::Type { inner: naga::TypeInner::Struct { members, span }, .. })) = found else {
         panic!("there is no struct {name}");
@@ -39,7 +42,7 @@ fn reflected(module: &naga::Module, name: &str) -> (Vec<(String, u32, String)>, 
     (members, *span)
 }
 
-fn frame_layout() -> (Vec<(String, u32, String)>, u32) {
+fn frame_layout() -> StructLayout {
     layout!(Frame {
         width,
         height,
@@ -67,7 +70,7 @@ fn frame_layout() -> (Vec<(String, u32, String)>, u32) {
     })
 }
 
-fn dispatch_layout() -> (Vec<(String, u32, String)>, u32) {
+fn dispatch_layout() -> StructLayout {
     layout!(Dispatch {
         first_row,
         rows,
@@ -90,7 +93,7 @@ fn dispatch_layout() -> (Vec<(String, u32, String)>, u32) {
 }
 
 /// The block `Own` of each kernel that has one.
-fn own_layout(kernel: &str) -> Option<(Vec<(String, u32, String)>, u32)> {
+fn own_layout(kernel: &str) -> Option<StructLayout> {
     Some(match kernel {
         "gray" | "deep_gray" => layout!(GrayOwn { channel, reversed }),
         "prefilter" | "descriptors" => layout!(PlaneOwn { mirrored, lead, first_plane }),
