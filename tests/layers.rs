@@ -372,7 +372,6 @@ fn text_of(path: &str) -> Option<String> {
 }
 
 #[test]
-#[ignore = "the rooms are being drawn"]
 fn imports_go_one_way() {
     let mut project = Project::default();
     CRATES.iter().for_each(|(name, root)| project.read(name, root, &text_of));

@@ -79,7 +79,6 @@ fn walk(path: &str, faults_found: &mut Vec<String>) -> usize {
 }
 
 #[test]
-#[ignore = "the rooms are being drawn"]
 fn files_functions_and_folders_are_small() {
     let mut faults = Vec::new();
     let read: usize = READ.iter().map(|path| walk(path, &mut faults)).sum();

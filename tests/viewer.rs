@@ -1,6 +1,6 @@
 //! examples/viewer as a user meets it: the built program on a screen of its own (Xvfb), moved by a pointer, its pixels
 //! compared with what the library computes. Equality is exact.
-#![cfg(target_os = "linux")]
+#![cfg(all(target_os = "linux", feature = "files"))]
 #![allow(clippy::unwrap_used, clippy::expect_used)]
 
 mod support;
@@ -520,13 +520,11 @@ fn the_left_image_is_known_by_its_name() {
 
 #[test]
 fn a_calibration_gives_depth() {
-    let text =
-        std::fs::read_to_string(Path::new(env!("CARGO_MANIFEST_DIR")).join("data/motorcycle/calib.txt")).unwrap();
-    let camera = files::Camera::parse(&text).unwrap();
+    let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("data/motorcycle");
+    let camera = files::read(&["left.png", "right.png"].map(|name| folder.join(name))).unwrap().camera;
     assert_eq!((camera.focal, camera.doffs, camera.centre), (994.978, 31.086, Some([311.193, 254.877])));
     assert_eq!(camera.depth(50.0), Some(994.978 * 0.193001 / (50.0 + 31.086)));
     assert_eq!((camera.depth(-40.0), files::Camera::default().depth(50.0)), (None, None));
-    assert_eq!(files::Camera::parse("cam0=[1 2]\nbaseline=x"), None);
 }
 
 /// The sliders go as far as the library lets them, and no farther.

@@ -73,7 +73,7 @@ impl Params {
     /// The largest value of the prefiltered image in 8 bits.
     pub(crate) fn prefiltered_max(&self) -> u32 {
         match self.prefilter {
-            Prefilter::XSobel | Prefilter::Sobel | Prefilter::Normalized => 2 * self.prefilter_cap,
+            Prefilter::XSobel | Prefilter::Sobel | Prefilter::Normalized => 2 * self.bounded_cap(),
             Prefilter::None => 255,
         }
     }
@@ -83,11 +83,16 @@ impl Params {
         if self.color_cost { 3 } else { 1 }
     }
 
+    /// The cap, no larger than any cost allows: settings are also asked before they are validated.
+    fn bounded_cap(&self) -> u32 {
+        self.prefilter_cap.min(Self::MAX_CAP)
+    }
+
     /// What the largest values of the cost depend on.
     fn ranges(&self) -> Ranges {
         Ranges {
             value: self.prefiltered_max(),
-            cap: self.prefilter_cap,
+            cap: self.bounded_cap(),
             census_bits: self.census.bits(),
             ad_weight: self.ad_weight,
             census_weight: self.census_weight,

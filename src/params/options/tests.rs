@@ -82,7 +82,8 @@ fn what_is_no_value_is_refused_with_what_is_one() {
 fn numbers_beyond_every_type_are_refused_as_they_were_given() {
     let numbers = Params::OPTIONS.iter().filter(|option| option.values.is_empty());
     for option in numbers.filter(|option| !option.name.starts_with("wls")) {
-        for value in ["99999999999999999999999", "-99999999999999999999999", "4294967296", "1e39", "nan"] {
+        for value in ["99999999999999999999999", "-99999999999999999999999", "4294967296", "4294967295", "1e39", "nan"]
+        {
             let error = Params::from_options(64, [(option.name, value)]).unwrap_err().to_string();
             assert!(error.starts_with(&format!("{} is {value}, but must be ", option.name)), "{error}");
         }
