@@ -278,7 +278,7 @@ fn of_two_settings_at_once_one_is_refused() {
         let codes = outputs.each_ref().map(|output| output.status.code().unwrap());
         assert!([[0, 2], [2, 0]].contains(&codes), "{codes:?}");
         let refused = stderr(&outputs[usize::from(codes[0] == 0)]);
-        assert!(refused.contains("made otherwise: p1 ") && refused.lines().count() == 1, "{refused}");
+        assert!(refused.contains("other settings: p1 ") && refused.lines().count() == 1, "{refused}");
         let record: Value =
             serde_json::from_slice(&fs::read(folder.path().join("maps/gpu-stereo.json")).unwrap()).unwrap();
         assert_eq!(record["p1"], if codes[0] == 0 { "5" } else { "9" });
@@ -324,7 +324,7 @@ fn what_is_there_is_kept_if_it_is_of_the_same_pair_and_settings() {
 
     // Without --resume all are computed again; other settings are refused either way.
     assert_eq!(counts(&told(&succeeds(folder.path(), &batch(&["--json"])))), [4, 4, 0, 0]);
-    let words = ["made otherwise", "p1 21 there and 9 now", "gpu-stereo.json", "another folder"];
+    let words = ["made with other settings", "p1 21 there and 9 now", "gpu-stereo.json", "another folder"];
     for more in [&["--p1", "9"][..], &["--p1", "9", "--resume"]] {
         refuses(folder.path(), &batch(more), &words);
     }

@@ -14,23 +14,13 @@ use std::ffi::OsStr;
 use std::fs;
 use std::path::Path;
 use std::process::{Command, Stdio};
-use support::{SHIFT, command, contents, is_one_line_error, pair, refuses, run, stderr, stdout, succeeds, texture};
+use support::{
+    SHIFT, command, contents, is_one_line_error, on, pair, refuses, run, scene, stderr, stdout, succeeds, texture,
+};
 use tempfile::TempDir;
 
 /// `LEFT RIGHT --disp 16 --backend cpu` and more.
-fn on<'a>(left: &'a str, right: &'a str, more: &[&'a str]) -> Vec<&'a str> {
-    [&[left, right, "--disp", "16", "--backend", "cpu"], more].concat()
-}
-
 /// A folder with left.png and right.png.
-fn scene() -> TempDir {
-    let folder = tempfile::tempdir().unwrap();
-    let [left, right] = pair(48, 30);
-    left.save(folder.path().join("left.png")).unwrap();
-    right.save(folder.path().join("right.png")).unwrap();
-    folder
-}
-
 // Independent readers of what the command writes: disparity in pixels, rows from the top, NaN invalid.
 
 fn read_kitti(path: &Path) -> Vec<f32> {
@@ -783,7 +773,7 @@ fn options_that_change_nothing_in_a_study_are_told_once() {
     let notes = |args: &[&str]| stderr(&succeeds(folder.path(), &study("sweep", &[args, &["-q"]].concat())));
     assert_eq!(
         notes(&["--disp", "8,9", "--method", "bm", "--paths", "3,8"]),
-        "note: --paths changes nothing with --method bm\n"
+        "note: --paths has no effect with --method bm\n"
     );
     assert_eq!(notes(&["--disp", "8", "--method", "bm,sgm", "--paths", "3"]), "");
 }
@@ -873,7 +863,7 @@ fn options_that_change_nothing_are_told() {
     ] {
         let args: Vec<_> = more.split(' ').chain(["--preset", "classic"]).collect();
         let output = succeeds(folder.path(), &on("left.png", "right.png", &args));
-        assert_eq!(stderr(&output), format!("note: {} changes nothing with --{other}\n", args[0]));
+        assert_eq!(stderr(&output), format!("note: {} has no effect with --{other}\n", args[0]));
     }
     let busy = "--prefilter-cap 9 --speckle-range 1 --paths 3 --block 3 --preset classic \
                 --prefilter normalized --prefilter-window 7";

@@ -262,7 +262,7 @@ fn what_is_no_calibration_is_refused() {
         );
     }
     let output = run(folder.path(), &["--calib", "calib", "-o", "map.npy"]);
-    assert!(output.status.success() && stderr(&output).contains("change nothing"), "{}", stderr(&output));
+    assert!(output.status.success() && stderr(&output).contains("have no effect"), "{}", stderr(&output));
 }
 
 /// A file of OpenCV with lenses: the camera matrices have these columns of the principal points, `more` replaces lines.

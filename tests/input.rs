@@ -16,20 +16,8 @@ use std::fs;
 use std::path::Path;
 use std::process::{Command, Output};
 use std::time::{Duration, Instant};
-use support::{contents, is_one_line_error, pair, refuses, stderr, stdout, succeeds, texture};
+use support::{contents, is_one_line_error, on, pair, refuses, scene, stderr, stdout, succeeds, texture};
 use tempfile::TempDir;
-
-fn on<'a>(left: &'a str, right: &'a str, more: &[&'a str]) -> Vec<&'a str> {
-    [&[left, right, "--disp", "16", "--backend", "cpu"], more].concat()
-}
-
-fn scene() -> TempDir {
-    let folder = tempfile::tempdir().unwrap();
-    let [left, right] = pair(48, 30);
-    left.save(folder.path().join("left.png")).unwrap();
-    right.save(folder.path().join("right.png")).unwrap();
-    folder
-}
 
 /// The map of two images, as a file.
 fn map(folder: &TempDir, left: &str, right: &str, more: &[&str]) -> Vec<u8> {

@@ -10,7 +10,7 @@ use std::ffi::{OsStr, OsString};
 use std::fs;
 use std::path::Path;
 use std::process::Output;
-use support::{command, contents, is_one_line_error, pair, refuses, run, stderr, stdout, succeeds};
+use support::{command, contents, is_one_line_error, pair, refuses, run, scene, stderr, stdout, succeeds};
 use tempfile::TempDir;
 
 /// What terminals obey, and lines that the command might have written.
@@ -58,14 +58,6 @@ fn is_clean(output: &Output, what: &str) {
         }
         assert!(!text.contains("this is a bug"), "{what}: {text}");
     }
-}
-
-fn scene() -> TempDir {
-    let folder = tempfile::tempdir().unwrap();
-    for (side, image) in ["left", "right"].into_iter().zip(pair(48, 30)) {
-        image.save(folder.path().join(format!("{side}.png"))).unwrap();
-    }
-    folder
 }
 
 const TO_16: [&str; 4] = ["--disp", "16", "--backend", "cpu"];
@@ -317,7 +309,7 @@ fn one_module_prints() {
         assert_eq!(
             faults(source),
             Vec::<&str>::new(),
-            "{path} prints by itself; take crate::tell, terminal::print and name"
+            "{path} prints by itself; use terminal::message, terminal::print and terminal::name"
         );
     }
     let source = &others[0].1;
@@ -444,7 +436,7 @@ fn names_too_long_are_refused_before_any_work() {
         refuses(folder.path(), &[&["batch", list, "-o", out], &TO_16[..]].concat(), words);
     };
     batch("list.csv", "out", &["256 bytes", "255"]);
-    batch("in.csv", ".", &["file", "which is none"]);
+    batch("in.csv", ".", &["file", "which is not a folder"]);
 }
 
 #[cfg(target_os = "linux")]
@@ -487,7 +479,7 @@ fn variables_that_mean_nothing_are_refused_by_name() {
     assert_eq!(with("WGPU_BACKEND", "vulcan", &cpu).status.code(), Some(0));
     let told = with("WGPU_ADAPTER_NAME", "any", &auto);
     assert!(
-        stderr(&told).contains("note: the environment has WGPU_ADAPTER_NAME=\"any\", which changes nothing"),
+        stderr(&told).contains("note: the environment has WGPU_ADAPTER_NAME=\"any\", which has no effect"),
         "{}",
         stderr(&told)
     );
@@ -581,7 +573,7 @@ fn tips_do_not_mislead() {
         "{single}"
     );
     assert!(told(&["left.png", "right.png", "--disp", "16", "--backend", "cuda"]).find("similar").is_none());
-    assert!(told(&["left.png", "right.png", "--disp", "16", "--method", "sgbm"]).contains("; take sgm; "));
+    assert!(told(&["left.png", "right.png", "--disp", "16", "--method", "sgbm"]).contains("; use sgm; "));
     assert!(told(&["eval", "a", "b", "--disp", "16"]).contains("--disp <N> is an option of a single run, sweep"));
     fs::copy(folder.path().join("left.png"), folder.path().join("-left.png")).unwrap();
     assert!(told(&["-left.png", "right.png", "--disp", "16"]).contains("write ./-left.png"));

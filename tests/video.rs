@@ -423,7 +423,7 @@ fn a_video_that_fails_leaves_nothing() {
         is_one_line_error(&with_path(&folder, &path, &video("film.mp4", &["-q"])), &["ffmpeg", words]);
         assert!(contents(folder.path()) == before, "{words}");
     }
-    let words = ["\"film.mp4\" is a video", "no ffmpeg on the PATH", "install ffmpeg, or give a folder"];
+    let words = ["\"film.mp4\" is a video", "no working ffmpeg is on the PATH", "install ffmpeg, or give a folder"];
     is_one_line_error(&with_path(&folder, "/nonexistent", &video("film.mp4", &[])), &words);
     let ffmpeg = stand_in("cat > /dev/null");
     let path = format!("{}:/usr/bin:/bin", ffmpeg.path().display());

@@ -115,7 +115,7 @@ impl Verb {
 fn start_threads() -> Result<()> {
     rayon::ThreadPoolBuilder::new().build_global().map_err(|error| {
         anyhow!(
-            "the threads for the work cannot be started ({error}); allow more processes (ulimit -u), or set \
+            "the worker threads cannot be started ({error}); allow more processes (ulimit -u), or set \
              RAYON_NUM_THREADS=1"
         )
     })

@@ -35,8 +35,8 @@ fn report_panics() {
         let payload = panic.payload();
         let text = payload.downcast_ref::<&str>().copied();
         let text = text.or_else(|| payload.downcast_ref::<String>().map(String::as_str));
-        let text = text.unwrap_or("something that should not happen did");
-        tell(&format!("error: {text}{place}; this is a bug, please report it"));
+        let text = text.unwrap_or("something unexpected happened");
+        message(&format!("error: {text}{place}; this is a bug, please report it"));
     }));
 }
 
@@ -46,7 +46,7 @@ fn survive_file_limit() {
     {
         let seen = std::sync::Arc::new(std::sync::atomic::AtomicBool::new(false));
         if let Err(error) = signal_hook::flag::register(signal_hook::consts::SIGXFSZ, seen) {
-            tell(&format!("note: a file beyond the limit of the system will end the process ({error})"));
+            message(&format!("note: a file larger than the system allows will end the process ({error})"));
         }
     }
 }
@@ -57,7 +57,7 @@ fn exit_code(result: &anyhow::Result<Outcome>) -> u8 {
         Ok(Outcome::Done) => 0,
         Ok(Outcome::Failed) => 1,
         Err(error) => {
-            tell(&error_line(error));
+            message(&error_line(error));
             COULD_NOT_RUN
         }
     }

@@ -7,6 +7,7 @@ use std::ffi::OsStr;
 use std::fs;
 use std::path::{Path, PathBuf};
 use std::process::{Command, Output};
+use tempfile::TempDir;
 
 /// The disparity of the pairs that [`pair`] makes.
 pub const SHIFT: u32 = 5;
@@ -81,4 +82,18 @@ pub fn texture(x: u32, y: u32) -> u8 {
 /// A pair that is [`SHIFT`] apart.
 pub fn pair(width: u32, height: u32) -> [GrayImage; 2] {
     [0, SHIFT].map(|shift| GrayImage::from_fn(width, height, |x, y| Luma([texture(x + shift, y)])))
+}
+
+/// A folder with such a pair, left.png and right.png.
+pub fn scene() -> TempDir {
+    let folder = tempfile::tempdir().unwrap();
+    for (side, image) in ["left", "right"].into_iter().zip(pair(48, 30)) {
+        image.save(folder.path().join(format!("{side}.png"))).unwrap();
+    }
+    folder
+}
+
+/// A run of two images of [`scene`] on the reference.
+pub fn on<'a>(left: &'a str, right: &'a str, more: &[&'a str]) -> Vec<&'a str> {
+    [&[left, right, "--disp", "16", "--backend", "cpu"], more].concat()
 }

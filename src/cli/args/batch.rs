@@ -24,7 +24,7 @@ LIST has a pair a line, with paths relative to the list's folder:
 LEFT and RIGHT are folders, printf patterns or globs in quotes, as for gpu-stereo video.
 
 A map is called DIR/NAME.png and so on. Without a name it is that of the left image below the folder that all left
-images are in. Pairs may differ in size and samples. What fails is told and added to DIR/failures.jsonl, a list, too; the
+images are in. Pairs may differ in size and samples. What fails is reported and added to DIR/failures.jsonl, also a list; the
 rest goes on, and the exit code is 1. Several processes may write into one folder.
 
 Examples:
@@ -87,7 +87,7 @@ pub struct BatchArgs {
     #[arg(long, help_heading = OUTPUT)]
     pub resume: bool,
 
-    /// With --resume: try again what ended the processes that computed it
+    /// With --resume: try again the pairs that ended the processes that computed them
     #[arg(long, requires = "resume", help_heading = OUTPUT)]
     pub retry: bool,
 
@@ -124,7 +124,7 @@ impl FromStr for Shard {
         let number = |digits: &str| digits.bytes().all(|b| b.is_ascii_digit()).then(|| digits.parse().ok()).flatten();
         match text.split_once('/').map(|(index, count)| (number(index), number(count))) {
             Some((Some(index), Some(count))) if (1..=count).contains(&index) => Ok(Self { index, count }),
-            _ => Err("I/N is needed with I from 1 to N, such as 3/8; a number that counts from 0 needs 1 more".into()),
+            _ => Err("I/N is needed with I from 1 to N, such as 3/8; add 1 to a number that counts from 0".into()),
         }
     }
 }

@@ -12,8 +12,8 @@ use std::path::PathBuf;
 /// What `--help` says at its end.
 pub const HELP: &str = "\
 The disparities of a scene are the data set's own: ndisp of calib.txt, 192 for KITTI and Virtual
-KITTI, max_disp of a manifest, 128 where nothing tells; --disp N is for all. A variant is as in
-compare. A scene that fails is told, and the others go on.
+KITTI, max_disp of a manifest, 128 where it has none; --disp N is for all. A variant is as in
+compare. A scene that fails is reported, and the others go on.
 
 Examples:
   gpu-stereo bench kitti_2015 --layout kitti2015 --report report

@@ -9,7 +9,7 @@ use std::path::PathBuf;
 #[command(next_help_heading = "Depth")]
 pub struct CameraArgs {
     /// The calibration of the pair: Middlebury's calib.txt, KITTI's and DrivingStereo's calib files, OpenCV's YAML or XML with
-    /// P1 and P2 or Q (of stereoRectify), ROS camera_info YAML (with --calib-right); the content tells which
+    /// P1 and P2 or Q (of stereoRectify), ROS camera_info YAML (with --calib-right); recognised by their content
     #[arg(long, value_name = "FILE", group = "cameras", conflicts_with_all = ["focal", "baseline", "cx", "cy", "doffs"])]
     pub calib: Option<PathBuf>,
 
@@ -24,7 +24,7 @@ pub struct CameraArgs {
     #[arg(long, value_name = "FILE", requires = "cameras")]
     pub calib_right: Option<PathBuf>,
 
-    /// The model of the lenses, where the file does not say and their numbers do not tell: k1, k2, p1, p2 of calibrateCamera,
+    /// The model of the lenses, where neither the file nor its numbers tell: k1, k2, p1, p2 of calibrateCamera,
     /// or k1, k2, k3, k4 of cv::fisheye
     #[arg(long, value_parser = choices::lens(), value_name = "MODEL", default_value = "auto", requires = "rectify")]
     pub lens: LensModel,
@@ -88,7 +88,7 @@ impl Optics {
         match (self.focal, self.baseline) {
             (Some(focal), Some(baseline)) => Ok(Some([focal, baseline])),
             (None, None) => Ok(None),
-            _ => anyhow::bail!("--focal PX and --baseline M are one without the other; give both"),
+            _ => anyhow::bail!("only one of --focal PX and --baseline M is given; give both"),
         }
     }
 }

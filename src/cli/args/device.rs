@@ -10,7 +10,7 @@ pub struct DeviceArgs {
     #[arg(long, value_enum, default_value_t = Backend::Auto, help_heading = DEVICE)]
     pub backend: Backend,
 
-    /// The adapter to use: its index or a part of its name, as --list-adapters tells them
+    /// The adapter to use: its index or a part of its name, as --list-adapters shows them
     #[arg(long, value_name = "NAME-OR-INDEX", help_heading = DEVICE)]
     pub adapter: Option<String>,
 }

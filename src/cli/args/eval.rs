@@ -9,7 +9,7 @@ use std::path::PathBuf;
 /// What `--help` says at its end.
 pub const HELP: &str = "\
 Maps are 16-bit PNG of KITTI (256 a pixel, 0 none), PFM, NumPy or TIFF (what is not finite is none),
-or other gray PNG or PGM with a scale. docs/EVALUATION.md defines what is told.
+or other gray PNG or PGM with a scale. docs/EVALUATION.md defines the figures.
 
 Examples:
   gpu-stereo eval disparity.png disp_occ_0/000000_10.png --error-map errors.png

@@ -1,7 +1,7 @@
 //! The matcher's settings: an option for each of [`Params::OPTIONS`], and `--preset`.
 
 use super::names;
-use crate::terminal::tell;
+use crate::terminal::message;
 use anyhow::{Result, anyhow, ensure};
 use clap::builder::{PossibleValue, StringValueParser, TypedValueParser};
 use clap::{Arg, ArgMatches, Command, FromArgMatches};
@@ -107,11 +107,11 @@ pub fn by_option(error: Error) -> anyhow::Error {
     match error {
         Error::Parameter { name: "option", given, allowed, remedy, .. } => {
             let meant =
-                names::setting(given.trim_matches('"')).map(|meant| format!("take {meant}; ")).unwrap_or_default();
+                names::setting(given.trim_matches('"')).map(|meant| format!("use {meant}; ")).unwrap_or_default();
             anyhow!("{given} is no option; {allowed} is; {meant}{remedy}")
         }
         Error::Parameter { name, given, allowed, remedy, .. } => {
-            let meant = names::value(name, &given).map(|meant| format!("take {meant}; ")).unwrap_or_default();
+            let meant = names::value(name, &given).map(|meant| format!("use {meant}; ")).unwrap_or_default();
             anyhow!("--{name} is {given}, but must be {allowed}; {meant}{remedy}")
         }
         other => other.into(),
@@ -125,7 +125,7 @@ pub fn report_unused(given: &[(Vec<&str>, &Params)]) {
         let others: Option<Vec<_>> = with.map(|(_, params)| Some((option.idle(params)?, params))).collect();
         if let Some((other, params)) = others.and_then(|others| others.into_iter().next()) {
             let value = other.get(params);
-            tell(&format!("note: --{} changes nothing with --{} {value}", option.name, other.name));
+            message(&format!("note: --{} has no effect with --{} {value}", option.name, other.name));
         }
     }
 }

@@ -33,7 +33,7 @@ impl TruthArgs {
         let depth = match (self.gt_depth, optics) {
             (true, Some([focal, baseline])) => Some(focal * baseline),
             (true, None) => bail!(
-                "--gt-depth needs --focal PX and --baseline M, which make depths disparities; Virtual KITTI 2 has 725.0087 and \
+                "--gt-depth needs --focal PX and --baseline M, which turn depths into disparities; Virtual KITTI 2 has 725.0087 and \
                  0.532725"
             ),
             (false, _) => None,
@@ -51,7 +51,7 @@ impl TruthArgs {
             (self.error_map.is_some(), "error-map"),
         ];
         match given.iter().find(|(given, _)| *given) {
-            Some((_, name)) => bail!("--{name} is about a truth, but none is given; add --gt FILE"),
+            Some((_, name)) => bail!("--{name} needs a truth; add --gt FILE"),
             None => Ok(()),
         }
     }

@@ -18,7 +18,7 @@ LEFT and RIGHT are each
   a folder: its images in natural order (frame2 before frame10);
   a printf pattern such as img_%06d.png: from the first number that exists to the first that does not; or
   a glob such as 'left/*.png', in quotes, in natural order.
-All pairs have one size. What fails is told, the rest goes on, and the exit code is 1.
+All pairs have one size. What fails is reported, the rest goes on, and the exit code is 1.
 Without --resume, files that are there are replaced, as those of a single run are.
 
 Examples:
@@ -77,7 +77,7 @@ pub struct VideoArgs {
     #[arg(long, help_heading = OUTPUT)]
     pub resume: bool,
 
-    /// With --resume: try again what ended the processes that computed it
+    /// With --resume: try again the pairs that ended the processes that computed them
     #[arg(long, requires = "resume", help_heading = OUTPUT)]
     pub retry: bool,
 

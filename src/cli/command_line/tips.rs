@@ -112,20 +112,20 @@ fn tip(unknown: &str, root: &Command, verb: Option<&str>, args: &[OsString]) -> 
                 shown("disp")
             ));
         }
-        Some(long) => return Some(format!("take {}", shown(long))),
+        Some(long) => return Some(format!("use {}", shown(long))),
         None => {}
     }
     // As other programs switch things off.
     let off = squeezed(option).strip_prefix("no").and_then(|rest| ours(rest, &names));
     if let Some(long) = off.filter(|long| value(long, "off") == Some("off")) {
-        return Some(format!("take --{long} off"));
+        return Some(format!("use --{long} off"));
     }
     match squeezed(option).as_str() {
         "left" | "right" | "l" | "r" | "leftimage" | "rightimage" | "leftimg" | "rightimg" | "input" | "inputleft"
         | "inputright" | "i" | "images" => {
             return Some("the images are given without an option, the left one first".into());
         }
-        "gpu" | "cpu" if names.contains(&"backend") => return Some(format!("take --backend {}", squeezed(option))),
+        "gpu" | "cpu" if names.contains(&"backend") => return Some(format!("use --backend {}", squeezed(option))),
         _ => {}
     }
     elsewhere(option, root, command)

@@ -2,7 +2,7 @@
 
 use super::outcome::Outcome;
 use crate::engine::adapter;
-use crate::terminal::{self, table, tell};
+use crate::terminal::{self, message, table};
 use anyhow::Result;
 use gpu_stereo::wgpu::Adapter;
 use serde::Serialize;
@@ -32,7 +32,7 @@ pub fn run(json: bool) -> Result<Outcome> {
     let listed: Vec<_> = listed.collect();
     if listed.is_empty() {
         let why = adapter::why_none();
-        tell(&format!("note: there is no adapter{why}; install a Vulkan driver, or compute with --backend cpu"));
+        message(&format!("note: there is no adapter{why}; install a Vulkan driver, or compute with --backend cpu"));
     }
     if json {
         terminal::print_json(&listed)?;

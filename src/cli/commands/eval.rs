@@ -49,7 +49,7 @@ fn resolve(args: EvalArgs) -> Result<Eval> {
     let EvalArgs { estimate, truth, scale, options, optics, json } = args;
     let optics = optics.both()?;
     if optics.is_some() && !options.gt_depth {
-        bail!("--focal and --baseline make depths disparities, but the truth is none; add --gt-depth");
+        bail!("--focal and --baseline turn depths into disparities, but the truth is not a depth; add --gt-depth");
     }
     let truth = options.file(&truth, optics)?;
     let inputs: Vec<_> = truth.files().chain([estimate.as_path()]).collect();

@@ -191,7 +191,7 @@ impl Study {
         let mut variants = Vec::new();
         let (first, last) = self.range();
         let progress = Progress::new(self.variants.len(), self.quiet);
-        let warn = |text: &str| warnings::warn_by(text, |line| progress.tell(line));
+        let warn = |text: &str| warnings::warn_by(text, |line| progress.message(line));
         for (place, Variant { label, settings, params }) in (1..).zip(&self.variants) {
             progress.begin(label);
             let mut params = params.clone();

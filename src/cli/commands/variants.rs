@@ -54,7 +54,7 @@ fn setting(part: &str) -> Result<(&str, String)> {
             return Ok((part, "on".into()));
         }
     }
-    let meant = args::word(part).map(|word| format!("take {word}, or ")).unwrap_or_default();
+    let meant = args::word(part).map(|word| format!("use {word}, or ")).unwrap_or_default();
     bail!(
         "{part:?} is neither a preset, a method or a cost nor an option that can be on; {meant}give OPTION=VALUE, several \
          joined by +, and see gpu-stereo --help"

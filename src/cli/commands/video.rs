@@ -104,7 +104,7 @@ fn resolve(typed: VideoArgs) -> Result<Video> {
         );
         ensure!(
             typed.fps.is_none(),
-            "--fps is for a video, but output {:?} is none; drop it, or give a name that ends in .mp4, .mkv or .webm",
+            "--fps is for a video, but output {:?} is not one; drop it, or give a name that ends in .mp4, .mkv or .webm",
             typed.output
         );
         match Pattern::parse(&typed.output).with_context(|| format!("output is {:?}", typed.output))? {

@@ -84,10 +84,10 @@ pub fn choose(names: &[String], wanted: &str) -> Result<usize> {
     }
     if names.is_empty() {
         let why = environment::why_none();
-        bail!("--adapter is {wanted:?}, but there is no adapter{why}; install a Vulkan driver, or take --backend cpu");
+        bail!("--adapter is {wanted:?}, but there is no adapter{why}; install a Vulkan driver, or use --backend cpu");
     }
     let known: Vec<_> = names.iter().enumerate().map(|(index, name)| format!("{index} ({})", plain(name))).collect();
-    bail!("--adapter is {wanted:?}, but the adapters are {}; take one of these, by index or name", known.join(", "))
+    bail!("--adapter is {wanted:?}, but the adapters are {}; give one of these, by index or name", known.join(", "))
 }
 
 /// An adapter that was asked for is used, and what the environment says of adapters is understood.
@@ -114,7 +114,7 @@ pub fn ensure_there(device: &DeviceArgs) -> Result<()> {
     }
     ensure!(
         device.backend != Backend::Gpu || !names.is_empty(),
-        "--backend is gpu, but there is no adapter{}; install a Vulkan driver, or take auto or cpu",
+        "--backend is gpu, but there is no adapter{}; install a Vulkan driver, or use auto or cpu",
         environment::why_none()
     );
     Ok(())
@@ -164,7 +164,7 @@ impl Opened {
     /// The first error that reached the device outside any call.
     pub fn fault(&self) -> Result<(), Error> {
         match self.fault.lock().unwrap_or_else(PoisonError::into_inner).take() {
-            Some(text) => Err(Error::Lost(format!("{text}; run again, or take another adapter"))),
+            Some(text) => Err(Error::Lost(format!("{text}; run again, or use another adapter"))),
             None => Ok(()),
         }
     }

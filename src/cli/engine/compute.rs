@@ -3,7 +3,7 @@
 use super::adapter::{self, Opened};
 use super::environment;
 use crate::args::{Backend, DeviceArgs};
-use crate::terminal::{plain, tell, to_microseconds};
+use crate::terminal::{message, plain, to_microseconds};
 use anyhow::{Result, bail};
 use gpu_stereo::{Error, Image, Matched, Method, Params, StageCheck, StageTime, StereoMatcher, memory, reference};
 use serde::{Deserialize, Serialize};
@@ -74,21 +74,19 @@ impl Engine {
                 Ok(engine) => return Ok(engine),
                 // An adapter that cannot run the kernels at all is passed over, but not in silence.
                 Err(error @ (Error::Adapter(_) | Error::Device(_))) if !only => {
-                    tell(&format!("note: {}: {error}", plain(&adapter.get_info().name)));
+                    message(&format!("note: {}: {error}", plain(&adapter.get_info().name)));
                 }
                 Err(error) => return Err(error.into()),
             }
         }
         let why = environment::why_none();
         if backend == Backend::Gpu {
-            bail!(
-                "--backend is gpu, but there is no usable adapter{why}; install a Vulkan driver, or take auto or cpu"
-            );
+            bail!("--backend is gpu, but there is no usable adapter{why}; install a Vulkan driver, or use auto or cpu");
         }
         if let Some(what) = needed_for {
             bail!("{what}, but there is no usable adapter{why}; install a Vulkan driver");
         }
-        tell(&format!("note: no usable GPU or CPU adapter{why}; computing with the CPU reference"));
+        message(&format!("note: no usable GPU or CPU adapter{why}; computing with the CPU reference"));
         Self::reference(image, params)
     }
 

@@ -1,6 +1,6 @@
 //! Environment: what the variables say of adapters. A value that means nothing is refused, for wgpu ignores it.
 
-use crate::terminal::{name, tell};
+use crate::terminal::{message, name};
 use anyhow::{Result, anyhow, bail, ensure};
 use gpu_stereo::wgpu::{self, Backends, GlFenceBehavior, InstanceDescriptor};
 use std::env;
@@ -48,8 +48,8 @@ pub fn ensure_known() -> Result<()> {
     }
     for variable in UNREAD {
         if let Some(value) = env::var_os(variable) {
-            tell(&format!(
-                "note: the environment has {variable}={:?}, which changes nothing here; choose with --adapter",
+            message(&format!(
+                "note: the environment has {variable}={:?}, which has no effect here; choose with --adapter",
                 name(&value)
             ));
         }
@@ -79,7 +79,7 @@ fn backends(value: Option<&std::ffi::OsStr>) -> Result<Option<Backends>> {
         let here = BACKENDS.iter().filter(|(_, backend)| here.contains(*backend)).map(|(names, _)| names[0]);
         let here = here.collect::<Vec<_>>().join(", ");
         bail!(
-            "the environment has {BACKEND}={:?}, but here are only {here}; take one of these, or unset it",
+            "the environment has {BACKEND}={:?}, but here are only {here}; use one of these, or unset it",
             name(value)
         );
     }

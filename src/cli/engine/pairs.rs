@@ -1,7 +1,7 @@
 //! Folders, printf patterns and globs become pairs of files.
 
 use super::pair::Pair;
-use crate::terminal::tell;
+use crate::terminal::message;
 use anyhow::{Context as _, Result, bail, ensure};
 use image::ImageFormat;
 use std::collections::{BTreeSet, HashMap};
@@ -13,7 +13,7 @@ pub fn find(left: &Path, right: &Path) -> Result<Vec<(u64, Pair)>> {
     let (left, right) = (Side::find("LEFT", left)?, Side::find("RIGHT", right)?);
     ensure_in_step(&left, &right)?;
     for side in [&left, &right] {
-        side.gap.iter().for_each(|gap| tell(gap));
+        side.gap.iter().for_each(|gap| message(gap));
     }
     let pairs = left.paths.into_iter().zip(right.paths).map(|(left, right)| Pair { left, right });
     Ok((left.first..).zip(pairs).collect())
@@ -38,7 +38,7 @@ impl Side {
             let paths = images(given).with_context(|| format!("{name} is {given:?}, a folder that cannot be read"))?;
             ensure!(
                 !paths.is_empty(),
-                "{name} is {given:?}, a folder without images; give one with PNG, JPEG or others"
+                "{name} is {given:?}, a folder without images; give one with PNG, JPEG or other images"
             );
             return Ok(side(paths));
         }
@@ -51,7 +51,9 @@ impl Side {
         }
         let text = glob_of(given).with_context(|| format!("{name} is {given:?}, but a glob must be Unicode"))?;
         let matches = glob::glob(&text).with_context(|| {
-            format!("{name} is {given:?}, which is no glob; [[] stands for [, and ** is a part of the path of its own")
+            format!(
+                "{name} is {given:?}, which is not a glob; write [[] for [, and ** as a part of the path of its own"
+            )
         })?;
         let mut paths = matches
             .filter(|path| path.as_ref().map_or(true, |path| path.is_file()))
@@ -98,7 +100,7 @@ fn matched_so_far(given: &Path) -> String {
     let first = entries.flatten().map(|entry| entry.file_name()).min();
     match first {
         Some(first) if folder != Path::new("") => {
-            format!(": the folder {folder:?} has {first:?} for one, but nothing like {rest:?}")
+            format!(": the folder {folder:?} has {first:?}, for example, but nothing like {rest:?}")
         }
         None if folder != Path::new("") => format!(": the folder {folder:?} is empty"),
         _ => String::new(),
@@ -136,12 +138,15 @@ fn numbered(name: &str, given: &Path, pattern: &Pattern) -> Result<Side> {
         numbers.extend(entry.file_name().to_str().and_then(|name| pattern.number(name)));
     }
     let Some(&first) = numbers.first() else {
-        bail!("{name} is {given:?}, but no file has such a name; the first would be {:?} or so", pattern.path(0));
+        bail!(
+            "{name} is {given:?}, but no file has such a name; the first would be, for example, {:?}",
+            pattern.path(0)
+        );
     };
     let frames = (first..).take_while(|number| numbers.contains(number)).count() as u64;
     let later = numbers.len() as u64 - frames;
     let gap = (later > 0).then(|| {
-        format!("note: there is no {:?}, so the {later} frames after it are left out", pattern.path(first + frames))
+        format!("note: there is no {:?}, so the {later} frames after it are skipped", pattern.path(first + frames))
     });
     let paths = (first..first + frames).map(|number| pattern.path(number)).collect();
     Ok(Side { given: given.into(), paths, first, gap })
@@ -163,7 +168,7 @@ impl Pattern {
             return Ok(None);
         }
         const ALLOWED: &str =
-            "a pattern has one number, %d or such as %06d, and that in the file's name; %% is a per cent sign";
+            "a pattern has one number, %d or such as %06d, and that in the file's name; %% stands for a percent sign";
         let name = path.file_name().and_then(|name| name.to_str()).context(ALLOWED)?;
         let folder = path.parent().unwrap_or(Path::new(""));
         let folder = literal(folder).context(ALLOWED)?;
@@ -354,10 +359,10 @@ mod tests {
         }
         let error = found("l [0]/*.jpg").unwrap_err();
         assert!(
-            error.contains("has \"1.png\" for one, but nothing like \"*.jpg\"") && error.contains("[[]"),
+            error.contains("has \"1.png\", for example, but nothing like \"*.jpg\"") && error.contains("[[]"),
             "{error}"
         );
-        assert!(found("l [1]/*.png").is_err() && found("l [/*.png").unwrap_err().contains("[[] stands for ["));
+        assert!(found("l [1]/*.png").is_err() && found("l [/*.png").unwrap_err().contains("[[] for ["));
         assert!(found("none/*.png").unwrap_err().contains("none\"; give a folder"));
     }
 

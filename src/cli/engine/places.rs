@@ -72,7 +72,9 @@ pub fn writable_place(path: &Path) -> Result<PathBuf> {
         _ => Path::new("."),
     };
     match fs::metadata(folder) {
-        Ok(kind) => ensure!(kind.is_dir(), "output {path:?} lies in {folder:?}, which is no folder; give another path"),
+        Ok(kind) => {
+            ensure!(kind.is_dir(), "output {path:?} lies in {folder:?}, which is not a folder; give another path")
+        }
         Err(error) if error.kind() == ErrorKind::NotFound => {
             bail!(
                 "output {path:?} lies in {folder:?}, which does not exist; create the folder or give another path{}",
@@ -212,7 +214,7 @@ fn ensure_can_be_made(folder: &Path, path: &Path) -> Result<()> {
     let there = there.filter(|part| *part != Path::new("")).unwrap_or(Path::new("."));
     ensure!(
         there.is_dir(),
-        "output {path:?} needs the folder {there:?}, which is none; remove it, or give another name"
+        "output {path:?} needs the folder {there:?}, which is not a folder; remove it, or give another name"
     );
     ensure_writable(there, path)
 }
@@ -274,7 +276,7 @@ mod tests {
         assert_eq!((told("new.png"), told("new/a/b.png")), (String::new(), String::new()));
         for (name, words) in [
             ("folder.png", "is a folder"),
-            ("file/a/b.png", "which is none"),
+            ("file/a/b.png", "which is not a folder"),
             ("hard.png", "is an input"),
             (&format!("{}.png", "n".repeat(252)), "256 bytes"),
             (&format!("new/{}/a.png", "n".repeat(256)), "256 bytes"),

@@ -1,6 +1,6 @@
 //! Ctrl-C, and what else asks the process to end.
 
-use crate::terminal::tell;
+use crate::terminal::message;
 use std::sync::atomic::{AtomicBool, Ordering};
 
 /// Becomes true when the run is to end: after Ctrl-C, and where the system asks it to. The second time the process ends at
@@ -11,10 +11,10 @@ pub fn stop_on_signals() -> &'static AtomicBool {
         if STOP.swap(true, Ordering::Relaxed) {
             std::process::exit(2);
         }
-        tell("interrupted: finishing what was begun");
+        message("interrupted: finishing what was begun");
     };
     if let Err(error) = ctrlc::set_handler(handler) {
-        tell(&format!("note: signals cannot be caught ({error}), so an interrupted run may leave temporary files"));
+        message(&format!("note: signals cannot be caught ({error}), so an interrupted run may leave temporary files"));
     }
     &STOP
 }

@@ -163,9 +163,9 @@ impl Store {
             }
         }
         if self.mode.suspects.is_none() && !alone.is_empty() {
-            tell(&format!(
-                "note: an earlier run died while it computed {} pairs; they are computed last, one by one, by a process of \
-                 their own",
+            message(&format!(
+                "note: an earlier run died while it computed {} pairs; they are computed last, one by one, in a separate \
+                 process",
                 alone.len()
             ));
         }
@@ -226,10 +226,10 @@ impl Store {
         match found {
             Contents::Same | Contents::Nothing => Ok(()),
             Contents::OtherVerb(verb) => bail!(
-                "the output folder has maps of gpu-stereo {verb} ({path:?}), and a folder holds those of one; give another folder"
+                "the output folder has maps of gpu-stereo {verb} ({path:?}), which are not mixed with others; give another folder"
             ),
             Contents::Other(differing) if !self.mode.video => bail!(
-                "the output folder has maps that were made otherwise: {differing} ({path:?}); run as before, or give another \
+                "the output folder has maps made with other settings: {differing} ({path:?}); run as before, or give another \
                  folder"
             ),
             Contents::Other(differing) if self.mode.resume => {
@@ -238,7 +238,7 @@ impl Store {
             Contents::Other(differing) => {
                 ensure!(
                     !journal::is_in_use(&self.out, self.journal.get()),
-                    "another process writes maps into the output folder that are made otherwise: {differing} ({path:?}); wait \
+                    "another process writes maps with other settings into the output folder: {differing} ({path:?}); wait \
                      for its end, or give another folder"
                 );
                 Ok(())

@@ -70,7 +70,7 @@ fn fail(
     note: impl FnOnce(&Store) -> Result<()>,
 ) -> Result<()> {
     let left = &store.pairs[place].left;
-    tell(&format!("failed: {}: {error}", name(left)));
+    message(&format!("failed: {}: {error}", name(left)));
     ran.failed.push(FailedPair { place, frame: left.into(), error: error.into() });
     note(store)
 }
@@ -88,7 +88,7 @@ fn after(store: &Store, ran: &mut Ran, stop: &AtomicBool) -> Result<()> {
     }
     let first_passed = store.main + store.suspects.len();
     for (place, why) in (first_passed..).zip(&store.passed) {
-        let why = format!("not tried again, as {why}");
+        let why = format!("not tried again: {why}");
         fail(store, ran, place, &why, |_| Ok(()))?;
     }
     for (place, &deaths) in (store.main..).zip(&store.suspects) {
@@ -183,7 +183,7 @@ fn other_process(store: &Store, stop: &AtomicBool) -> Result<(ExitStatus, String
     for line in others {
         match line.strip_prefix("note: ") {
             Some(note) => warnings::warn(note),
-            None if line.starts_with("failed: ") => tell(line),
+            None if line.starts_with("failed: ") => message(line),
             None => {}
         }
     }

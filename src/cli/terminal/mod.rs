@@ -12,7 +12,7 @@ pub mod warnings;
 
 pub use json::{json, paths, pretty_json, rounded, to_microseconds};
 pub use pace::Pace;
-pub use print::{print, print_json, tell};
+pub use print::{message, print, print_json};
 pub use progress::Progress;
 pub use scores::{Evaluation, percent, pixels};
 pub use table::table;

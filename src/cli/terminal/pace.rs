@@ -1,6 +1,6 @@
 //! The pace of many pairs: a bar on a terminal, a line a second elsewhere, both on stderr.
 
-use super::print::tell;
+use super::print::message;
 use indicatif::{ProgressBar, ProgressFinish, ProgressStyle};
 use std::sync::{Mutex, PoisonError};
 use std::time::{Duration, Instant};
@@ -32,19 +32,19 @@ impl Pace {
     /// So many are done.
     pub fn show(&self, done: usize) {
         let rate = done as f64 / self.start.elapsed().as_secs_f64().max(1e-9);
-        let message = format!("{rate:.1} {} a second, {} left", self.unit, time((self.all - done) as f64 / rate));
-        self.bar.set_message(message.clone());
+        let text = format!("{rate:.1} {} a second, {} left", self.unit, time((self.all - done) as f64 / rate));
+        self.bar.set_message(text.clone());
         self.bar.set_position(done as u64);
         let mut last_line = self.last_line.lock().unwrap_or_else(PoisonError::into_inner);
         if self.lines && (last_line.elapsed() >= A_LINE || done == self.all) {
             *last_line = Instant::now();
-            tell(&format!("{done}/{}  {message}", self.all));
+            message(&format!("{done}/{}  {text}", self.all));
         }
     }
 
     /// A message that stays, whatever is shown.
-    pub fn tell(&self, message: &str) {
-        self.bar.suspend(|| tell(message));
+    pub fn message(&self, text: &str) {
+        self.bar.suspend(|| message(text));
     }
 
     /// Removes the bar.

@@ -7,8 +7,8 @@ use serde::Serialize;
 use std::io::{ErrorKind, Write as _};
 
 /// A message on stderr, in one line. That stderr is closed is no reason to stop.
-pub fn tell(message: &str) {
-    let _ = writeln!(std::io::stderr(), "{}", one_line(message));
+pub fn message(text: &str) {
+    let _ = writeln!(std::io::stderr(), "{}", one_line(text));
 }
 
 /// Prints text of whole lines on stdout. A reader that has seen enough, such as `head`, is no error.
@@ -17,7 +17,7 @@ pub fn print(text: &str) -> Result<()> {
     let mut stdout = std::io::stdout().lock();
     match stdout.write_all(shown.as_bytes()).and_then(|()| stdout.flush()) {
         Err(error) if error.kind() != ErrorKind::BrokenPipe => {
-            Err(error).context("stdout cannot be written; give it a file or a pipe with room")
+            Err(error).context("stdout cannot be written; redirect it to a file or a pipe with room")
         }
         _ => Ok(()),
     }

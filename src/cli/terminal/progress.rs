@@ -1,6 +1,6 @@
 //! Progress: a bar on a terminal, a line for each piece of work elsewhere, both on stderr.
 
-use super::print::tell;
+use super::print::message;
 use super::text::plain;
 use indicatif::{ProgressBar, ProgressFinish, ProgressStyle};
 
@@ -25,17 +25,17 @@ impl Progress {
         self.bar.set_message(plain(label));
     }
 
-    /// The piece is done, and `told` is what came of it.
-    pub fn done(&self, told: &str) {
+    /// The piece is done, with `result`.
+    pub fn done(&self, result: &str) {
         self.bar.inc(1);
         if self.lines {
             let (done, all) = (self.bar.position(), self.bar.length().unwrap_or_default());
-            tell(&format!("{done}/{all}  {told}"));
+            message(&format!("{done}/{all}  {result}"));
         }
     }
 
     /// A message that stays, whatever is shown.
-    pub fn tell(&self, message: &str) {
-        self.bar.suspend(|| tell(message));
+    pub fn message(&self, text: &str) {
+        self.bar.suspend(|| message(text));
     }
 }

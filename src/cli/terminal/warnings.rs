@@ -1,6 +1,6 @@
 //! Warnings: notes that a result is doubtful. Each is printed once, on stderr, and listed in `--json`.
 
-use super::print::tell;
+use super::print::message;
 use super::text::one_line;
 use std::sync::{Mutex, PoisonError};
 
@@ -8,13 +8,13 @@ static ALL: Warnings = Warnings(Mutex::new(Vec::new()));
 
 /// Says in one line why a result is doubtful and what to do; without the word `note`.
 pub fn warn(text: &str) {
-    warn_by(text, tell);
+    warn_by(text, message);
 }
 
-/// The same where something else is on the screen, and `tell` knows how to print beside it.
-pub fn warn_by(text: &str, tell: impl FnOnce(&str)) {
+/// The same where something else is on the screen, and `print` knows how to print beside it.
+pub fn warn_by(text: &str, print: impl FnOnce(&str)) {
     if let Some(text) = ALL.add(text) {
-        tell(&format!("note: {text}"));
+        print(&format!("note: {text}"));
     }
 }
 

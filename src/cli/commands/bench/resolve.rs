@@ -108,14 +108,14 @@ fn scenes(layout: DataSet, dataset: &Path, only: &[String]) -> Result<Vec<Scene>
     let all = layout.scenes(dataset)?;
     let mut labels = BTreeSet::new();
     if let Some(label) = all.iter().map(Scene::label).find(|label| !labels.insert(label.clone())) {
-        bail!("the data set has the scene {:?} twice; each SET/NAME may be there once", name(&label));
+        bail!("the data set has the scene {:?} twice; give each SET/NAME once", name(&label));
     }
     let (found, first) = (all.len(), all.first().map(Scene::label).unwrap_or_default());
     let is_wanted = |scene: &Scene| only.is_empty() || only.iter().any(|part| scene.label().contains(part));
     let scenes: Vec<_> = all.into_iter().filter(is_wanted).collect();
     ensure!(
         !scenes.is_empty(),
-        "--only is {:?}, but none of the {found} scenes has it in SET/NAME, such as {}; give a part of one",
+        "--only is {:?}, but none of the {found} scenes has that in its SET/NAME, such as {}; give a part of one",
         only.join(" "),
         name(&first)
     );
@@ -131,7 +131,7 @@ fn submission(folder: PathBuf, method: String, layout: DataSet, variants: usize)
     let is_plain = |c: char| c.is_ascii_alphanumeric() || "-_.".contains(c);
     ensure!(
         !method.is_empty() && method.chars().all(is_plain),
-        "--method-name is {method:?}, but letters, digits, - _ and . are allowed; it becomes a part of file names"
+        "--method-name is {method:?}, but only letters, digits, - _ and . are allowed, since it becomes part of file names"
     );
     Ok(Submission { folder, method, layout, several: variants > 1 })
 }
@@ -152,7 +152,7 @@ impl Bench {
             for variant in &self.variants {
                 ensure!(
                     folders.insert(submission.folder_of(variant)),
-                    "--variants has {:?} and another whose folder would have the same name; run them one by one",
+                    "--variants has {:?} and another variant whose folder would have the same name; run them one by one",
                     variant.label
                 );
                 for scene in &self.scenes {

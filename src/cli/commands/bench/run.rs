@@ -118,7 +118,7 @@ impl<'a> Run<'a> {
         let variant = variant.map(|variant| variant.label.clone());
         let error = one_line(&format!("{error:#}"));
         let of = variant.iter().map(|variant| format!(", {variant}")).collect::<String>();
-        self.progress.tell(&format!("failed: {}{}: {error}", name(scene), plain(&of)));
+        self.progress.message(&format!("failed: {}{}: {error}", name(scene), plain(&of)));
         self.failures.push(FailedScene { scene: scene.into(), variant, error });
     }
 
@@ -134,7 +134,7 @@ impl<'a> Run<'a> {
     /// What was found before.
     fn keep(&mut self, task: &Task<'_>, kept: &Kept) -> Result<SceneReport> {
         self.names.get_or_insert_with(|| kept.names.clone());
-        kept.warnings.iter().for_each(|line| warnings::warn_by(line, |line| self.progress.tell(line)));
+        kept.warnings.iter().for_each(|line| warnings::warn_by(line, |line| self.progress.message(line)));
         SceneReport::of_kept(task.scene, task.variant, kept)
     }
 

@@ -47,7 +47,7 @@ pub fn load(scene: &Scene, options: &InputArgs) -> Result<Loaded> {
 impl Loaded {
     /// Reports why the scene's map is doubtful.
     pub fn warn(&self, scene: &Scene, variant: &Variant, params: &Params, progress: &Progress) {
-        let warn = |of: &str, text: &str| warnings::warn_by(&format!("{of}: {text}"), |line| progress.tell(line));
+        let warn = |of: &str, text: &str| warnings::warn_by(&format!("{of}: {text}"), |line| progress.message(line));
         let scene = scene.label();
         self.doubts.iter().for_each(|doubt| warn(&scene, doubt));
         match self.evidence.finding(&params.searched()) {

@@ -3,7 +3,7 @@
 use super::resolve::Job;
 use crate::commands::summary;
 use crate::engine::compute::{EngineNames, FrameMs};
-use crate::terminal::{self, Evaluation, name, rounded, table, tell};
+use crate::terminal::{self, Evaluation, message, name, rounded, table};
 use anyhow::Result;
 use gpu_stereo::{Camera, StageCheck, StageTime};
 use serde::{Serialize, Serializer};
@@ -134,7 +134,7 @@ impl Report {
         }
         if job.timings {
             if self.stages.is_empty() {
-                tell("note: the adapter has no timestamp queries; only the total is known");
+                message("note: the adapter has no timestamp queries; only the total is known");
             }
             text += &self.timings_table();
         }
@@ -145,7 +145,7 @@ impl Report {
             text += &check_table(check);
         }
         if !self.check_passed() {
-            tell("check failed: the adapter and the CPU reference differ; no file was written");
+            message("check failed: the adapter and the CPU reference differ; no file was written");
         }
         terminal::print(&text)
     }

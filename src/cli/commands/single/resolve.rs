@@ -81,7 +81,7 @@ pub fn resolve(typed: SingleArgs) -> Result<Job> {
         Some(_) if !depths.is_empty() => {}
         Some(calibration) if calibration.has_lenses() => {}
         Some(_) if typed.truth.gt_depth => {}
-        Some(_) => tell("note: the cameras change nothing without --depth and --points"),
+        Some(_) => message("note: the cameras have no effect without --depth or --points"),
         None if depths.is_empty() => {}
         None => bail!(
             "--depth and --points need the cameras; give --calib FILE, --rectify FILE, or --focal PX and --baseline M"

@@ -44,7 +44,7 @@ impl Film {
         let asked = ffmpeg().arg("-version").stdout(Stdio::null()).stderr(Stdio::null()).status();
         ensure!(
             asked.is_ok_and(|status| status.success()),
-            "output {path:?} is a video, but there is no ffmpeg on the PATH that works; install ffmpeg, or give a folder"
+            "output {path:?} is a video, but no working ffmpeg is on the PATH; install ffmpeg, or give a folder"
         );
         Ok(Self { path: path.into(), place, fps: fps.into(), range, encoder: Mutex::new(None) })
     }

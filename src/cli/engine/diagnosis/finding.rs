@@ -46,7 +46,7 @@ impl fmt::Display for Finding {
                  one scene, taken at once"
             ),
             Self::Turned { how } => {
-                write!(f, "RIGHT is {how} beside LEFT, so nothing matches; turn one of the two and run again")
+                write!(f, "RIGHT is {how} compared with LEFT, so nothing matches; turn one of the two and run again")
             }
             Self::Exchanged { negative, of } => write!(
                 f,

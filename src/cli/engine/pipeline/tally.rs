@@ -55,7 +55,7 @@ impl<'a> Tally<'a> {
         let left = &self.pairs[place].left;
         let error = one_line(&format!("{error:#}"));
         let mut counts = self.counts();
-        self.pace.tell(&format!("failed: {}: {error}", name(left)));
+        self.pace.message(&format!("failed: {}: {error}", name(left)));
         if let Err(error) = self.work.failed(place, &error) {
             counts.ran.stopped.get_or_insert(error);
         }
@@ -68,7 +68,7 @@ impl<'a> Tally<'a> {
         let left = &self.pairs[place].left;
         let mut counts = self.counts();
         if counts.kinds.insert(doubt.kind) {
-            self.pace.tell(&format!("note: {}: {}", name(left), doubt.text));
+            self.pace.message(&format!("note: {}: {}", name(left), doubt.text));
         }
         counts.ran.doubtful.push((place, format!("{}: {}", left.to_string_lossy(), doubt.text)));
     }

@@ -66,7 +66,9 @@ impl PairKind {
         let (Self(first), it) = (self, Self::of(image));
         if it != *self {
             let it = it.0;
-            bail!(Error::Image(format!("it is {it}, but the first frame is {first}; give frames of one kind")));
+            bail!(Error::Image(format!(
+                "it is {it}, but the first frame is {first}; give frames of one size and format"
+            )));
         }
         Ok(())
     }

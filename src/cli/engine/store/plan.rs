@@ -84,7 +84,7 @@ pub fn ensure_possible(out: &Path, all: &[Planned], caseless: bool, advice: &str
                 let is_own = own.contains(&key(folder));
                 ensure!(
                     !is_own,
-                    "{folder:?} would be the folder of {path:?}, but it is a file of the command's own; {advice}"
+                    "{folder:?} would be the folder of {path:?}, but it is a file of gpu-stereo itself; {advice}"
                 );
                 if let Some(other) = files.get(&key(folder)) {
                     bail!(
