@@ -19,8 +19,6 @@ use support::{
 };
 use tempfile::TempDir;
 
-/// `LEFT RIGHT --disp 16 --backend cpu` and more.
-/// A folder with left.png and right.png.
 // Independent readers of what the command writes: disparity in pixels, rows from the top, NaN invalid.
 
 fn read_kitti(path: &Path) -> Vec<f32> {

@@ -10,8 +10,7 @@ use std::ffi::{OsStr, OsString};
 use std::fs;
 use std::path::Path;
 use std::process::Output;
-use support::{command, contents, is_one_line_error, pair, refuses, run, scene, stderr, stdout, succeeds};
-use tempfile::TempDir;
+use support::{command, contents, is_one_line_error, refuses, run, scene, stderr, stdout, succeeds};
 
 /// What terminals obey, and lines that the command might have written.
 const HOSTILE: [&str; 2] = [
