@@ -1,9 +1,9 @@
-//! What others call our options and their values, and what a slip most likely means. A tip that may mislead is none.
+//! Names that other programs give to our options and values, and the nearest name to a typing error. No tip is better than a
+//! misleading one.
 
 use gpu_stereo::{Params, Preset};
 
-/// Our options, and what others call them: OpenCV, libSGM, Middlebury's code and the usual words. Of all names only
-/// letters and digits count.
+/// Our options, and their names in OpenCV, libSGM, Middlebury's code and common use. Only letters and digits are compared.
 pub const FOREIGN: &[(&str, &str)] = &[
     (
         "disp",
@@ -58,7 +58,7 @@ pub const FOREIGN: &[(&str, &str)] = &[
     ("check", "verify validate selftest"),
 ];
 
-/// What others call the values of options.
+/// Values of options, and their names elsewhere.
 const FOREIGN_VALUES: &[(&str, &str, &str)] = &[
     ("method", "sgm", "sgbm stereosgbm semiglobal semiglobalmatching hh 3way libsgm"),
     ("method", "bm", "stereobm blockmatching block"),
@@ -69,16 +69,16 @@ const FOREIGN_VALUES: &[(&str, &str, &str)] = &[
     ("median", "off", "none 0 no"),
 ];
 
-/// Words of which one is never meant by the other.
+/// Words that are never confused with each other.
 const OPPOSITES: &[(&str, &str)] =
     &[("min", "max"), ("left", "right"), ("on", "off"), ("p1", "p2"), ("cx", "cy"), ("in", "out"), ("gt", "lt")];
 
-/// What counts of a name.
+/// The letters and digits of a name, in lower case.
 pub fn squeezed(name: &str) -> String {
     name.chars().filter(char::is_ascii_alphanumeric).map(|c| c.to_ascii_lowercase()).collect()
 }
 
-/// Letters to insert, to remove, to replace or to exchange with their neighbour to make one word the other.
+/// The edit distance of two words, with exchanged neighbours as one edit (Damerau-Levenshtein).
 fn distance(a: &str, b: &str) -> usize {
     let (a, b): (Vec<char>, Vec<char>) = (a.chars().collect(), b.chars().collect());
     let mut rows = vec![(0..=b.len()).collect::<Vec<_>>()];
@@ -102,7 +102,7 @@ fn are_opposite(a: &str, b: &str) -> bool {
     OPPOSITES.iter().any(|(one, other)| (has(a, one) && has(b, other)) || (has(a, other) && has(b, one)))
 }
 
-/// The one known word that is so near that it must be meant.
+/// The one known word that is near enough to be meant.
 pub fn near<'a>(word: &str, known: impl Iterator<Item = &'a str>) -> Option<&'a str> {
     let word = word.to_lowercase();
     let most = (word.chars().count() / 3).min(2);
@@ -116,7 +116,7 @@ pub fn near<'a>(word: &str, known: impl Iterator<Item = &'a str>) -> Option<&'a 
     }
 }
 
-/// Our name of what is called `name`: without its dashes or as others have it.
+/// Our option for `name`: the same but for dashes and case, or its name elsewhere.
 pub fn ours<'a>(name: &str, known: &[&'a str]) -> Option<&'a str> {
     let name = squeezed(name);
     let foreign = FOREIGN.iter().find(|(_, names)| names.split(' ').any(|other| other == name)).map(|(ours, _)| *ours);
@@ -124,18 +124,18 @@ pub fn ours<'a>(name: &str, known: &[&'a str]) -> Option<&'a str> {
     known.iter().find(is_it).or_else(|| known.iter().find(|known| foreign == Some(**known))).copied()
 }
 
-/// The option of [`Params`] that is meant by a name that is none.
+/// The option of [`Params`] that an unknown name most likely means.
 pub fn setting(name: &str) -> Option<&'static str> {
     let known: Vec<_> = Params::OPTIONS.iter().map(|option| option.name).chain(["preset"]).collect();
     ours(name, &known).or_else(|| near(name, known.iter().copied()))
 }
 
-/// The preset, the method or the cost that is meant by a word that is none.
+/// The preset, method or cost that an unknown word most likely means.
 pub fn word(given: &str) -> Option<&'static str> {
     ["preset", "method", "cost"].into_iter().find_map(|option| value(option, given))
 }
 
-/// The value of an option that is meant by one that is not known.
+/// The value of an option that an unknown value most likely means.
 pub fn value(option: &str, given: &str) -> Option<&'static str> {
     let words = match option {
         "preset" => Preset::NAMES,

@@ -4,12 +4,12 @@ use anyhow::{Context as _, Result, bail};
 use std::str::FromStr;
 use std::thread;
 
-/// A whole number, and the text that stood for it. A number too large for an `i64` is the largest one.
+/// A whole number with its text. Numbers beyond an `i64` saturate.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Whole {
     /// As it was typed.
     pub text: String,
-    /// What it means.
+    /// Its value.
     pub value: i64,
 }
 

@@ -43,7 +43,7 @@ impl clap::Args for Settings {
             .value_name("PRESET")
             .value_parser(Words(Preset::NAMES))
             .help(format!("Settings to start from; other options override them [default: {}]", Preset::default()));
-        // Both are known to be good.
+        // Both are valid.
         let defaults = ["sgm", "bm"].map(|method| Params::from_options(64, [("method", method)]).ok());
         let described = Params::OPTIONS.iter().map(|option| {
             let [sgm, bm] = defaults.each_ref().map(|params| params.as_ref().map(|params| option.get(params)));
@@ -71,7 +71,7 @@ impl clap::Args for Settings {
     }
 }
 
-/// Takes any text, since the library judges it, and lists the words that are allowed in the help.
+/// Accepts any text, since the library validates it; the allowed words are listed in the help.
 #[derive(Clone, Copy)]
 struct Words(&'static [(&'static str, &'static str)]);
 
@@ -88,10 +88,10 @@ impl TypedValueParser for Words {
     }
 }
 
-/// The number of disparities before `--disp`, which must be given, sets it.
+/// Replaced by `--disp`, which must be given.
 const DISPARITIES: u32 = 64;
 
-/// There is no usual number of disparities.
+/// `--disp` has no default.
 pub fn ensure_disparities(given: &[&str]) -> Result<()> {
     ensure!(given.contains(&"disp"), "--disp <N> is needed, the number of disparities; see gpu-stereo --help");
     Ok(())
@@ -102,7 +102,7 @@ pub fn params<'a>(settings: impl Iterator<Item = (&'a str, &'a str)>) -> Result<
     Params::from_options(DISPARITIES, settings).map_err(by_option)
 }
 
-/// An error of the library by the names of the options.
+/// An error of the library, with the names of the options.
 pub fn by_option(error: Error) -> anyhow::Error {
     match error {
         Error::Parameter { name: "option", given, allowed, remedy, .. } => {

@@ -1,5 +1,5 @@
-//! Errors of the command line, with what somebody most likely meant who made a slip or knows the names of another program. A tip
-//! that may mislead is none.
+//! Errors of the command line, with a tip where a typing error or the option of another program is recognised. No tip is better
+//! than a misleading one.
 
 use crate::args::{near, ours, squeezed, value};
 use crate::terminal::{name, plain};
@@ -8,7 +8,7 @@ use clap::{Arg, Command};
 use std::ffi::OsString;
 use std::path::Path;
 
-/// The error of a command line in one line: what was given, what is meant or allowed, and where more is.
+/// An error of the command line in one line: what was given, a tip or what is allowed, and where to read more.
 pub fn error_line(mut error: clap::Error, root: &Command, args: &[OsString]) -> String {
     if error.kind() == ErrorKind::InvalidUtf8 {
         let wrong: Vec<_> =
@@ -23,7 +23,7 @@ pub fn error_line(mut error: clap::Error, root: &Command, args: &[OsString]) -> 
     if let Some(word) = error.get(ContextKind::InvalidSubcommand)
         && error.kind() == ErrorKind::ArgumentConflict
     {
-        // Clap takes every word too many for a study.
+        // Clap takes every surplus word for a subcommand.
         let meant = similar_verb(root, args)
             .unwrap_or_else(|| "give two images, with sweep or compare before them, or two maps after eval".into());
         return format!("unexpected argument '{}' found; {meant}; see gpu-stereo --help", plain(&word.to_string()));
@@ -38,14 +38,14 @@ pub fn error_line(mut error: clap::Error, root: &Command, args: &[OsString]) -> 
     {
         tip = near(given, known.iter().map(String::as_str)).map(|near| format!("a similar value is {near}"));
     }
-    // Clap quotes what was typed as it is.
+    // Clap quotes what was typed without escaping it.
     let shown: Vec<_> = error.context().filter_map(|(kind, value)| Some((kind, shown(value)?))).collect();
     for (kind, value) in shown {
         error.insert(kind, value);
     }
     let text = error.render().to_string();
     let is_advice = |line: &str| line.starts_with("Usage:") || line.starts_with("For more information");
-    // Clap's own tips are of any word that begins alike.
+    // Clap's own tips name any word with the same beginning.
     let lines = text.lines().map(str::trim).filter(|line| !line.is_empty() && !line.starts_with("tip:"));
     let told: Vec<_> = lines.take_while(|line| !is_advice(line)).collect();
     let tip = tip.map(|tip| format!("; {tip}")).unwrap_or_default();
@@ -53,7 +53,7 @@ pub fn error_line(mut error: clap::Error, root: &Command, args: &[OsString]) -> 
     format!("{}{tip}; see {called} --help", told.strip_prefix("error: ").unwrap_or(&told))
 }
 
-/// What was typed without what a terminal would obey.
+/// What was typed, with control characters escaped.
 fn shown(value: &ContextValue) -> Option<ContextValue> {
     match value {
         ContextValue::String(text) => Some(ContextValue::String(plain(text))),
@@ -68,7 +68,7 @@ fn verb(root: &Command, args: &[OsString]) -> Option<String> {
     root.get_subcommands().map(Command::get_name).find(|name| *name == first).map(Into::into)
 }
 
-/// The verb that the first word is most likely meant to be.
+/// The verb that the first word most likely means.
 fn similar_verb(root: &Command, args: &[OsString]) -> Option<String> {
     let first = args.first()?.to_str()?;
     near(first, root.get_subcommands().map(Command::get_name)).map(|verb| format!("a similar verb is {verb}"))
@@ -89,7 +89,7 @@ fn with_value((long, arg): &(&str, &Arg)) -> String {
     format!("--{long}{values}")
 }
 
-/// What is most likely meant by an argument that is none of `verb`.
+/// What an unknown argument of `verb` most likely means.
 fn tip(unknown: &str, root: &Command, verb: Option<&str>, args: &[OsString]) -> Option<String> {
     let command = verb.and_then(|verb| root.find_subcommand(verb)).unwrap_or(root);
     let option = unknown.trim_start_matches('-');
@@ -97,7 +97,7 @@ fn tip(unknown: &str, root: &Command, verb: Option<&str>, args: &[OsString]) -> 
         let in_quotes = || "a glob must be in quotes, or the shell replaces it by names".into();
         return similar_verb(root, args).filter(|_| verb.is_none()).or_else(|| Some(in_quotes()));
     }
-    // What clap has cut into letters is perhaps the name of a file.
+    // Clap has cut it into letters; as a whole it may be the name of a file.
     let whole = args.iter().filter_map(|arg| arg.to_str()).find(|arg| arg.starts_with(unknown)).unwrap_or(unknown);
     if Path::new(whole).exists() {
         return Some(format!("write ./{} for the file of that name", plain(whole)));
@@ -115,7 +115,7 @@ fn tip(unknown: &str, root: &Command, verb: Option<&str>, args: &[OsString]) -> 
         Some(long) => return Some(format!("use {}", shown(long))),
         None => {}
     }
-    // As other programs switch things off.
+    // Other programs switch things off by --no-NAME.
     let off = squeezed(option).strip_prefix("no").and_then(|rest| ours(rest, &names));
     if let Some(long) = off.filter(|long| value(long, "off") == Some("off")) {
         return Some(format!("use --{long} off"));
@@ -132,7 +132,7 @@ fn tip(unknown: &str, root: &Command, verb: Option<&str>, args: &[OsString]) -> 
         .or_else(|| near(option, names.iter().copied()).map(|long| format!("a similar option is {}", shown(long))))
 }
 
-/// Which other commands have an option.
+/// Which other verbs have this option.
 fn elsewhere(option: &str, root: &Command, command: &Command) -> Option<String> {
     let mut found = None;
     let mut places = Vec::new();

@@ -20,7 +20,7 @@ use serde::Serialize;
 use sheet::{Order, Sheet, SheetPlan};
 use std::path::PathBuf;
 
-/// Frames of a map on an adapter, after a warm-up. The reference computes one: its time is no one's concern.
+/// Frames per map on an adapter, after a warm-up. The reference computes one, since its time hardly matters.
 const REPEAT: u32 = 5;
 const TILE_WIDTHS: std::ops::RangeInclusive<i64> = 16..=4096;
 
@@ -91,7 +91,7 @@ fn resolve_sweep(typed: StudyArgs) -> Result<Study> {
     resolve(&typed, variants, common, order, "sweep.png")
 }
 
-/// The variants that were named.
+/// The variants that were given.
 fn resolve_compare(typed: CompareArgs) -> Result<Study> {
     let CompareArgs { variants, study } = typed;
     let common: Vec<_> = study.settings.iter().collect();
@@ -99,7 +99,7 @@ fn resolve_compare(typed: CompareArgs) -> Result<Study> {
     resolve(&study, variants, in_words(common.into_iter()), Order::Wrapped, "compare.png")
 }
 
-/// What both have in common.
+/// What `sweep` and `compare` have in common.
 fn resolve(typed: &StudyArgs, variants: Vec<Variant>, common: String, order: Order, name: &str) -> Result<Study> {
     let given = variants.iter().map(|Variant { settings, params, .. }| {
         let names: Vec<_> = settings.iter().map(|(name, _)| name.as_str()).collect();
@@ -138,7 +138,7 @@ fn resolve(typed: &StudyArgs, variants: Vec<Variant>, common: String, order: Ord
     })
 }
 
-/// What a study found; `--json` prints it as it is.
+/// The results of a study; `--json` prints them as they are.
 #[derive(Serialize)]
 struct StudyReport {
     #[serde(flatten)]
@@ -151,7 +151,7 @@ struct StudyReport {
     outputs: Vec<PathBuf>,
 }
 
-/// What was found of a variant.
+/// The results of a variant.
 #[derive(Serialize)]
 struct VariantReport {
     label: String,
@@ -173,7 +173,7 @@ impl VariantReport {
         format!("{:.1} %", 100.0 * self.valid)
     }
 
-    /// What stands below the map.
+    /// The text below the map.
     fn note(&self) -> String {
         format!("{} ms, {:.0} % valid", self.ms(), 100.0 * self.valid)
     }

@@ -9,7 +9,7 @@ use serde::ser::SerializeMap as _;
 use serde::{Serialize, Serializer};
 use std::path::PathBuf;
 
-/// The line on what computed.
+/// The line on the adapter.
 pub fn adapter_line(names: &EngineNames) -> String {
     let EngineNames { adapter, backend, driver } = names;
     format!("adapter  {}\n", plain(&format!("{adapter} ({backend}, {driver})")))
@@ -21,17 +21,17 @@ pub fn range_line(min_disparity: i32, disparities: u32) -> String {
     format!("range    {disparities} disparities, {min_disparity} to {last} px\n")
 }
 
-/// What came of a video or a batch.
+/// The results of a video or a batch.
 pub struct Summary<F> {
     /// What a pair is called, `pairs` or `frames`.
     pub unit: &'static str,
-    /// What computed them, if there was anything to compute.
+    /// The adapter and its driver, if there was anything to compute.
     pub names: Option<EngineNames>,
-    /// Columns and rows, where all have the same: none where there was nothing to compute.
+    /// For a video: columns and rows of all frames, if there was anything to compute.
     pub size: Option<Option<(u32, u32)>>,
     /// The smallest disparity and their number.
     pub range: (i32, u32),
-    /// The shard, where there can be one.
+    /// For a batch: the shard, if one was given.
     pub shard: Option<Option<String>>,
     /// Pairs that were written.
     pub done: usize,
@@ -47,14 +47,14 @@ pub struct Summary<F> {
     pub log: Option<PathBuf>,
     /// Why maps are doubtful.
     pub warnings: Vec<String>,
-    /// How many are.
+    /// How many maps are doubtful.
     pub doubtful: usize,
     /// Where the maps are.
     pub output: PathBuf,
 }
 
 impl<F> Summary<F> {
-    /// What came of all pairs, with those that failed as the caller lists them.
+    /// The summary of a run, with its failures as the caller lists them.
     pub fn new(unit: &'static str, ran: Ran, params: &Params, output: PathBuf, failures: Vec<F>) -> Self {
         Self {
             unit,
@@ -78,7 +78,7 @@ impl<F> Summary<F> {
         self.done as f64 / self.seconds.max(1e-9)
     }
 
-    /// Prints it: as JSON, in words or, if `quiet`, not at all.
+    /// Prints the summary: as JSON, in words or, if `quiet`, not at all.
     pub fn print(&self, json: bool, quiet: bool) -> Result<()>
     where
         F: Serialize,

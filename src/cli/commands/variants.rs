@@ -8,17 +8,17 @@ use serde::{Serialize, Serializer};
 /// The most maps of a sheet.
 pub const MAX_MAPS: usize = 1000;
 
-/// One of the settings that are compared.
+/// Settings under a label.
 pub struct Variant {
-    /// What is its own.
+    /// The settings that distinguish it, in words.
     pub label: String,
-    /// As they were given, in the order in which they count.
+    /// Option and value of each setting; later ones override earlier ones.
     pub settings: Vec<(String, String)>,
-    /// What they make.
+    /// The settings for the matcher.
     pub params: Params,
 }
 
-/// The variants that were named, each with what all have in common.
+/// The variants of `--variants`, each with the settings that all have in common.
 pub fn named(variants: &[String], common: &[(&str, &str)]) -> Result<Vec<Variant>> {
     ensure!(
         variants.len() <= MAX_MAPS,
@@ -37,7 +37,7 @@ pub fn named(variants: &[String], common: &[(&str, &str)]) -> Result<Vec<Variant
     variants.collect()
 }
 
-/// A part of a variant: `option=value`, or a word that tells its option.
+/// A part of a variant: `option=value`, or a word that implies its option.
 fn setting(part: &str) -> Result<(&str, String)> {
     if let Some((name, value)) = part.split_once('=') {
         return Ok((name, value.into()));

@@ -1,4 +1,4 @@
-//! Adapters: which there are, which is meant, and a device on one.
+//! Adapters: listing and ranking them, choosing one, and opening a device on it.
 
 use super::environment;
 pub use super::environment::{ensure_known as ensure_known_environment, why_none};
@@ -11,7 +11,7 @@ use std::sync::{Arc, Mutex, PoisonError};
 
 /// Starts the program anew with Mesa's device-select layer off if that layer would write "error: XDG_RUNTIME_DIR is
 /// invalid" on stderr: without a desktop session it does so on every enumeration (seen with Mesa 22.3), among this
-/// command's own messages. The layer only reorders devices, which [`ranked`] does itself; whoever steers it keeps it.
+/// command's own messages. The layer only reorders devices, which [`ranked`] does itself; whoever configures the layer keeps it.
 pub fn quiet_drivers() {
     #[cfg(target_os = "linux")]
     {
@@ -23,7 +23,7 @@ pub fn quiet_drivers() {
         }
         if let Ok(program) = env::current_exe() {
             let mut again = std::process::Command::new(program);
-            // Returns only if it fails, and then the noise is the smaller evil.
+            // Returns only if it fails; then the noise is accepted.
             let _ = again.args(env::args_os().skip(1)).env("NODEVICE_SELECT", "1").exec();
         }
     }
@@ -49,7 +49,7 @@ fn rank(kind: DeviceType) -> u8 {
     }
 }
 
-/// A kind of adapter in words.
+/// The name of a kind of adapter.
 pub fn kind(kind: DeviceType) -> &'static str {
     match kind {
         DeviceType::DiscreteGpu => "discrete GPU",
@@ -65,8 +65,8 @@ pub fn driver(info: &AdapterInfo) -> String {
     format!("{} {}", info.driver, info.driver_info).trim().to_owned()
 }
 
-/// The position among `names` of the adapter that `wanted` means: an index, else a part of a name in any case. A number
-/// that is no index must be a whole word of a name, as 3090 is: "2" does not mean "256 bits".
+/// The index of the adapter that `wanted` names: by index, else by a part of its name, ignoring case. A number that is not an
+/// index must be a whole word of the name, such as 3090: "2" does not match "256 bits".
 pub fn choose(names: &[String], wanted: &str) -> Result<usize> {
     let wanted_lower = wanted.to_lowercase();
     let by_index = wanted.parse().ok().filter(|&index: &usize| index < names.len());
@@ -90,7 +90,7 @@ pub fn choose(names: &[String], wanted: &str) -> Result<usize> {
     bail!("--adapter is {wanted:?}, but the adapters are {}; give one of these, by index or name", known.join(", "))
 }
 
-/// An adapter that was asked for is used, and what the environment says of adapters is understood.
+/// Checks that --adapter and --backend do not contradict each other and that the environment variables about adapters are valid.
 pub fn ensure_consistent(device: &DeviceArgs) -> Result<()> {
     if device.backend != Backend::Cpu {
         environment::ensure_known()?;
@@ -103,7 +103,7 @@ pub fn ensure_consistent(device: &DeviceArgs) -> Result<()> {
     }
 }
 
-/// Before long work: an adapter that was asked for is there.
+/// Checks that the adapter asked for exists, before long work begins.
 pub fn ensure_there(device: &DeviceArgs) -> Result<()> {
     if device.backend == Backend::Cpu {
         return Ok(());
@@ -120,19 +120,19 @@ pub fn ensure_there(device: &DeviceArgs) -> Result<()> {
     Ok(())
 }
 
-/// A device and the errors that reached it outside any call.
+/// A device, and the errors that it reported outside any call.
 #[derive(Debug)]
 pub struct Opened {
     /// The device.
     pub device: wgpu::Device,
     /// Its queue.
     pub queue: wgpu::Queue,
-    /// About the adapter.
+    /// The adapter it was opened on.
     pub info: AdapterInfo,
     fault: Arc<Mutex<Option<String>>>,
 }
 
-/// Opens a device with what the kernels need.
+/// Opens a device with the features and limits that the kernels need.
 pub fn open(adapter: &wgpu::Adapter) -> Result<Opened, Error> {
     let descriptor = wgpu::DeviceDescriptor {
         label: Some("gpu-stereo"),
@@ -149,7 +149,7 @@ pub fn open(adapter: &wgpu::Adapter) -> Result<Opened, Error> {
             fault.lock().unwrap_or_else(PoisonError::into_inner).get_or_insert(text);
         }
     };
-    // Without these wgpu panics.
+    // Without these handlers wgpu panics.
     let (on_error, on_loss) = (note(&fault), note(&fault));
     device.on_uncaptured_error(Arc::new(move |error: wgpu::Error| on_error(error.to_string())));
     device.set_device_lost_callback(move |reason, text| {
@@ -161,7 +161,7 @@ pub fn open(adapter: &wgpu::Adapter) -> Result<Opened, Error> {
 }
 
 impl Opened {
-    /// The first error that reached the device outside any call.
+    /// The first error that the device reported outside any call.
     pub fn fault(&self) -> Result<(), Error> {
         match self.fault.lock().unwrap_or_else(PoisonError::into_inner).take() {
             Some(text) => Err(Error::Lost(format!("{text}; run again, or use another adapter"))),

@@ -1,4 +1,4 @@
-//! What computes maps of one pair after another: an adapter, or the reference.
+//! The engine computes the maps of pairs of one size and format: on an adapter, or by the CPU reference.
 
 use super::adapter::{self, Opened};
 use super::environment;
@@ -9,7 +9,7 @@ use gpu_stereo::{Error, Image, Matched, Method, Params, StageCheck, StageTime, S
 use serde::{Deserialize, Serialize};
 use std::time::Instant;
 
-/// What computes.
+/// An adapter with a matcher, or the CPU reference.
 pub enum Engine {
     Adapter(Box<OnAdapter>),
     Reference,
@@ -20,7 +20,7 @@ pub struct OnAdapter {
     pub matcher: StereoMatcher,
 }
 
-/// The names of what computes; `--json` prints them as they are.
+/// The names of the adapter and its driver; `--json` prints them as they are.
 #[derive(Clone, Debug, Default, Serialize, Deserialize)]
 pub struct EngineNames {
     /// The adapter's name.
@@ -31,7 +31,7 @@ pub struct EngineNames {
     pub driver: String,
 }
 
-/// Times over the frames.
+/// Frame times in milliseconds.
 #[derive(Debug, Serialize)]
 pub struct FrameMs {
     /// The median.
@@ -42,7 +42,7 @@ pub struct FrameMs {
     pub min: f64,
 }
 
-/// What came of frames of one pair.
+/// The result of computing one pair, once or several times.
 pub struct Frames {
     /// The map and its confidence.
     pub matched: Matched,
@@ -72,7 +72,7 @@ impl Engine {
             let opened = adapter::open(adapter).and_then(|opened| Self::on(opened, image, params));
             match opened {
                 Ok(engine) => return Ok(engine),
-                // An adapter that cannot run the kernels at all is passed over, but not in silence.
+                // An adapter that cannot run the kernels is skipped, and that is reported.
                 Err(error @ (Error::Adapter(_) | Error::Device(_))) if !only => {
                     message(&format!("note: {}: {error}", plain(&adapter.get_info().name)));
                 }
@@ -90,7 +90,7 @@ impl Engine {
         Self::reference(image, params)
     }
 
-    /// The engine in `kept` with other settings, or a new one, which is kept.
+    /// The engine in `kept` with other settings, or a new one if there is none; it stays in `kept`.
     pub fn again<'a>(
         kept: &'a mut Option<Self>,
         device: &DeviceArgs,
@@ -221,7 +221,7 @@ impl Engine {
     }
 }
 
-/// Refuses what the reference has no memory for, and a pair of another size than its masks.
+/// Refuses images for which the reference has too little memory, and images of another size than their masks.
 pub fn ensure_reference(params: &Params, image: &Image) -> Result<()> {
     params.accepts(image.width(), image.height())?;
     // At the peak: column sums of four bytes, and with sgm the costs of one that are made of them.
@@ -229,8 +229,8 @@ pub fn ensure_reference(params: &Params, image: &Image) -> Result<()> {
     ensure_memory("the CPU reference", params, image, bytes)
 }
 
-/// Refuses what the host's memory cannot hold, volumes of `bytes` a pixel and disparity and what the reference keeps for each
-/// pixel: the system would kill the process without a word, or a failed allocation abort it.
+/// Refuses what the host's memory cannot hold: cost volumes of `bytes` per pixel and disparity, and what the reference keeps
+/// per pixel. Otherwise the system would kill the process without a message, or a failed allocation would abort it.
 fn ensure_memory(what: &str, params: &Params, image: &Image, bytes: u64) -> Result<()> {
     if !params.memory_check {
         return Ok(());
@@ -244,14 +244,14 @@ fn ensure_memory(what: &str, params: &Params, image: &Image, bytes: u64) -> Resu
     Ok(())
 }
 
-/// Bytes a pixel of the images, the planes and the maps of the reference, about.
+/// About the bytes per pixel that the images, planes and maps of the reference take.
 const PIXEL_BYTES: u64 = 36;
 
 fn milliseconds(since: Instant) -> f64 {
     since.elapsed().as_secs_f64() * 1e3
 }
 
-/// The middle value, or the mean of the two; 0 of none.
+/// The median; 0 if there are no values.
 fn median(mut values: Vec<f64>) -> f64 {
     values.sort_by(f64::total_cmp);
     let n = values.len();

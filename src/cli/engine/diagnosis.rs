@@ -1,6 +1,6 @@
-//! Diagnosis: why a pair cannot be matched well, from the corners that both images have. It looks at the images, not at the
-//! map, so no fill and no filter hides anything. Corners are matched in both directions and in any row, so a pair
-//! whose rows do not match is told from two pictures of different things.
+//! Diagnosis: why a pair cannot be matched well, found by matching the corners of its images. It looks at the images, not at the
+//! map, so that no filter hides the cause. Corners are matched in both directions and in any row, so that a pair whose rows do
+//! not match is distinguished from two unrelated pictures.
 
 mod corners;
 mod evidence;
@@ -15,7 +15,7 @@ pub use finding::Finding;
 use gpu_stereo::reference::{self, Channel};
 use gpu_stereo::{Image, Params};
 
-/// What a pair's corners tell, once it is rectified as `params` say.
+/// The corners of a pair, rectified as `params` say.
 pub fn evidence(left: &Image, right: &Image, params: &Params) -> Result<Evidence> {
     let gray = |image: &Image, side: usize| -> Result<Gray> {
         let plane = match &params.rectify {
@@ -27,7 +27,7 @@ pub fn evidence(left: &Image, right: &Image, params: &Params) -> Result<Evidence
     Ok(Evidence::of(&gray(left, 0)?, &gray(right, 1)?))
 }
 
-/// What is wrong with a pair when it is matched with `params`.
+/// What is wrong with a pair if it is matched with `params`.
 pub fn finding(left: &Image, right: &Image, params: &Params) -> Result<Option<Finding>> {
     Ok(evidence(left, right, params)?.finding(&params.searched()))
 }

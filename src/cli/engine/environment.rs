@@ -1,4 +1,4 @@
-//! Environment: what the variables say of adapters. A value that means nothing is refused, for wgpu ignores it.
+//! Environment variables about adapters. Invalid values are refused, since wgpu would ignore them silently.
 
 use crate::terminal::{message, name};
 use anyhow::{Result, anyhow, bail, ensure};
@@ -8,7 +8,7 @@ use std::path::Path;
 
 const BACKEND: &str = "WGPU_BACKEND";
 
-/// The interfaces that `WGPU_BACKEND` can name, by the names that wgpu gives them.
+/// The backends that `WGPU_BACKEND` can name, by the names that wgpu knows them by.
 const BACKENDS: [(&[&str], Backends); 4] = [
     (&["vulkan", "vk"], Backends::VULKAN),
     (&["metal", "mtl"], Backends::METAL),
@@ -16,7 +16,7 @@ const BACKENDS: [(&[&str], Backends); 4] = [
     (&["gl", "gles", "opengl"], Backends::GL),
 ];
 
-/// What else wgpu reads, and the values that it knows, in any case.
+/// Other variables that wgpu reads, and their valid values, in upper or lower case.
 const CHOICES: [(&str, &[&str]); 5] = [
     ("WGPU_GLES_MINOR_VERSION", &["automatic", "0", "1", "2"]),
     ("WGPU_GL_DEBUG_FNS", &["auto", "enabled", "forceenabled", "force_enabled", "disabled"]),
@@ -25,16 +25,16 @@ const CHOICES: [(&str, &[&str]); 5] = [
     ("WGPU_DX12_AGILITY_SDK_REQUIRE", &["0", "1"]),
 ];
 
-/// What programs that let wgpu choose the adapter read, and this one does not.
+/// Variables that wgpu programs often read, but this one does not.
 const UNREAD: [&str; 2] = ["WGPU_ADAPTER_NAME", "WGPU_POWER_PREF"];
 
-/// Where the loader of Vulkan looks for drivers: lists of files and folders.
+/// Where the Vulkan loader looks for drivers: lists of files and folders.
 const DRIVERS: [&str; 2] = ["VK_DRIVER_FILES", "VK_ICD_FILENAMES"];
 
-/// Which of these the loader takes.
+/// Which of these drivers the loader uses.
 const FILTERS: [&str; 2] = ["VK_LOADER_DRIVERS_SELECT", "VK_LOADER_DRIVERS_DISABLE"];
 
-/// Refuses values that mean nothing, and says which variables change nothing.
+/// Refuses invalid values, and reports variables that have no effect.
 pub fn ensure_known() -> Result<()> {
     backends(env::var_os(BACKEND).as_deref())?;
     for (variable, allowed) in CHOICES {
@@ -57,7 +57,7 @@ pub fn ensure_known() -> Result<()> {
     Ok(())
 }
 
-/// The interfaces that a value of `WGPU_BACKEND` names; `None` if it is not set, or to nothing.
+/// The backends that a value of `WGPU_BACKEND` names; `None` if it is unset or empty.
 fn backends(value: Option<&std::ffi::OsStr>) -> Result<Option<Backends>> {
     let Some(value) = value.filter(|value| !value.is_empty()) else { return Ok(None) };
     let known: Vec<_> = BACKENDS.iter().map(|(names, _)| names[0]).collect();
@@ -86,18 +86,18 @@ fn backends(value: Option<&std::ffi::OsStr>) -> Result<Option<Backends>> {
     Ok(Some(all))
 }
 
-/// How to find adapters.
+/// The descriptor of the wgpu instance.
 pub fn descriptor() -> Result<InstanceDescriptor> {
     let mut descriptor = InstanceDescriptor::new_without_display_handle().with_env();
-    // OpenGL only if it is asked for: it would list most adapters a second time, with smaller limits.
+    // OpenGL only on request: it would list most adapters a second time, with smaller limits.
     descriptor.backends = backends(env::var_os(BACKEND).as_deref())?.unwrap_or(Backends::PRIMARY);
-    // What would give maps that were never computed.
+    // These would return maps that were never computed.
     descriptor.backend_options.noop.enable = false;
     descriptor.backend_options.gl.fence_behavior = GlFenceBehavior::Normal;
     Ok(descriptor)
 }
 
-/// What in the environment can be why there is no adapter, for the end of a sentence; empty if there is nothing.
+/// The variables that may be the reason why there is no adapter, for the end of a sentence; empty if none is set.
 pub fn why_none() -> String {
     let mut told = Vec::new();
     for variable in [BACKEND].into_iter().chain(FILTERS) {

@@ -1,5 +1,5 @@
-//! Pairs are read ahead by some threads, matched several at a time, and written by other threads, so that the device waits for
-//! no file.
+//! The pipeline: some threads read pairs ahead, this one has several at a time on the device, and other threads write the maps,
+//! so that the device never waits for a file.
 
 mod flow;
 mod tally;
@@ -18,7 +18,7 @@ use tally::Tally;
 use threads::{ReadPair, Readers, Writers};
 pub use work::{FailedPair, MatchedPair, PairKind, Ran, Refused, Setup, Work};
 
-/// Matches all pairs. What fails is reported at once, and the rest goes on. Once `stop` is true, no further pair is begun.
+/// Matches all pairs. A failure is reported at once, and the rest goes on. Once `stop` is true, no further pair is begun.
 pub fn run(pairs: &[Pair], setup: &Setup<'_>, stop: &AtomicBool, work: &dyn Work) -> Ran {
     let start = Instant::now();
     let tally = Tally::new(pairs, setup, work);
@@ -43,7 +43,7 @@ pub fn run(pairs: &[Pair], setup: &Setup<'_>, stop: &AtomicBool, work: &dyn Work
     ran
 }
 
-/// What the thread works with that matches.
+/// The state of the thread that feeds the device.
 struct Run<'a> {
     pairs: &'a [Pair],
     setup: &'a Setup<'a>,
@@ -56,7 +56,7 @@ struct Run<'a> {
 }
 
 impl Run<'_> {
-    /// One pair after the other: read, made room for, begun.
+    /// Reads, admits and begins one pair after another.
     fn all(mut self) -> Result<()> {
         for place in 0..self.pairs.len() {
             let read = self.read(place)?;
@@ -81,7 +81,7 @@ impl Run<'_> {
         Ok(())
     }
 
-    /// A pair as it was read. Results are handed on while it is.
+    /// Waits until a pair is read, and hands on results meanwhile.
     fn read(&mut self, place: usize) -> Result<Result<ReadPair, Refused>> {
         if self.setup.alone {
             self.hand_on_all()?;
@@ -108,7 +108,7 @@ impl Run<'_> {
         Ok(pair)
     }
 
-    /// Makes room for a pair as `left` is; else it failed.
+    /// Makes the engine fit for a pair of the size and format of `left`; false if that failed, which is counted.
     fn has_room(&mut self, place: usize, left: &Image) -> Result<bool> {
         match self.make_room(left)? {
             Ok(()) => Ok(true),
@@ -140,7 +140,7 @@ impl Run<'_> {
         self.flow.as_mut().map_or(Ok(()), |flow| flow.fit(self.setup, left))
     }
 
-    /// Begins with a pair that there is room for, once there is a place in flight.
+    /// Begins to match a pair, once fewer than the most are in flight.
     fn begin(&mut self, place: usize, pair: ReadPair) -> Result<()> {
         while self.flow.as_ref().is_some_and(|flow| flow.in_flight() >= flow.capacity()) {
             self.hand_on()?;
@@ -173,7 +173,7 @@ impl Run<'_> {
     }
 }
 
-/// Whether others can be matched where this happened.
+/// Whether an error concerns one pair alone, so that others can still be matched.
 fn is_of_the_pair(error: &anyhow::Error) -> bool {
     matches!(
         error.downcast_ref(),

@@ -6,12 +6,12 @@ use serde::{Serialize, Serializer};
 use std::fmt::Write as _;
 use std::path::PathBuf;
 
-/// A value as one line of JSON, in which strings escape what a terminal would obey, as JSON escapes it.
+/// A value as one line of JSON, with control characters escaped in JSON's way.
 pub fn json(value: &impl Serialize) -> Result<String> {
     Ok(escaped_json(&serde_json::to_string(value)?))
 }
 
-/// The same in lines that people read.
+/// The same in indented lines.
 pub fn pretty_json(value: &impl Serialize) -> Result<String> {
     let text = serde_json::to_string_pretty(value)?;
     Ok(text.lines().map(escaped_json).collect::<Vec<_>>().join("\n") + "\n")

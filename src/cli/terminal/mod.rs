@@ -1,5 +1,5 @@
-//! All that the command prints. Data goes to stdout, messages go to stderr, and nothing that a terminal would obey passes: not
-//! from the name of a file or of an adapter, not from the text of a file, not from a library's words.
+//! Everything that the command prints: data on stdout, messages on stderr. Control characters are escaped wherever they come from:
+//! names of files and adapters, contents of files, messages of libraries.
 
 mod json;
 mod pace;

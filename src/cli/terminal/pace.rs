@@ -5,10 +5,10 @@ use indicatif::{ProgressBar, ProgressFinish, ProgressStyle};
 use std::sync::{Mutex, PoisonError};
 use std::time::{Duration, Instant};
 
-/// Between two lines where there is no terminal.
+/// Time between two lines where there is no terminal.
 const A_LINE: Duration = Duration::from_secs(1);
 
-/// How far a run is, how fast it is, and how long the rest will take.
+/// Progress with speed and remaining time.
 pub struct Pace {
     bar: ProgressBar,
     lines: bool,
@@ -19,7 +19,7 @@ pub struct Pace {
 }
 
 impl Pace {
-    /// Of `all` pieces, which are called `unit`; nothing is shown if `quiet`.
+    /// For `all` pieces, called `unit` in the text; nothing is shown if `quiet`.
     pub fn new(all: usize, unit: &'static str, quiet: bool) -> Self {
         let bar = if quiet { ProgressBar::hidden() } else { ProgressBar::new(all as u64) };
         let style = ProgressStyle::with_template("{bar:24} {pos}/{len}  {msg}");
@@ -29,7 +29,7 @@ impl Pace {
         Self { bar, lines, all, unit, start, last_line: Mutex::new(start) }
     }
 
-    /// So many are done.
+    /// Shows that `done` pieces are done.
     pub fn show(&self, done: usize) {
         let rate = done as f64 / self.start.elapsed().as_secs_f64().max(1e-9);
         let text = format!("{rate:.1} {} a second, {} left", self.unit, time((self.all - done) as f64 / rate));
@@ -42,7 +42,7 @@ impl Pace {
         }
     }
 
-    /// A message that stays, whatever is shown.
+    /// Prints a message that stays, beside the bar.
     pub fn message(&self, text: &str) {
         self.bar.suspend(|| message(text));
     }

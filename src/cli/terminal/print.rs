@@ -1,4 +1,4 @@
-//! What reaches stdout and stderr: the only file that writes to them.
+//! The only file that writes to stdout and stderr.
 
 use super::json::json;
 use super::text::{one_line, plain};
@@ -6,12 +6,12 @@ use anyhow::{Context as _, Result};
 use serde::Serialize;
 use std::io::{ErrorKind, Write as _};
 
-/// A message on stderr, in one line. That stderr is closed is no reason to stop.
+/// Prints a message on stderr, in one line. A closed stderr is no reason to stop.
 pub fn message(text: &str) {
     let _ = writeln!(std::io::stderr(), "{}", one_line(text));
 }
 
-/// Prints text of whole lines on stdout. A reader that has seen enough, such as `head`, is no error.
+/// Prints whole lines on stdout. A reader that closes the pipe early, such as `head`, is not an error.
 pub fn print(text: &str) -> Result<()> {
     let shown: String = text.split_inclusive('\n').map(line).collect();
     let mut stdout = std::io::stdout().lock();

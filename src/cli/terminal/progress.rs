@@ -11,7 +11,7 @@ pub struct Progress {
 }
 
 impl Progress {
-    /// Of so many pieces; nothing is shown if `quiet`.
+    /// For so many pieces; nothing is shown if `quiet`.
     pub fn new(pieces: usize, quiet: bool) -> Self {
         let bar = if quiet { ProgressBar::hidden() } else { ProgressBar::new(pieces as u64) };
         let style = ProgressStyle::with_template("{bar:24} {pos}/{len}  {wide_msg}");
@@ -34,7 +34,7 @@ impl Progress {
         }
     }
 
-    /// A message that stays, whatever is shown.
+    /// Prints a message that stays, beside the bar.
     pub fn message(&self, text: &str) {
         self.bar.suspend(|| message(text));
     }

@@ -4,7 +4,7 @@ use super::table::table;
 use gpu_stereo::evaluation::Scores;
 use serde::Serialize;
 
-/// Scores as `--json` tells them: shares from 0 to 1, errors in px, null where no pixel is valid.
+/// Scores as `--json` prints them: shares from 0 to 1, errors in px, null where no pixel is valid.
 #[derive(Clone, Debug, Serialize)]
 pub struct Evaluation {
     pixels: u64,

@@ -1,4 +1,4 @@
-//! Tables on stdout, in Markdown, too.
+//! Tables, in Markdown.
 
 use super::text::plain;
 use comfy_table::{CellAlignment, Table, presets};

@@ -1,13 +1,13 @@
-//! Text that may hold anything becomes text that a terminal shows and does not obey.
+//! Text from anywhere becomes text that is safe to print: control characters are escaped.
 
 use std::ffi::OsStr;
 use std::fmt::{self, Debug, Display, Formatter, Write as _};
 
-/// The longest message in characters; of a longer one the middle is left out, for what to do stands at the end.
+/// The longest message in characters; longer ones lose their middle, since the remedy stands at the end.
 pub const MOST: usize = 2000;
 
-/// Whether a terminal would obey a character, show nothing of it, or show others in another order: control characters
-/// (C0, DEL, C1), ends of lines and paragraphs, marks of direction, and what has no width.
+/// Whether a character must be escaped: control characters (C0, DEL, C1), ends of lines and paragraphs, marks of direction, and
+/// characters of no width.
 pub fn is_obeyed(c: char) -> bool {
     c.is_control()
         || matches!(c, '\u{ad}' | '\u{61c}' | '\u{180e}' | '\u{200b}'..='\u{200f}' | '\u{2028}'..='\u{202e}'
@@ -22,8 +22,8 @@ fn show(c: char, f: &mut impl fmt::Write) -> fmt::Result {
     }
 }
 
-/// The name of a file, an adapter or anything else that others chose, for a message or a table: the one way in which names
-/// are printed. Whatever a terminal would obey is escaped (`\n`, `\u{1b}`), and so is what is no Unicode (`\xFF`).
+/// The name of a file, an adapter or anything else that others chose, for a message or a table. All names are printed this way:
+/// control characters are escaped (`\n`, `\u{1b}`), and so are bytes that are not Unicode (`\xFF`).
 ///
 /// `{:?}` is in quotes always, `{}` only where it would not stand out without them.
 pub fn name<N: AsRef<OsStr> + ?Sized>(name: &N) -> Name<'_> {
@@ -61,7 +61,7 @@ impl Display for Name<'_> {
     }
 }
 
-/// A text in one line as it is, but for what a terminal would obey, which is escaped.
+/// A text with its control characters escaped.
 pub fn plain(text: &str) -> String {
     let mut shown = String::with_capacity(text.len());
     for c in text.chars() {
@@ -70,7 +70,7 @@ pub fn plain(text: &str) -> String {
     shown
 }
 
-/// The lines of a text in one, without anything that a terminal would obey.
+/// A text in one line, with its control characters escaped.
 pub fn one_line(text: &str) -> String {
     let lines = text.split(['\n', '\r', '\u{b}', '\u{c}', '\u{85}', '\u{2028}', '\u{2029}']);
     let line = plain(&lines.map(str::trim).filter(|line| !line.is_empty()).collect::<Vec<_>>().join(" "));

@@ -6,19 +6,19 @@ use std::sync::{Mutex, PoisonError};
 
 static ALL: Warnings = Warnings(Mutex::new(Vec::new()));
 
-/// Says in one line why a result is doubtful and what to do; without the word `note`.
+/// Reports in one line why a result is doubtful and what to do; the word `note` is added.
 pub fn warn(text: &str) {
     warn_by(text, message);
 }
 
-/// The same where something else is on the screen, and `print` knows how to print beside it.
+/// The same with a function that prints, for where a progress bar is on the screen.
 pub fn warn_by(text: &str, print: impl FnOnce(&str)) {
     if let Some(text) = ALL.add(text) {
         print(&format!("note: {text}"));
     }
 }
 
-/// All of this run so far.
+/// All warnings of this run so far.
 pub fn all() -> Vec<String> {
     ALL.all()
 }
@@ -26,7 +26,7 @@ pub fn all() -> Vec<String> {
 struct Warnings(Mutex<Vec<String>>);
 
 impl Warnings {
-    /// The line, unless it is there already.
+    /// Adds a line, unless it is there already.
     fn add(&self, text: &str) -> Option<String> {
         let text = one_line(text);
         let mut all = self.0.lock().unwrap_or_else(PoisonError::into_inner);

@@ -25,7 +25,7 @@ pub struct Kept {
     outputs: Vec<KnownFile>,
     /// Why it is doubtful.
     pub warnings: Vec<String>,
-    /// What computed.
+    /// The adapter and its driver.
     pub names: EngineNames,
     /// Columns and rows.
     pub size: (u32, u32),
@@ -152,7 +152,7 @@ impl BenchLog {
 pub struct ToKeep<'a> {
     /// Why it is doubtful.
     pub warnings: Vec<String>,
-    /// What computed.
+    /// The adapter and its driver.
     pub names: EngineNames,
     /// Columns and rows.
     pub size: (u32, u32),

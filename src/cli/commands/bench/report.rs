@@ -28,7 +28,7 @@ pub const PICTURES: &str = "pictures";
 /// What was found; `--json` prints it as it is.
 #[derive(Serialize)]
 pub struct BenchReport {
-    /// What computed.
+    /// The adapter and its driver.
     #[serde(flatten)]
     pub names: EngineNames,
     /// Scenes with variants.

@@ -13,7 +13,7 @@ use std::path::PathBuf;
 /// What a run found; `--json` prints it as it is.
 #[derive(Serialize)]
 pub struct Report {
-    /// What computed.
+    /// The adapter and its driver.
     #[serde(flatten)]
     pub names: EngineNames,
     /// Pixels a row.

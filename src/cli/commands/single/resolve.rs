@@ -67,7 +67,7 @@ pub fn resolve(typed: SingleArgs) -> Result<Job> {
         (false, None) => None,
     };
     if let Some(what) = needs_adapter.filter(|_| typed.device.backend == Backend::Cpu) {
-        bail!("{what}, but --backend is cpu; take auto or gpu");
+        bail!("{what}, but --backend is cpu; use auto or gpu");
     }
     adapter::ensure_consistent(&typed.device)?;
     let repeat = typed.repeat.as_ref().map(args::repeat).transpose()?.or(typed.timings.then_some(1));

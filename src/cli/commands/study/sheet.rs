@@ -1,4 +1,4 @@
-//! Sheet: colour maps side by side as one picture, each with its caption.
+//! The sheet: colour maps side by side in one picture, each with its caption.
 
 use anyhow::{Result, ensure};
 use embedded_graphics::mono_font::iso_8859_1::{FONT_6X10, FONT_8X13, FONT_9X15, FONT_10X20};
@@ -16,12 +16,12 @@ const MAX_SIDE: u64 = 10_000;
 const GAP: u32 = 8;
 /// Characters that fit below every map in one line: the longest note.
 const LINE: u32 = 24;
-/// The largest in which [`LINE`] characters are no wider than a map is taken, or the first.
+/// The largest font in which [`LINE`] characters fit below a map is used, or else the first.
 const FONTS: [&MonoFont<'static>; 4] = [&FONT_6X10, &FONT_8X13, &FONT_9X15, &FONT_10X20];
 const BLACK: Rgb888 = Rgb888::BLACK;
 const GRAY: Rgb888 = Rgb888::new(90, 90, 90);
 
-/// How tiles follow each other.
+/// The arrangement of the tiles.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Order {
     /// The left image, then the maps, in as many columns as look well.
@@ -30,7 +30,7 @@ pub enum Order {
     Columns(u32),
 }
 
-/// Where everything lies, known to be of a sane size before anything is computed.
+/// The places of all parts, checked to have a sane size before anything is computed.
 #[derive(Debug)]
 pub struct SheetPlan {
     size: (u32, u32),
@@ -110,7 +110,7 @@ impl SheetPlan {
     }
 }
 
-/// Columns for so many tiles that leave few places empty and make the sheet about as wide as a screen.
+/// The number of columns that leaves few places empty and makes the sheet about as wide as a screen.
 fn best_columns(tiles: u32, aspect: f64) -> u32 {
     let fault = |columns: u32| {
         let rows = tiles.div_ceil(columns);
@@ -121,11 +121,11 @@ fn best_columns(tiles: u32, aspect: f64) -> u32 {
     (1..=tiles).min_by(|&a, &b| fault(a).total_cmp(&fault(b))).unwrap_or(1)
 }
 
-/// The width at which labels and maps can be read and a sheet is not much wider than a screen.
+/// A width at which labels and maps are legible and the sheet is not much wider than a screen.
 fn usual_width((width, height): (u32, u32), columns: u32) -> u32 {
     let least = 240;
     let wide = (2400 / columns).clamp(least, 480).min(width.max(least));
-    // A high image is held to twice the height that a square one has.
+    // A tall image gets at most twice the height of a square one.
     let high = 2.0 * f64::from(wide) * f64::from(width) / f64::from(height);
     wide.min(high.ceil() as u32)
 }

@@ -1,4 +1,4 @@
-//! Corners of an image, each with a string of bits that tells it from others: FAST, and comparisons of means as in BRIEF.
+//! Corners of an image (FAST), each with a binary descriptor of compared means (BRIEF).
 
 /// An image in 8-bit gray, row by row.
 pub struct Gray {
@@ -17,24 +17,24 @@ pub struct Corner {
     pub x: i32,
     /// Its row.
     pub y: i32,
-    /// Which of the means around it is the smaller one, of 256 pairs.
+    /// The descriptor: which mean is the smaller one, for 256 pairs of places around the corner.
     bits: [u64; 4],
 }
 
 /// The most corners of an image.
 const MOST: usize = 500;
-/// The side of a tile that has one of them at most.
+/// The side of a tile that contributes at most one corner.
 const TILE: usize = 6;
-/// The image is divided into so many regions a side, each with its share of the corners, and half as many again.
+/// The image is divided into this many regions per side, each with its share of the corners and half as many again.
 const REGIONS: usize = 6;
-/// Contrasts that make a corner: a lower one only if the higher one leaves too few.
+/// Contrasts that make a corner; a lower one is tried only if the higher one leaves too few corners.
 const CONTRASTS: [i32; 4] = [32, 16, 8, 4];
-/// From a corner to the border: the compared means lie within it.
+/// The least distance of a corner from the border: all compared means lie inside.
 const MARGIN: usize = REACH as usize + 3;
-/// The centres of the compared means are so near to the corner.
+/// The greatest distance of a compared mean from the corner.
 const REACH: i32 = 9;
 
-/// The circle of FAST.
+/// The circle of the FAST detector.
 const CIRCLE: [(isize, isize); 16] = [
     (0, -3),
     (1, -3),
@@ -74,7 +74,7 @@ impl Gray {
 }
 
 impl Corner {
-    /// In how many bits two corners differ, of 256.
+    /// The Hamming distance of two descriptors, 0 to 256.
     pub fn distance(&self, other: &Self) -> u32 {
         self.bits.iter().zip(&other.bits).map(|(a, b)| (a ^ b).count_ones()).sum()
     }
@@ -136,8 +136,8 @@ fn strongest(image: &Gray, contrast: i32) -> Vec<(u32, usize)> {
     best
 }
 
-/// Marks the pixels of a row, less its margins, of which two of the four at the ends of both axes of the circle are brighter,
-/// or two are darker: no others are corners.
+/// Marks the pixels of a row, without its margins, for which two of the four circle pixels on the axes are brighter, or two are
+/// darker: no others can be corners.
 fn mark(image: &Gray, y: usize, contrast: u8, candidates: &mut [bool]) {
     let row = |y: usize, x: usize| &image.data[y * image.width + x..][..image.width - 2 * MARGIN];
     let (above, below) = (row(y - 3, MARGIN), row(y + 3, MARGIN));
@@ -151,7 +151,7 @@ fn mark(image: &Gray, y: usize, contrast: u8, candidates: &mut [bool]) {
     }
 }
 
-/// Whether nine bits in turn of a circle of 16 are set.
+/// Whether nine consecutive bits of a circle of 16 are set.
 fn has_nine(bits: u32) -> bool {
     let circle = bits | bits << 16;
     let two = circle & circle >> 1;
@@ -160,7 +160,7 @@ fn has_nine(bits: u32) -> bool {
     eight & circle >> 8 != 0
 }
 
-/// Sums over rectangles.
+/// An integral image.
 struct Sums {
     stride: usize,
     sums: Vec<u32>,
@@ -202,7 +202,7 @@ fn pattern() -> Vec<[i32; 4]> {
         state ^= state << 13;
         state ^= state >> 7;
         state ^= state << 17;
-        // The sum of two throws is mostly near the middle.
+        // The sum of two uniform numbers is mostly near the middle.
         let throw = |shift: u32| ((state >> shift) % (REACH as u64 + 1)) as i32;
         throw(8) + throw(30) - REACH
     };

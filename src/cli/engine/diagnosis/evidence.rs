@@ -1,22 +1,22 @@
-//! Evidence: the corners that both images of a pair have, and what they tell of it.
+//! Evidence: the corners that both images of a pair have in common, and what follows from them.
 
 use super::corners::{Corner, Gray, corners};
 use super::finding::Finding;
 use std::ops::RangeInclusive;
 
-/// Pixels of the image that is looked at, at most; larger ones are reduced by a whole factor.
+/// The most pixels of an analysed image; larger images are reduced by an integer factor.
 const PIXELS: usize = 600_000;
-/// With fewer corners than this an image tells nothing.
+/// With fewer corners nothing is concluded.
 const FEWEST: usize = 40;
-/// Bits that two corners may differ in, of 256.
+/// The greatest distance at which two descriptors match, of 256.
 const ALIKE: u16 = 72;
-/// Rivals are farther than this from the best one, in px.
+/// A rival is farther than this from the best match, in px.
 const APART: i32 = 5;
 /// How far from its row a partner may lie, in px.
 const TOLERANCE: f64 = 1.5;
 /// How far beyond the range a disparity may lie, in widths of the range, before it counts as outside.
 const SLACK: f64 = 0.12;
-/// In fewer levels there is nothing to match.
+/// With fewer gray levels there is nothing to match.
 const LEVELS: u8 = 4;
 
 /// A corner in the left image and the same in the right one, by column and row.
@@ -51,7 +51,7 @@ impl Rows {
     }
 }
 
-/// What a pair's corners tell, whatever range is searched.
+/// What a pair's corners show, whatever range is searched.
 #[derive(Debug)]
 pub struct Evidence {
     /// What is wrong whatever range is searched.
@@ -90,7 +90,7 @@ impl Evidence {
             return Self::only(turned);
         }
         if !is_related(fitting, free.len()) {
-            // In a pattern that repeats, each corner has many partners and none of its own.
+            // In a repeating pattern every corner has many equal partners, so none is unique.
             if 2 * distances.very_alike() >= a.len() {
                 return Self { always: None, disparities: Vec::new() };
             }
@@ -143,7 +143,7 @@ impl Evidence {
         }
         let (first, last) = (f64::from(*range.start()), f64::from(*range.end()));
         let count = |is: &dyn Fn(f64) -> bool| disparities.iter().filter(|&&d| is(d)).count();
-        // Far points say nothing of the sides.
+        // Far points do not show which side is which.
         let (negative, positive) = (count(&|d| d < -1.5), count(&|d| d > 1.5));
         let outside = count(&|d| d < -1.5 && d < first - 1.0);
         if negative * 6 >= of && negative >= 4 * positive && 2 * outside >= negative {
@@ -167,12 +167,12 @@ impl Evidence {
     }
 }
 
-/// Whether so many of all matches in common rows are no chance.
+/// Whether so many matches in common rows cannot be chance.
 fn is_related(fitting: usize, of: usize) -> bool {
     fitting >= 8 && 10 * fitting >= 3 * of
 }
 
-/// How the right image would have to be turned to be the partner of the left one.
+/// How the right image would have to be turned or mirrored to match the left one.
 /// `before`: the matches in common rows as it is.
 fn turned(left: &[Corner], right: &Gray, before: usize) -> Option<Finding> {
     let (width, height) = (right.width, right.height);
@@ -238,7 +238,7 @@ impl Distances {
     }
 }
 
-/// Matches with a similar disparity near by: chance has none.
+/// Matches with a neighbour of similar disparity, which chance matches do not have.
 fn supported(all: &[Match]) -> Vec<Match> {
     const NEIGHBOURS: usize = 6;
     let has_support = |i: usize| {
@@ -257,7 +257,7 @@ fn supported(all: &[Match]) -> Vec<Match> {
     (0..all.len()).filter(|&i| has_support(i)).map(|i| all[i]).collect()
 }
 
-/// The rows that most matches fit: the best of many planes through three of them, then least squares.
+/// The row offsets that most matches fit: RANSAC over planes through three matches, then least squares.
 fn fitted(all: &[Match]) -> Rows {
     let count = |rows: &Rows| all.iter().filter(|found| rows.fits(found)).count();
     let mut best = (count(&Rows::default()), Rows::default());
@@ -284,7 +284,7 @@ fn fitted(all: &[Match]) -> Rows {
     best.1
 }
 
-/// Least squares; `None` if the matches do not say, or if it is more than cameras are turned.
+/// Least squares; `None` if the matches are degenerate or the result is beyond any plausible rotation.
 fn plane(of: &[Match]) -> Option<Rows> {
     let n = of.len() as f64;
     let mean = |value: &dyn Fn(&Match) -> f64| of.iter().map(value).sum::<f64>() / n;

@@ -1,4 +1,4 @@
-//! Findings: what is wrong with a pair, in words, with what to do.
+//! Findings: what is wrong with a pair, and what to do about it.
 
 use std::fmt;
 use std::ops::RangeInclusive;
@@ -8,7 +8,7 @@ use std::ops::RangeInclusive;
 pub enum Finding {
     /// Both images show the same view.
     Same,
-    /// An image is of one gray.
+    /// An image has hardly any contrast.
     Flat { side: &'static str, levels: u8 },
     /// Hardly any corner of the left image is in the right one.
     Unrelated { found: usize, of: usize },
@@ -23,7 +23,7 @@ pub enum Finding {
 }
 
 impl Finding {
-    /// Which one it is, whatever its figures.
+    /// The kind of finding, without its figures.
     pub fn kind(&self) -> std::mem::Discriminant<Self> {
         std::mem::discriminant(self)
     }

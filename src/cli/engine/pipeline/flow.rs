@@ -1,4 +1,4 @@
-//! Where pairs are matched: a stream on an adapter for each kind of samples, or the reference.
+//! Pairs in flight: a stream on the adapter for each pixel format, or the reference.
 
 use super::work::{MatchedPair, PairKind, Setup};
 use crate::engine::adapter::Opened;
@@ -7,13 +7,13 @@ use anyhow::{Result, anyhow};
 use gpu_stereo::{Error, Image, Matched, Params, PixelFormat, StereoMatcher, StereoStream, reference};
 use std::collections::VecDeque;
 
-/// What matches, and the pairs in it.
+/// The engine of the pipeline, and the pairs in flight.
 pub struct Flow {
-    /// The names of what computes.
+    /// The names of the adapter and its driver.
     pub names: EngineNames,
     /// Columns and rows of the first pair.
     pub size: (u32, u32),
-    /// Of the pairs in it.
+    /// The pixel format of the pairs in flight.
     pub format: PixelFormat,
     matcher: Matcher,
     kind: PairKind,
@@ -22,11 +22,11 @@ pub struct Flow {
 
 enum Matcher {
     Streams(Box<Streams>),
-    /// With the result of the pair that was pushed.
+    /// With the result of the last pair.
     Reference(Box<Params>, Option<Matched>),
 }
 
-/// A stream for each kind of samples, so that kernels are compiled once. The last one is in use.
+/// A stream for each pixel format, so that kernels are compiled once. The last one is in use.
 struct Streams {
     opened: Opened,
     all: Vec<StereoStream>,
@@ -40,7 +40,7 @@ impl Streams {
         self.all.last_mut().ok_or_else(|| anyhow!("there is no stream"))
     }
 
-    /// Takes pairs that are as `left` is from now on. If it is `idle`, streams may be dropped for it.
+    /// Prepares for pairs of the size and format of `left`. If `idle`, other streams may be dropped for it.
     fn fit(&mut self, left: &Image, idle: bool) -> Result<()> {
         let mut turned = self.turn(left);
         if idle && matches!(turned, Err(Error::TooLarge { .. } | Error::Image(_))) {
@@ -56,7 +56,7 @@ impl Streams {
         Ok(())
     }
 
-    /// By the stream for such samples.
+    /// Uses the stream for this format.
     fn turn(&mut self, left: &Image) -> Result<(), Error> {
         let (width, height) = (left.width(), left.height());
         let Some(place) = self.all.iter().position(|stream| stream.matcher().format() == left.format()) else {
@@ -69,7 +69,7 @@ impl Streams {
         }
     }
 
-    /// By a new stream in the place of that for such samples.
+    /// Replaces the stream for this format by a new one.
     fn renew(&mut self, left: &Image) -> Result<(), Error> {
         let (width, height, format) = (left.width(), left.height(), left.format());
         let Opened { device, queue, .. } = &self.opened;
@@ -82,7 +82,7 @@ impl Streams {
 }
 
 impl Flow {
-    /// For pairs that are as `left` is.
+    /// Opens an engine for pairs of the size and format of `left`.
     pub fn open(setup: &Setup<'_>, left: &Image) -> Result<Self> {
         let engine = Engine::open(setup.device, None, left, setup.params)?;
         let names = engine.names();
@@ -103,8 +103,8 @@ impl Flow {
         Ok(Self { matcher, names, size, kind: PairKind::of(left), format: left.format(), waiting: VecDeque::new() })
     }
 
-    /// Makes sure that a pair can be pushed, which must be as the first one unless they are mixed. Those in it have the
-    /// same samples.
+    /// Makes sure that a pair can be pushed. Unless pairs may differ, it must be like the first one; those in flight always have
+    /// its format.
     pub fn fit(&mut self, setup: &Setup<'_>, left: &Image) -> Result<()> {
         let format = left.format();
         if !setup.mixed {
@@ -118,12 +118,12 @@ impl Flow {
         Ok(())
     }
 
-    /// Pairs in it.
+    /// The number of pairs in flight.
     pub fn in_flight(&self) -> usize {
         self.waiting.len()
     }
 
-    /// Pairs that it holds at most.
+    /// The most pairs in flight.
     pub fn capacity(&self) -> usize {
         match &self.matcher {
             Matcher::Streams(on) => on.in_flight,
@@ -139,7 +139,7 @@ impl Flow {
         }
     }
 
-    /// Begins with a pair that fits; there is room for it.
+    /// Begins to match a pair that fits; fewer than the most are in flight.
     pub fn push(&mut self, place: usize, left: Image, right: &Image) -> Result<()> {
         match &mut self.matcher {
             Matcher::Streams(on) => {
@@ -155,7 +155,7 @@ impl Flow {
         Ok(())
     }
 
-    /// The next result. What fails here is the device, so all that follows would fail, too.
+    /// The next result. An error here is one of the device, so that no further pair could be matched.
     pub fn next(&mut self) -> Result<Option<MatchedPair>> {
         let matched = match &mut self.matcher {
             Matcher::Streams(on) => {

@@ -1,4 +1,4 @@
-//! What came of the pairs so far, and their progress.
+//! The results of the pairs so far, and their progress.
 
 use super::work::{FailedPair, Ran, Setup, Work};
 use crate::engine::diagnosis::Finding;
@@ -10,7 +10,7 @@ use std::sync::{Mutex, MutexGuard, PoisonError};
 use std::thread;
 use std::time::Duration;
 
-/// Why a map is doubtful, and what kind of cause it is.
+/// Why a map is doubtful.
 pub struct Doubt {
     /// In words.
     pub text: String,
@@ -18,7 +18,7 @@ pub struct Doubt {
     pub kind: Option<Discriminant<Finding>>,
 }
 
-/// Counts, and shows how far the run is.
+/// Counts results and shows the progress.
 pub struct Tally<'a> {
     pairs: &'a [Pair],
     work: &'a dyn Work,

@@ -1,4 +1,4 @@
-//! What the pipeline is given: how to match, where pairs come from and where their maps go; and what it gives back.
+//! What the pipeline takes and returns: the setup, the source and the sink of pairs, and the results.
 
 use crate::args::{DeviceArgs, InputArgs};
 use crate::engine::compute::EngineNames;
@@ -21,7 +21,7 @@ pub struct Setup<'a> {
     pub params: &'a Params,
     /// How the images are read.
     pub input: &'a InputArgs,
-    /// Every so many pairs one is diagnosed.
+    /// One of so many pairs is diagnosed.
     pub diagnosed: usize,
     /// Pairs on the device at a time.
     pub in_flight: usize,
@@ -31,13 +31,13 @@ pub struct Setup<'a> {
     pub writers: usize,
     /// Whether pairs may differ in size and samples; else all must be as the first one.
     pub mixed: bool,
-    /// What the first one must be, if that is known, unless they may differ.
+    /// The kind that all must have, if it is known beforehand.
     pub kind: Option<&'a PairKind>,
     /// Whether each pair is written before the next one is read.
     pub alone: bool,
     /// What the progress counts.
     pub unit: &'static str,
-    /// No progress.
+    /// Show no progress.
     pub quiet: bool,
 }
 
@@ -51,17 +51,17 @@ pub struct MatchedPair {
     pub matched: Matched,
 }
 
-/// Size and samples of a pair, in words.
+/// The size and the format of a pair, in words.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub struct PairKind(String);
 
 impl PairKind {
-    /// That of an image.
+    /// The kind of an image.
     pub fn of(image: &Image) -> Self {
         Self(format!("{}x{} in {:?}", image.width(), image.height(), image.format()))
     }
 
-    /// All pairs are of the first one's kind.
+    /// Refuses an image of another kind.
     pub fn ensure(&self, image: &Image) -> Result<()> {
         let (Self(first), it) = (self, Self::of(image));
         if it != *self {
@@ -76,14 +76,14 @@ impl PairKind {
 
 /// Why a pair could not be read or written.
 pub enum Refused {
-    /// Others can be.
+    /// The others are not affected.
     Pair(anyhow::Error),
-    /// No other can be, either.
+    /// None of the others could be, either.
     All(anyhow::Error),
 }
 
 impl Refused {
-    /// A failure to write: some last, as that of a full disk.
+    /// A failure to write: some, such as a full disk, affect all that follow.
     pub fn of(error: anyhow::Error) -> Self {
         if disk::is_lasting(&error) { Self::All(error) } else { Self::Pair(error) }
     }
@@ -99,16 +99,16 @@ pub trait Work: Sync {
     /// Writes a map.
     fn write(&self, pair: &MatchedPair) -> Result<(), Refused>;
 
-    /// Writes down that a pair failed, and why.
+    /// Records that a pair failed, and why.
     fn failed(&self, _place: usize, _error: &str) -> Result<()> {
         Ok(())
     }
 }
 
-/// What came of all pairs.
+/// The results of all pairs.
 #[derive(Debug, Default)]
 pub struct Ran {
-    /// What computed them, if there was anything to compute.
+    /// The adapter and its driver, if there was anything to compute.
     pub names: Option<EngineNames>,
     /// Columns and rows.
     pub size: Option<(u32, u32)>,
@@ -122,7 +122,7 @@ pub struct Ran {
     pub doubtful: Vec<(usize, String)>,
     /// From the start to the last map written.
     pub seconds: f64,
-    /// What ended it before its time.
+    /// The error that ended the run early.
     pub stopped: Option<anyhow::Error>,
 }
 
