@@ -508,7 +508,7 @@ fn what_cannot_be_is_one_line() {
         refuses(folder.path(), &of(given, &[]), words);
     }
     let options: [(&[&str], &[&str]); 10] = [
-        (&["--shard", "0/3"], &["'0/3'", "--shard", "I from 1 to N", "counts from 0 needs 1 more"]),
+        (&["--shard", "0/3"], &["'0/3'", "--shard", "I from 1 to N", "add 1 to a number that counts from 0"]),
         (&["--shard", "4/3"], &["'4/3'"]),
         (&["--shard", "3"], &["'3'"]),
         (&["-j", "0"], &["--threads is 0", "1 to 64"]),

@@ -43,7 +43,7 @@ pub struct FrameMs {
 }
 
 /// The result of computing one pair, once or several times.
-pub struct Frames {
+pub struct Computed {
     /// The map and its confidence.
     pub matched: Matched,
     /// When the first frame was done.
@@ -131,7 +131,7 @@ impl Engine {
         params: &Params,
         timed: bool,
         repeat: Option<u32>,
-    ) -> Result<Frames, Error> {
+    ) -> Result<Computed, Error> {
         let before_first = Instant::now();
         let (mut matched, stages) = self.compute(left, right, params, timed)?;
         let first = Instant::now();
@@ -147,7 +147,7 @@ impl Engine {
         }
         let (times, stages): (Vec<_>, Vec<_>) = frames.into_iter().unzip();
         let times = FrameMs { min: times.iter().copied().fold(f64::INFINITY, f64::min), median: median(times) };
-        Ok(Frames { matched, first, times, stages: median_stages(stages) })
+        Ok(Computed { matched, first, times, stages: median_stages(stages) })
     }
 
     fn compute(

@@ -30,25 +30,25 @@ pub struct Kept {
     /// Columns and rows.
     pub size: (u32, u32),
     /// The share of valid pixels.
-    pub valid: Bits,
+    pub valid: F64Bits,
     /// Median and smallest time of a frame in milliseconds.
-    pub ms: [Bits; 2],
+    pub ms: [F64Bits; 2],
     /// Of all pixels with a truth, and of those that are not occluded.
     pub scores: [Option<KeptScores>; 2],
 }
 
 /// The bits of an `f64`.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
-pub struct Bits(u64);
+pub struct F64Bits(u64);
 
-impl From<f64> for Bits {
+impl From<f64> for F64Bits {
     fn from(number: f64) -> Self {
         Self(number.to_bits())
     }
 }
 
-impl From<Bits> for f64 {
-    fn from(bits: Bits) -> Self {
+impl From<F64Bits> for f64 {
+    fn from(bits: F64Bits) -> Self {
         Self::from_bits(bits.0)
     }
 }
@@ -58,8 +58,8 @@ impl From<Bits> for f64 {
 pub struct KeptScores {
     counts: [u64; 4],
     bad: [u64; 4],
-    sums: [Bits; 2],
-    quantiles: Option<[Bits; 4]>,
+    sums: [F64Bits; 2],
+    quantiles: Option<[F64Bits; 4]>,
 }
 
 impl From<&Scores> for KeptScores {

@@ -3,7 +3,7 @@
 use super::report::Report;
 use super::resolve::Job;
 use super::shaders;
-use crate::engine::compute::{Engine, Frames};
+use crate::engine::compute::{Computed, Engine};
 use crate::engine::{diagnosis, images, output_files};
 use crate::terminal::{Evaluation, warnings};
 use anyhow::Result;
@@ -33,7 +33,7 @@ pub fn run(job: &Job) -> Result<Report> {
     }
     // Stage times come from the frames that are reported, so that stages and transfers add up to the frame.
     let timed = job.timings || job.json;
-    let Frames { matched, first, times, stages } = engine.frames(&left, &right, params, timed, job.repeat)?;
+    let Computed { matched, first, times, stages } = engine.frames(&left, &right, params, timed, job.repeat)?;
     let first_frame_ms = (first - start).as_secs_f64() * 1e3;
     if let Some(finding) = diagnosis::finding(&left, &right, params)? {
         warnings::warn(&finding.to_string());

@@ -15,12 +15,12 @@ pub struct Flow {
     pub size: (u32, u32),
     /// The pixel format of the pairs in flight.
     pub format: PixelFormat,
-    matcher: Matcher,
+    engine: FlowEngine,
     kind: PairKind,
     waiting: VecDeque<(usize, Image)>,
 }
 
-enum Matcher {
+enum FlowEngine {
     Streams(Box<Streams>),
     /// With the result of the last pair.
     Reference(Box<Params>, Option<Matched>),
@@ -87,8 +87,8 @@ impl Flow {
         let engine = Engine::open(setup.device, None, left, setup.params)?;
         let names = engine.names();
         let params = setup.params.clone();
-        let matcher = match engine {
-            Engine::Reference => Matcher::Reference(Box::new(params), None),
+        let engine = match engine {
+            Engine::Reference => FlowEngine::Reference(Box::new(params), None),
             Engine::Adapter(on) => {
                 let OnAdapter { opened, matcher } = *on;
                 let stream = StereoStream::new(matcher, setup.in_flight);
@@ -96,11 +96,11 @@ impl Flow {
                 let stream = stream?;
                 let peak_bytes = stream.matcher().device_bytes();
                 let in_flight = setup.in_flight;
-                Matcher::Streams(Box::new(Streams { opened, all: vec![stream], params, in_flight, peak_bytes }))
+                FlowEngine::Streams(Box::new(Streams { opened, all: vec![stream], params, in_flight, peak_bytes }))
             }
         };
         let size = (left.width(), left.height());
-        Ok(Self { matcher, names, size, kind: PairKind::of(left), format: left.format(), waiting: VecDeque::new() })
+        Ok(Self { engine, names, size, kind: PairKind::of(left), format: left.format(), waiting: VecDeque::new() })
     }
 
     /// Makes sure that a pair can be pushed. Unless pairs may differ, it must be like the first one; those in flight always have
@@ -110,9 +110,9 @@ impl Flow {
         if !setup.mixed {
             self.kind.ensure(left)?;
         }
-        match &mut self.matcher {
-            Matcher::Streams(on) => on.fit(left, self.waiting.is_empty())?,
-            Matcher::Reference(params, _) => compute::ensure_reference(params, left)?,
+        match &mut self.engine {
+            FlowEngine::Streams(on) => on.fit(left, self.waiting.is_empty())?,
+            FlowEngine::Reference(params, _) => compute::ensure_reference(params, left)?,
         }
         self.format = format;
         Ok(())
@@ -125,29 +125,29 @@ impl Flow {
 
     /// The most pairs in flight.
     pub fn capacity(&self) -> usize {
-        match &self.matcher {
-            Matcher::Streams(on) => on.in_flight,
-            Matcher::Reference(..) => 1,
+        match &self.engine {
+            FlowEngine::Streams(on) => on.in_flight,
+            FlowEngine::Reference(..) => 1,
         }
     }
 
     /// The most bytes in use on the device.
     pub fn device_bytes(&self) -> u64 {
-        match &self.matcher {
-            Matcher::Streams(on) => on.peak_bytes,
-            Matcher::Reference(..) => 0,
+        match &self.engine {
+            FlowEngine::Streams(on) => on.peak_bytes,
+            FlowEngine::Reference(..) => 0,
         }
     }
 
     /// Begins to match a pair that fits; fewer than the most are in flight.
     pub fn push(&mut self, place: usize, left: Image, right: &Image) -> Result<()> {
-        match &mut self.matcher {
-            Matcher::Streams(on) => {
+        match &mut self.engine {
+            FlowEngine::Streams(on) => {
                 let pushed = on.current()?.try_push(&left, right);
                 on.opened.fault()?;
                 pushed?.ok_or_else(|| anyhow!("the stream is full before its time"))?;
             }
-            Matcher::Reference(params, result) => {
+            FlowEngine::Reference(params, result) => {
                 *result = Some(reference::compute_all(&left, right, params)?);
             }
         }
@@ -157,13 +157,13 @@ impl Flow {
 
     /// The next result. An error here is one of the device, so that no further pair could be matched.
     pub fn next(&mut self) -> Result<Option<MatchedPair>> {
-        let matched = match &mut self.matcher {
-            Matcher::Streams(on) => {
+        let matched = match &mut self.engine {
+            FlowEngine::Streams(on) => {
                 let frame = on.current()?.next_blocking();
                 on.opened.fault()?;
                 frame.map(|frame| frame.result).transpose()?
             }
-            Matcher::Reference(_, result) => result.take(),
+            FlowEngine::Reference(_, result) => result.take(),
         };
         let ended = || Error::Lost("the stream gave no result".into());
         let Some((place, left)) = self.waiting.pop_front() else { return Ok(None) };
