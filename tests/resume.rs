@@ -395,8 +395,8 @@ fn names_in_each_others_way_are_refused_before_any_work() {
     for (names, words) in [
         (["a", "a.png/b"], ["\"left/0.png\" (line 1)", "\"left/1.png\" (line 2)", "\"maps/a.png\""]),
         (["a.png/b/c", "a"], ["(line 2)", "(line 1)", "\"maps/a.png\""]),
-        (["a", "done.jsonl/b"], ["\"maps/done.jsonl\"", "the command's own", "a list"]),
-        (["a", "gpu-stereo.json/b"], ["\"maps/gpu-stereo.json\"", "the command's own", "a list"]),
+        (["a", "done.jsonl/b"], ["\"maps/done.jsonl\"", "a file of gpu-stereo itself", "a list"]),
+        (["a", "gpu-stereo.json/b"], ["\"maps/gpu-stereo.json\"", "a file of gpu-stereo itself", "a list"]),
     ] {
         list(&format!("left/0.png,right/0.png,{}\nleft/1.png,right/1.png,{}\n", names[0], names[1]));
         refuses(folder.path(), &batch, &words);

@@ -555,7 +555,7 @@ fn folders_with_brackets_and_per_cent_signs_are_folders() {
     succeeds(folder.path(), &[&out, &TO_16[..]].concat());
     assert!(folder.path().join("100%_l/map_000.npy").exists());
     let none = [&["video", "l [0]/*.jpg", "r [0]/*.jpg", "-o", "m"], &TO_16[..]].concat();
-    refuses(folder.path(), &none, &["\"l [0]\" has \"1.png\" for one", "nothing like \"*.jpg\"", "[[]"]);
+    refuses(folder.path(), &none, &["\"l [0]\" has \"1.png\", for example", "nothing like \"*.jpg\"", "[[]"]);
 }
 
 #[test]

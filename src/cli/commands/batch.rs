@@ -142,8 +142,9 @@ impl Batch {
         }
         closed?;
         let failures = ran.failed.iter().map(|failed| store.failure(failed.place, &failed.error)).collect();
+        let skipped = store.skipped();
         let summary = Summary::new("pairs", ran, &params, store.out, failures);
         let shard = shard.map(|Shard { index, count }| format!("{index}/{count}"));
-        Ok(Summary { shard: Some(shard), skipped: store.skipped, log: Some(store.failures.path), ..summary })
+        Ok(Summary { shard: Some(shard), skipped, log: Some(store.failures.path), ..summary })
     }
 }

@@ -230,7 +230,7 @@ impl Video {
                 let closed = store.close();
                 let ran = whole(ran, store.pairs.len(), "were written: --resume computes the rest")?;
                 closed?;
-                (ran, store.skipped)
+                (ran, store.skipped())
             }
             Sink::Numbered(pairs, work) => {
                 (whole(pipeline::run(&pairs, &setup, stop, &work), pairs.len(), "were written")?, 0)

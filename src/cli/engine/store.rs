@@ -69,8 +69,8 @@ pub struct Store {
     pub suspects: Vec<u32>,
     /// Of those that are not computed again, why.
     pub passed: Vec<String>,
-    /// Pairs whose files are kept.
-    pub skipped: usize,
+    /// The names of maps that are kept.
+    kept: Vec<JsonPath>,
     /// Size and samples of the frames that are kept.
     pub kind: Option<PairKind>,
     /// How it is used.
@@ -116,7 +116,7 @@ impl Store {
             main: 0,
             suspects: Vec::new(),
             passed: Vec::new(),
-            skipped: 0,
+            kept: Vec::new(),
             kind: None,
             failures: log(plan::FAILURES),
             params: params.clone(),
@@ -157,7 +157,7 @@ impl Store {
                     passed.push((pair, item, why.clone()))
                 }
                 (Some(Entry { killed: Some(_), .. }), _) => alone.push((pair, item, 0)),
-                (Some(entry), _) if entry.has(&self.out, &item) => self.skipped += 1,
+                (Some(entry), _) if entry.has(&self.out, &item) => self.kept.push(JsonPath::from(&item.name)),
                 (_, Some(deaths)) if self.mode.resume => alone.push((pair, item, deaths)),
                 _ => main.push((pair, item)),
             }
@@ -185,6 +185,11 @@ impl Store {
             self.passed.push(why);
         }
         Ok(())
+    }
+
+    /// How many pairs keep their maps.
+    pub fn skipped(&self) -> usize {
+        self.kept.len()
     }
 
     /// How many processes died while they computed a pair alone, if any died while it computed it.
@@ -257,8 +262,9 @@ impl Store {
             journal.suspect(alone.map(|((pair, item), &deaths)| Begun::new(&item.name, pair, deaths)))?;
         }
         let _ = self.journal.set(journal);
+        // A process may have died between the line that vouches for a map and that of the journal.
         for dead in self.dead().drain(..) {
-            dead.take(self.items.iter().map(|item| JsonPath::from(&item.name)))?;
+            dead.take(self.items.iter().map(|item| JsonPath::from(&item.name)).chain(self.kept.iter().cloned()))?;
         }
         Ok(())
     }
