@@ -13,7 +13,7 @@ use command_line::CommandLine;
 use commands::Outcome;
 use std::panic::{AssertUnwindSafe, catch_unwind, set_hook};
 use std::process::ExitCode;
-use terminal::{one_line, tell};
+use terminal::{message, one_line};
 
 fn main() -> ExitCode {
     report_panics();

@@ -99,7 +99,7 @@ fn resolve(typed: VideoArgs) -> Result<Video> {
     } else {
         ensure!(
             !OTHER_FILMS.contains(&encoders::ending(&typed.output).as_str()) || typed.output.is_dir(),
-            "output {:?} looks like a video, but .mp4, .mkv and .webm are written; take one of these, or a folder",
+            "output {:?} looks like a video, but .mp4, .mkv and .webm are written; use one of these, or a folder",
             typed.output
         );
         ensure!(

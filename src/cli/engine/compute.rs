@@ -197,7 +197,7 @@ impl Engine {
         }
     }
 
-    /// The names of what computes.
+    /// The names of the adapter and its driver.
     pub fn names(&self) -> EngineNames {
         match self {
             Self::Adapter(on) => {

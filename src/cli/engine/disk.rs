@@ -1,6 +1,6 @@
 //! The folder of a run's maps: what may be written there, and by one process at a time.
 
-use crate::terminal::tell;
+use crate::terminal::message;
 use anyhow::{Context as _, Result, bail, ensure};
 use gpu_stereo::files;
 pub use gpu_stereo::files::disk::{leave_to_the_system, other_than_file, remedy, sync, sync_folder, temporary};
@@ -99,7 +99,7 @@ pub fn locked<T>(path: &Path, file: File, work: impl FnOnce(&mut File) -> Result
         }
         if !reported && start.elapsed() >= PATIENCE {
             reported = true;
-            tell(&format!("note: waiting for {path:?}, which another process has locked"));
+            message(&format!("note: waiting for {path:?}, which another process has locked"));
         }
         thread::sleep(Duration::from_millis(if reported { 50 } else { 2 }));
     }

@@ -1,7 +1,7 @@
 //! The files that the command line asks for: what each holds, and where it is written.
 
 use super::places;
-use crate::terminal::{tell, warnings};
+use crate::terminal::{message, warnings};
 use anyhow::{Context as _, Result, bail, ensure};
 use gpu_stereo::files::Facts;
 use gpu_stereo::files::encoders::{self, Maps};
@@ -90,7 +90,7 @@ pub fn default_format(params: &Params, name: &str) -> Format {
     let format = encoders::default_format(params);
     if format != Format::Kitti {
         let (first, last) = searched(params);
-        tell(&format!(
+        message(&format!(
             "note: disparities from {first} to {last} px do not fit a 16-bit PNG (0 to 255); writing {name}.tif instead"
         ));
     }

@@ -64,7 +64,7 @@ impl Side {
             "{name} is {given:?}, but there is neither such a folder nor a file that this matches{}; give a folder, a \
              printf pattern such as img_%06d.png or a glob such as 'left/*.png'{}",
             matched_so_far(given),
-            if text.contains('[') { ", in which [[] stands for [" } else { gpu_stereo::files::hint(given) }
+            if text.contains('[') { ", in which [[] is written for [" } else { gpu_stereo::files::hint(given) }
         );
         sort(&mut paths);
         Ok(side(paths))

@@ -13,7 +13,7 @@ use super::pipeline::{MatchedPair, PairKind, Refused, Work};
 use super::places;
 use crate::args::InputArgs;
 use crate::engine::{disk, images, output_files};
-use crate::terminal::tell;
+use crate::terminal::message;
 use anyhow::{Context as _, Result, anyhow, bail, ensure};
 use entry::Entry;
 pub use entry::FailedLine;

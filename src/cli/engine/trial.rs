@@ -2,7 +2,7 @@
 
 use super::pipeline::{self, FailedPair, Ran, Setup, Work as _};
 use super::store::{MOST_DEATHS, State, Store};
-use crate::terminal::{name, one_line, tell, warnings};
+use crate::terminal::{message, name, one_line, warnings};
 use anyhow::{Context as _, Result, anyhow, bail, ensure};
 use gpu_stereo::Error;
 use gpu_stereo::files::JsonPath;

@@ -125,7 +125,7 @@ fn scenes(layout: DataSet, dataset: &Path, only: &[String]) -> Result<Vec<Scene>
 fn submission(folder: PathBuf, method: String, layout: DataSet, variants: usize) -> Result<Submission> {
     ensure!(
         !matches!(layout, DataSet::Vkitti2 | DataSet::Manifest),
-        "--submission is {folder:?}, but nothing is submitted for this --layout; drop it, or take kitti2012, kitti2015, \
+        "--submission is {folder:?}, but there is no submission for this --layout; drop it, or use kitti2012, kitti2015, \
          middlebury or eth3d"
     );
     let is_plain = |c: char| c.is_ascii_alphanumeric() || "-_.".contains(c);

@@ -3,7 +3,7 @@
 use super::shaders;
 use crate::args::{self, Backend, CameraArgs, DeviceArgs, InputArgs, SingleArgs};
 use crate::engine::{adapter, output_files};
-use crate::terminal::tell;
+use crate::terminal::message;
 use anyhow::{Result, bail, ensure};
 use gpu_stereo::files::calibration::{Calibration, LensModel, Reading};
 use gpu_stereo::files::encoders::Format;
