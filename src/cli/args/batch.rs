@@ -15,11 +15,11 @@ pub const USAGE: &str = "\
 gpu-stereo batch <LIST> -o <DIR> --disp <N> [OPTIONS]
        gpu-stereo batch <LEFT> <RIGHT> -o <DIR> --disp <N> [OPTIONS]";
 
-/// What `--help` says at its end.
+/// The end of `--help`.
 pub const HELP: &str = "\
 LIST has a pair a line, with paths relative to the list's folder:
   .csv: left,right or left,right,name; a first line with these words says the order; # begins a comment;
-  .jsonl or .ndjson: {\"left\": \"l.png\", \"right\": \"r.png\", \"name\": \"scene/1\"}, the name if you like; or
+  .jsonl or .ndjson: {\"left\": \"l.png\", \"right\": \"r.png\", \"name\": \"scene/1\"}, the name is optional; or
   - for stdin, either of them.
 LEFT and RIGHT are folders, printf patterns or globs in quotes, as for gpu-stereo video.
 
@@ -74,7 +74,7 @@ pub struct BatchArgs {
     #[arg(long, value_name = "I/N", help_heading = DEVICE)]
     pub shard: Option<Shard>,
 
-    /// A folder, made if need be
+    /// A folder, created if missing
     #[arg(short, long, visible_alias = "out", value_name = "DIR", required = true, help_heading = OUTPUT)]
     pub output: PathBuf,
 

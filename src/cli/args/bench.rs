@@ -9,7 +9,7 @@ use super::settings::Settings;
 use gpu_stereo::files::datasets::DataSet;
 use std::path::PathBuf;
 
-/// What `--help` says at its end.
+/// The end of `--help`.
 pub const HELP: &str = "\
 The disparities of a scene are the data set's own: ndisp of calib.txt, 192 for KITTI and Virtual
 KITTI, max_disp of a manifest, 128 where it has none; --disp N is for all. A variant is as in
@@ -28,7 +28,7 @@ pub struct BenchArgs {
     /// The data set's folder, or a manifest
     pub dataset: PathBuf,
 
-    /// How its files lie
+    /// The layout of its files
     #[arg(long, value_parser = choices::layout())]
     pub layout: DataSet,
 

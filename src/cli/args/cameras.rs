@@ -29,7 +29,7 @@ pub struct CameraArgs {
     #[arg(long, value_parser = choices::lens(), value_name = "MODEL", default_value = "auto", requires = "rectify")]
     pub lens: LensModel,
 
-    /// The images' size by that of the calibrated ones, such as 0.5 or 2/3; 1: the calibration is right as it is
+    /// The size of the images divided by that of the calibrated ones, such as 0.5 or 2/3; 1: the calibration fits as it is
     #[arg(long, value_name = "S", requires = "cameras", allow_negative_numbers = true)]
     pub calib_scale: Option<Scale>,
 
@@ -49,7 +49,7 @@ pub struct CameraArgs {
     #[arg(long, value_name = "PX", requires = "focal", allow_negative_numbers = true)]
     pub cy: Option<f64>,
 
-    /// Column of the right principal point less that of the left one [default: 0]
+    /// Column of the right principal point minus that of the left one [default: 0]
     #[arg(long, value_name = "PX", requires = "focal", allow_negative_numbers = true)]
     pub doffs: Option<f64>,
 
@@ -64,7 +64,7 @@ pub struct CameraArgs {
     pub points: Vec<PathBuf>,
 }
 
-/// What makes a depth of a disparity, and a disparity of a depth.
+/// What converts disparities to depths and back.
 #[derive(Debug, clap::Args)]
 #[command(next_help_heading = "Depth")]
 pub struct Optics {
@@ -78,7 +78,7 @@ pub struct Optics {
 }
 
 impl Optics {
-    /// Both, or nothing.
+    /// Both values, or none.
     pub fn both(&self) -> anyhow::Result<Option<[f64; 2]>> {
         for (name, value) in [("focal", self.focal), ("baseline", self.baseline)] {
             if let Some(value) = value.filter(|&value| !(value > 0.0 && value.is_finite())) {

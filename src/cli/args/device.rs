@@ -18,7 +18,7 @@ pub struct DeviceArgs {
 /// `--backend`.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
 pub enum Backend {
-    /// The best that there is
+    /// The best one available
     Auto,
     /// Any adapter, a CPU adapter such as lavapipe included
     Gpu,

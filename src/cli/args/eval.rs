@@ -6,7 +6,7 @@ use super::numbers::Positive;
 use super::truth::TruthArgs;
 use std::path::PathBuf;
 
-/// What `--help` says at its end.
+/// The end of `--help`.
 pub const HELP: &str = "\
 Maps are 16-bit PNG of KITTI (256 a pixel, 0 none), PFM, NumPy or TIFF (what is not finite is none),
 or other gray PNG or PGM with a scale. docs/EVALUATION.md defines the figures.

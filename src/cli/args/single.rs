@@ -9,7 +9,7 @@ use super::settings::Settings;
 use super::truth::TruthArgs;
 use std::path::PathBuf;
 
-/// What `--help` says at its end.
+/// The end of `--help`.
 pub const HELP: &str = "\
 Examples:
   gpu-stereo left.png right.png --disp 64

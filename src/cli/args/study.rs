@@ -7,14 +7,14 @@ use super::numbers::Whole;
 use super::settings::Settings;
 use std::path::PathBuf;
 
-/// What `--help` says at its end.
+/// The end of `--help`.
 pub const SWEEP_HELP: &str = "\
 Any setting takes several values, with commas between them. Two such options make rows and columns.
 
 Example:
   gpu-stereo sweep left.png right.png --block 5,9,15,21 --disp 41,61,81 --method bm -o sweep.png";
 
-/// What `--help` says at its end.
+/// The end of `--help`.
 pub const COMPARE_HELP: &str = "\
 A variant is a preset, a method, a cost, an option that can be on, or OPTION=VALUE.
 Several are joined by +, and override what all have in common.
@@ -52,7 +52,7 @@ pub struct StudyArgs {
     #[arg(short, long, value_name = "FILE", help_heading = OUTPUT)]
     pub output: Option<PathBuf>,
 
-    /// Width of a map on the sheet, 16 to 4096 [default: as the sheet can be read]
+    /// Width of a map on the sheet, 16 to 4096 [default: so that the sheet is legible]
     #[arg(long, value_name = "PX", allow_negative_numbers = true, help_heading = OUTPUT)]
     pub tile_width: Option<Whole>,
 

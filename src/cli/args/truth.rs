@@ -42,7 +42,7 @@ impl TruthArgs {
         Ok(TruthFile { path: path.into(), mask: self.gt_mask.clone(), encoding })
     }
 
-    /// Without a truth, none of the options is given.
+    /// Refuses these options where there is no truth.
     pub fn ensure_unused(&self) -> Result<()> {
         let given = [
             (self.gt_scale.is_some(), "gt-scale"),

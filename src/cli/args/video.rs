@@ -12,20 +12,20 @@ use std::path::PathBuf;
 /// The usage.
 pub const USAGE: &str = "gpu-stereo video <LEFT> <RIGHT> -o <OUT> --disp <N> [OPTIONS]";
 
-/// What `--help` says at its end.
+/// The end of `--help`.
 pub const HELP: &str = "\
 LEFT and RIGHT are each
   a folder: its images in natural order (frame2 before frame10);
   a printf pattern such as img_%06d.png: from the first number that exists to the first that does not; or
   a glob such as 'left/*.png', in quotes, in natural order.
 All pairs have one size. What fails is reported, the rest goes on, and the exit code is 1.
-Without --resume, files that are there are replaced, as those of a single run are.
+Without --resume, existing files are replaced, as by a single run.
 
 Examples:
   gpu-stereo video left right -o maps --disp 64
       maps/NAME.png for every left/NAME.png, 16 bits as in the KITTI benchmark
   gpu-stereo video image_2/%06d_10.png image_3/%06d_10.png -o maps --disp 128 --format npy,color --resume
-      maps/000000_10.npy and maps/000000_10_color.png and so on, but not those that are there
+      maps/000000_10.npy and maps/000000_10_color.png and so on, except those that exist
   gpu-stereo video 'cam0/*.jpg' 'cam1/*.jpg' -o depth_%04d.pfm --disp 96
       depth_0000.pfm, depth_0001.pfm and so on
   gpu-stereo video left right -o both.mp4 --fps 25 --disp 64
@@ -60,7 +60,7 @@ pub struct VideoArgs {
     #[arg(long, value_name = "N", default_value = "3", allow_negative_numbers = true, help_heading = DEVICE)]
     pub in_flight: Whole,
 
-    /// A folder, made if need be; a printf pattern such as map_%04d.png; or a video: .mp4, .mkv, .webm
+    /// A folder, created if missing; a printf pattern such as map_%04d.png; or a video: .mp4, .mkv, .webm
     #[arg(short, long, value_name = "OUT", required = true, help_heading = OUTPUT)]
     pub output: PathBuf,
 

@@ -13,7 +13,7 @@ use gpu_stereo::files::truth::TruthFile;
 use serde::Serialize;
 use std::path::PathBuf;
 
-/// `eval`, ready to start.
+/// Two maps, ready to be compared.
 struct Eval {
     estimate: PathBuf,
     scale: Option<f64>,
@@ -22,7 +22,7 @@ struct Eval {
     json: bool,
 }
 
-/// What `eval` found; `--json` prints it as it is.
+/// The scores; `--json` prints them as they are.
 #[derive(Serialize)]
 struct EvalReport {
     width: u32,

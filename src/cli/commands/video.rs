@@ -21,7 +21,7 @@ use gpu_stereo::files::outputs::Output;
 use std::path::PathBuf;
 
 const MAX_FPS: f64 = 1000.0;
-/// Every so many frames one is diagnosed: what is wrong with the cameras is wrong with all.
+/// One of so many frames is diagnosed: what is wrong with the cameras is wrong in all frames.
 const DIAGNOSED: usize = 16;
 
 /// A video, ready to start.
@@ -240,7 +240,7 @@ impl Video {
                 let is_whole = ran.stopped.is_none();
                 match film.finish(is_whole) {
                     Err(why) if is_whole => return Err(why),
-                    // ffmpeg's own words are the cause.
+                    // ffmpeg's message is the cause.
                     Err(why) => {
                         bail!("{why:#}, after {} of {} frames; no video was written", ran.done, pairs.len())
                     }
@@ -254,7 +254,7 @@ impl Video {
     }
 }
 
-/// What came of all frames, unless it was stopped.
+/// The results, or the error if the run was stopped.
 fn whole(mut ran: Ran, frames: usize, kept: &str) -> Result<Ran> {
     match ran.stopped.take() {
         Some(error) => bail!("{error:#}; {} of {frames} frames {kept}", ran.done),

@@ -1,4 +1,4 @@
-//! Files whose contents are known, for the lines of logs.
+//! Files with the facts of their contents, for the lines of logs.
 
 use gpu_stereo::files::lists::absolute;
 use gpu_stereo::files::{Facts, JsonPath};

@@ -1,4 +1,4 @@
-//! Logs: files of JSON lines. Several processes may add to one at once.
+//! Logs: files of JSON lines, to which several processes may append at once.
 
 use crate::engine::disk;
 use crate::terminal;
@@ -17,13 +17,13 @@ pub struct Log {
 }
 
 impl Log {
-    /// Adds whole lines, all at once. `sync`: waits until they are on the disk.
+    /// Appends whole lines in one write. `sync`: waits until they are on the disk.
     pub fn append(&self, lines: &[impl Serialize], sync: bool) -> Result<()> {
         let mut text = text(lines)?;
         let file = disk::open_own(&self.path, OpenOptions::new().read(true).append(true).create(true))?;
         disk::locked(&self.path, file, |file| {
             let mut add = || -> std::io::Result<()> {
-                // A process that ended in the middle of a line spoils that one alone.
+                // A process that ended in the middle of a line spoils only that one.
                 let mut last = [b'\n'];
                 if file.seek(SeekFrom::End(-1)).is_ok() {
                     file.read_exact(&mut last)?;
@@ -46,7 +46,7 @@ impl Log {
         })
     }
 
-    /// It is a regular file, if it is there.
+    /// Refuses anything but a regular file, or none.
     pub fn ensure_own(&self) -> Result<()> {
         disk::ensure_own(&self.path)
     }
@@ -61,7 +61,7 @@ impl Log {
         synced.with_context(|| format!("{:?} cannot be written", self.path))
     }
 
-    /// The lines that are whole; none if there is no such file.
+    /// The complete lines; none if there is no such file.
     pub fn read<L: DeserializeOwned>(&self) -> Result<Vec<L>> {
         let read = || -> Result<Vec<u8>> {
             let mut bytes = Vec::new();
@@ -76,7 +76,7 @@ impl Log {
     }
 }
 
-/// Lines as they are written, with nothing in them that a terminal would obey.
+/// Lines as they are written, with control characters escaped.
 pub fn text(lines: &[impl Serialize]) -> Result<String> {
     lines.iter().map(|line| Ok(terminal::json(line)? + "\n")).collect()
 }

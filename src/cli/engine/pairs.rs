@@ -8,7 +8,7 @@ use std::collections::{BTreeSet, HashMap};
 use std::fs;
 use std::path::{Path, PathBuf};
 
-/// The pairs of two sides, and the number of each: of its file with a pattern as the left side, else counted from 0.
+/// The pairs of two sides, each with its number: that of its file if LEFT is a pattern, else counted from 0.
 pub fn find(left: &Path, right: &Path) -> Result<Vec<(u64, Pair)>> {
     let (left, right) = (Side::find("LEFT", left)?, Side::find("RIGHT", right)?);
     ensure_in_step(&left, &right)?;
@@ -26,7 +26,7 @@ struct Side {
     paths: Vec<PathBuf>,
     /// The number of the first one.
     first: u64,
-    /// What to say of the frames after a gap.
+    /// The message on frames after a gap.
     gap: Option<String>,
 }
 
@@ -42,7 +42,7 @@ impl Side {
             );
             return Ok(side(paths));
         }
-        // What is there by its name is no pattern, whatever the name holds.
+        // An existing file is no pattern, whatever characters its name has.
         if given.is_file() {
             return Ok(side(vec![given.into()]));
         }
@@ -71,7 +71,7 @@ impl Side {
     }
 }
 
-/// The folders at the beginning of a glob that are there by their names, and the rest.
+/// The leading folders of a glob that exist literally, and the rest.
 fn literal_folders(given: &Path) -> (PathBuf, PathBuf) {
     let parts: Vec<_> = given.components().collect();
     let there = |count: &usize| parts[..*count].iter().collect::<PathBuf>().is_dir();
@@ -79,14 +79,14 @@ fn literal_folders(given: &Path) -> (PathBuf, PathBuf) {
     (parts[..count].iter().collect(), parts[count..].iter().collect())
 }
 
-/// A glob in which the folders that are there by their names stand for nothing else.
+/// A glob whose leading folders are escaped if they exist literally.
 fn glob_of(given: &Path) -> Option<String> {
     let (folder, rest) = literal_folders(given);
     let escaped = PathBuf::from(glob::Pattern::escape(folder.to_str()?));
     escaped.join(rest).to_str().map(Into::into)
 }
 
-/// How far a glob that matches nothing leads.
+/// How far a glob without matches leads, for its error.
 fn matched_so_far(given: &Path) -> String {
     let (folder, rest) = literal_folders(given);
     let mut parts = rest.components();
@@ -107,7 +107,7 @@ fn matched_so_far(given: &Path) -> String {
     }
 }
 
-/// The images of a folder by their names; hidden files are none.
+/// The images of a folder, by their endings, without hidden files.
 fn images(folder: &Path) -> std::io::Result<Vec<PathBuf>> {
     let mut paths = Vec::new();
     for entry in fs::read_dir(folder)? {
@@ -219,7 +219,7 @@ impl Pattern {
     }
 }
 
-/// A folder that is written with `%`: by its name, if it is there, else with `%%` for each.
+/// A folder with `%` in its path: taken literally if it exists, else with `%%` for `%`.
 fn literal(folder: &Path) -> Option<PathBuf> {
     let text = folder.to_string_lossy();
     if !text.contains('%') || folder.is_dir() {
@@ -229,7 +229,7 @@ fn literal(folder: &Path) -> Option<PathBuf> {
     (!text.replace("%%", "").contains('%') && plain.is_dir()).then_some(plain)
 }
 
-/// Both sides have as many frames, and none is paired with another's partner.
+/// Refuses sides with different numbers of frames, and frames that would get another's partner.
 fn ensure_in_step(left: &Side, right: &Side) -> Result<()> {
     let (left_keys, right_keys) = (keys(&left.paths), keys(&right.paths));
     let place_of = |keys: &[Vec<String>]| -> HashMap<_, _> { keys.iter().cloned().zip(0_usize..).collect() };
@@ -237,7 +237,7 @@ fn ensure_in_step(left: &Side, right: &Side) -> Result<()> {
     let [few, many] = if left.paths.len() < right.paths.len() { sides } else { [sides[1], sides[0]] };
     let count = few.0.paths.len();
     if count < many.0.paths.len() {
-        // By the numbers where they say it, else the first one too many.
+        // By the numbers if they show it, else the first surplus one.
         let (known, all) = (place_of(few.1), place_of(many.1));
         let by_number = few.1.iter().all(|key| all.contains_key(key));
         let first = if by_number { many.1.iter().position(|key| !known.contains_key(key)) } else { None };
@@ -250,8 +250,8 @@ fn ensure_in_step(left: &Side, right: &Side) -> Result<()> {
             many.0.paths[first.unwrap_or(count)]
         );
     }
-    // Clocks of two cameras never agree, counters always do: numbers of which some agree must all agree, and none may have
-    // its partner elsewhere.
+    // Time stamps of two cameras never agree, counters always do: if some numbers agree, all must, and no number may occur at
+    // another place on the other side.
     let on_the_right = place_of(&right_keys);
     let pairs = || left_keys.iter().zip(&right_keys);
     let some_agree = pairs().any(|(left, right)| left == right);
@@ -266,7 +266,7 @@ fn ensure_in_step(left: &Side, right: &Side) -> Result<()> {
     Ok(())
 }
 
-/// What tells the frames of a side apart: the numbers in their paths that change, else the name.
+/// The key of each frame of a side: the numbers in its path that vary, or else its name.
 fn keys(paths: &[PathBuf]) -> Vec<Vec<String>> {
     let numbers = |path: &PathBuf| -> Vec<String> {
         let text = path.with_extension("").to_string_lossy().into_owned();

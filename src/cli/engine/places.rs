@@ -1,5 +1,5 @@
-//! Places: where outputs go. Before anything is computed it is known of each that it can be written, and that it is neither
-//! an input nor another output, whatever the names say.
+//! Places: where outputs are written. Before anything is computed, each is checked: it can be written, and it is neither an input
+//! nor another output, even under another name.
 
 use super::pair::Pair;
 use crate::engine::disk::temporary;
@@ -10,10 +10,10 @@ use std::fs;
 use std::io::ErrorKind;
 use std::path::{Path, PathBuf};
 
-/// The most bytes of a name on all usual file systems.
+/// The longest file name in bytes on all common file systems.
 const MAX_NAME: usize = 255;
 
-/// What tells files apart whatever they are called: where they are, and what hard links have in common.
+/// What identifies a file under any name: its canonical path, and its device and inode, which hard links share.
 fn identities(path: &Path) -> Vec<(PathBuf, [u64; 2])> {
     let by_place = fs::canonicalize(path).ok().map(|place| (place, [0; 2]));
     #[cfg(unix)]
@@ -26,7 +26,7 @@ fn identities(path: &Path) -> Vec<(PathBuf, [u64; 2])> {
     by_place.into_iter().chain(by_content).collect()
 }
 
-/// Whether a folder takes `A` and `a` for the same name, which a temporary file in it tells.
+/// Whether a folder ignores case in names, found out with a temporary file.
 pub fn is_caseless(folder: &Path) -> bool {
     let Ok(trial) = temporary(folder, "") else { return false };
     let shouted = trial.path().file_name().map(|name| name.to_string_lossy().to_uppercase());
@@ -38,7 +38,7 @@ fn differ_in_case_alone(a: &Path, b: &Path) -> bool {
     a != b && small(a) == small(b)
 }
 
-/// Where the file of each path will really be. None is an input or another one's.
+/// Where each file will really be written. None is an input, and no two are the same.
 pub fn places<'a>(paths: impl Iterator<Item = &'a Path>, inputs: &[&Path]) -> Result<Vec<PathBuf>> {
     let inputs: HashSet<_> = inputs.iter().flat_map(|path| identities(path)).collect();
     let mut found: Vec<PathBuf> = Vec::new();
@@ -61,7 +61,7 @@ pub fn places<'a>(paths: impl Iterator<Item = &'a Path>, inputs: &[&Path]) -> Re
     Ok(found)
 }
 
-/// Where the file will really be, links followed, once it is sure that it can be written.
+/// Where a file will really be written, with links followed; it is checked that it can be.
 pub fn writable_place(path: &Path) -> Result<PathBuf> {
     ensure!(
         !path.as_os_str().as_encoded_bytes().ends_with(std::path::MAIN_SEPARATOR_STR.as_bytes()),
@@ -96,7 +96,7 @@ pub fn writable_place(path: &Path) -> Result<PathBuf> {
             fs::canonicalize(path)
         }
         Err(error) if error.kind() == ErrorKind::NotFound => {
-            // A link stays a link, if what it leads to is not there yet, too.
+            // A link stays a link even if its target does not exist yet.
             if let Ok(target) = fs::read_link(path) {
                 return writable_place(&folder.join(&target))
                     .with_context(|| format!("output {path:?} is a link to {target:?}, which cannot be made"));
@@ -110,9 +110,9 @@ pub fn writable_place(path: &Path) -> Result<PathBuf> {
     Ok(place)
 }
 
-/// A folder that is there takes the file of an output.
+/// Refuses a folder in which no file can be created.
 fn ensure_writable(folder: &Path, path: &Path) -> Result<()> {
-    // The superuser can write where nobody was meant to. (On Windows a folder's flag means something else.)
+    // The superuser could write to read-only folders, too. (On Windows the flag of a folder means something else.)
     let read_only = cfg!(unix) && fs::metadata(folder).is_ok_and(|kind| kind.permissions().readonly());
     ensure!(!read_only, "output {path:?} lies in a read-only folder; make the folder writable or give another path");
     temporary(folder, "").map(drop).with_context(|| {
@@ -120,7 +120,7 @@ fn ensure_writable(folder: &Path, path: &Path) -> Result<()> {
     })
 }
 
-/// The folder is there and takes files. Only the last part of its path is made.
+/// Creates a folder, but not its parents, and checks that files can be written into it.
 pub fn make_folder(folder: &Path, out: &Path) -> Result<()> {
     match fs::create_dir(folder) {
         Err(error) if error.kind() == ErrorKind::NotFound && fs::symlink_metadata(folder).is_err() => {
@@ -143,7 +143,7 @@ pub fn make_folder(folder: &Path, out: &Path) -> Result<()> {
         .with_context(|| format!("output folder {folder:?} cannot be written; check its permissions or give another"))
 }
 
-/// A folder to write many files into is made where it is missing, and can be written.
+/// Creates a folder with its parents, and checks that files can be written into it.
 pub fn ensure_folder(folder: &Path) -> Result<()> {
     let kind = fs::metadata(folder);
     ensure!(!kind.is_ok_and(|kind| !kind.is_dir()), "output folder {folder:?} is a file; give another name");
@@ -153,8 +153,8 @@ pub fn ensure_folder(folder: &Path) -> Result<()> {
     })
 }
 
-/// Files of a folder, and of folders below it that are made when they are needed: nothing is in the way of any, and none is an
-/// input, whatever the paths say.
+/// Checks files of a folder and of folders below it that are created when needed: nothing is in their way, and none is an input,
+/// even under another name.
 pub fn ensure_no_input<'a>(
     outputs: impl IntoIterator<Item = &'a Path>,
     pairs: impl IntoIterator<Item = &'a Pair>,
@@ -164,7 +164,7 @@ pub fn ensure_no_input<'a>(
     ensure_apart(outputs, images.chain(masks.paths()))
 }
 
-/// The same with inputs that are not pairs.
+/// The same with any inputs.
 pub fn ensure_apart<'a>(
     outputs: impl IntoIterator<Item = &'a Path>,
     inputs: impl IntoIterator<Item = &'a Path>,
@@ -188,7 +188,7 @@ pub fn ensure_apart<'a>(
     }
 }
 
-/// A name that a file can have, where there is nothing but perhaps a file or a link.
+/// Refuses names that are too long, and paths where something else than a file or a link is.
 fn ensure_free(path: &Path) -> Result<()> {
     for part in path.iter().map(|part| part.as_encoded_bytes().len()) {
         ensure!(
@@ -208,7 +208,7 @@ fn ensure_free(path: &Path) -> Result<()> {
     }
 }
 
-/// The part of a folder's path that is there takes files.
+/// Refuses a folder that cannot be created: its nearest existing parent is no folder or cannot be written.
 fn ensure_can_be_made(folder: &Path, path: &Path) -> Result<()> {
     let there = folder.ancestors().find(|part| *part == Path::new("") || fs::symlink_metadata(part).is_ok());
     let there = there.filter(|part| *part != Path::new("")).unwrap_or(Path::new("."));

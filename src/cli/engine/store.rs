@@ -1,5 +1,5 @@
-//! The output folder of a video or a batch: what vouches for its maps, which of them `--resume` may keep, and what is written in
-//! which order, so that whatever ends a process, no map is taken for another.
+//! The store: the output folder of a video or a batch, the log of its finished maps, and which of them `--resume` may keep. The
+//! order of writes is such that no map is ever mistaken for another, however a process ends.
 
 mod entry;
 mod journal;
@@ -32,10 +32,10 @@ use std::path::{Component, Path, PathBuf};
 use std::sync::{Mutex, MutexGuard, OnceLock, PoisonError};
 use std::time::{Duration, Instant};
 
-/// What vouches for maps is on the disk so long after them at the latest.
+/// The log of finished maps is synced to disk at most this long after a map.
 const SYNC_AFTER: Duration = Duration::from_secs(1);
 
-/// So many processes may die while they compute a pair alone until it is not computed again.
+/// After so many processes have died of a pair computed alone, it is not computed again.
 pub const MOST_DEATHS: u32 = 2;
 
 /// How the folder is used.
@@ -45,7 +45,7 @@ pub struct Mode {
     pub resume: bool,
     /// Compute pairs again that ended processes.
     pub retry: bool,
-    /// Maps of other settings go, rather than that they are an error; and failures are not logged.
+    /// Of a video: maps of other settings are removed, where a batch refuses them; failures are not logged.
     pub video: bool,
     /// How images are read.
     pub input: InputArgs,
@@ -59,17 +59,17 @@ pub struct Mode {
 pub struct Store {
     /// Where it is.
     pub out: PathBuf,
-    /// First those to compute at once, then those to compute alone, then those that are not computed again.
+    /// First the pairs to compute in parallel, then those to compute alone, then those that are not computed again.
     pub pairs: Vec<Pair>,
-    /// Of each of these.
+    /// What each pair becomes.
     pub items: Vec<Item>,
-    /// How many are computed at once.
+    /// How many pairs are computed in parallel.
     pub main: usize,
-    /// Of those to compute alone, how many processes died of each.
+    /// For each pair to compute alone: how many processes have died of it.
     pub suspects: Vec<u32>,
-    /// Of those that are not computed again, why.
+    /// For each pair that is not computed again: why.
     pub passed: Vec<String>,
-    /// The names of maps that are kept.
+    /// The names of finished maps that are kept.
     kept: Vec<JsonPath>,
     /// Size and samples of the frames that are kept.
     pub kind: Option<PairKind>,
@@ -90,8 +90,7 @@ pub struct Store {
 }
 
 impl Store {
-    /// A folder for these pairs, made if need be; nothing else in it is changed yet. `advice`: what to do about names that
-    /// are the same.
+    /// A folder for these pairs, created if missing; nothing else in it is changed yet. `advice`: the remedy for equal names.
     pub fn new(
         out: &Path,
         params: &Params,
@@ -136,7 +135,7 @@ impl Store {
         Ok(store)
     }
 
-    /// The pairs of this process. With `--resume`, those whose maps are there are dropped.
+    /// Takes the pairs of this process. With `--resume`, those with finished maps are skipped.
     pub fn fill(&mut self, all: Vec<Planned>) -> Result<()> {
         let entries = if self.mode.resume { self.entries()? } else { HashMap::new() };
         if self.mode.video {
@@ -192,7 +191,7 @@ impl Store {
         self.kept.len()
     }
 
-    /// How many processes died while they computed a pair alone, if any died while it computed it.
+    /// How many processes died of a pair computed alone; `None` if no process died while it computed the pair.
     fn deaths(&self, pair: &Pair, item: &Item) -> Option<u32> {
         let dead = self.dead();
         let begun = dead.iter().filter_map(|dead| dead.suspects.get(&JsonPath::from(&item.name)));
@@ -205,7 +204,7 @@ impl Store {
         self.dead.lock().unwrap_or_else(PoisonError::into_inner)
     }
 
-    /// What the last line of each name says. Formats of one pair that were made one after the other count together.
+    /// The last entry of each name. Formats of one pair that were written by several runs are merged.
     fn entries(&self) -> Result<HashMap<JsonPath, Entry>> {
         let mut entries: HashMap<JsonPath, Entry> = HashMap::new();
         for mut entry in self.done.read::<Entry>()? {
@@ -225,7 +224,7 @@ impl Store {
         Ok(entries)
     }
 
-    /// Whether maps may be written here, where maps of `found` are.
+    /// Refuses to mix maps with those that are there.
     fn ensure_mine(&self, found: &Contents) -> Result<()> {
         let path = &self.record.path;
         match found {
@@ -251,7 +250,7 @@ impl Store {
         }
     }
 
-    /// The journal is begun, and those of dead processes are taken over.
+    /// Opens the journal and takes over those of dead processes.
     pub fn open(&self) -> Result<()> {
         let journal = match &self.mode.suspects {
             Some(path) => Journal::join(path)?,
@@ -262,20 +261,19 @@ impl Store {
             journal.suspect(alone.map(|((pair, item), &deaths)| Begun::new(&item.name, pair, deaths)))?;
         }
         let _ = self.journal.set(journal);
-        // A process may have died between the line that vouches for a map and that of the journal.
+        // A process may have died between logging a map and closing its line in the journal.
         for dead in self.dead().drain(..) {
             dead.take(self.items.iter().map(|item| JsonPath::from(&item.name)).chain(self.kept.iter().cloned()))?;
         }
         Ok(())
     }
 
-    /// The journal, which is open.
+    /// The journal, once it is open.
     pub fn journal(&self) -> Result<&Journal> {
         self.journal.get().ok_or_else(|| anyhow!("the journal is not open"))
     }
 
-    /// Before the first map: the settings are known to be those of the folder, and nothing vouches for maps that will be
-    /// replaced.
+    /// Before the first map: records the settings of the folder, and invalidates the entries of maps that will be replaced.
     fn begin(&self) -> Result<()> {
         if self.mode.suspects.is_some() {
             return Ok(()); // the process that started this one has begun, or will
@@ -305,7 +303,7 @@ impl Store {
         })
     }
 
-    /// Removes all maps that the folder has lines about, and those that have their names here.
+    /// Removes all maps that the log lists, and all files with the names of new ones.
     fn remove_maps(&self) -> Result<()> {
         let mut files: BTreeSet<PathBuf> = BTreeSet::new();
         for entry in self.done.read::<Entry>()? {
@@ -313,7 +311,7 @@ impl Store {
                 entry.files.into_iter().chain(entry.outputs.into_iter().map(|known| known.path)).map(|name| name.0),
             );
         }
-        // Plain names, or somebody else wrote them.
+        // Only plain names: others were not written by this program.
         files.retain(|file| file.components().all(|part| matches!(part, Component::Normal(_))));
         let own = self.items.iter().flat_map(|item| &item.outputs).map(|output| output.path.clone());
         for path in files.iter().map(|file| self.out.join(file)).chain(own) {
@@ -329,7 +327,7 @@ impl Store {
         Ok(disk::sync_folder(&self.out)?)
     }
 
-    /// A path of the folder, seen from it.
+    /// A path relative to the folder.
     fn below(&self, path: &Path) -> JsonPath {
         path.strip_prefix(&self.out).unwrap_or(path).into()
     }
@@ -340,7 +338,7 @@ impl Store {
         FailedLine { name, left, right, error: error.into() }
     }
 
-    /// From now on a pair is not computed again, since it ended processes.
+    /// Records that a pair has ended processes and is not computed again.
     pub fn convict(&self, place: usize, why: &str) -> Result<()> {
         self.begin_once().map_err(|error| anyhow!("{error}"))?;
         let Begun { name, left, right, .. } = Begun::new(&self.items[place].name, &self.pairs[place], 0);
@@ -350,7 +348,7 @@ impl Store {
         self.failed(place, why)
     }
 
-    /// Once, before the first map.
+    /// Calls [`Self::begin`] once, before the first map.
     pub fn begin_once(&self) -> Result<(), &String> {
         self.begun.get_or_init(|| self.begin().map_err(|error| format!("{error:#}"))).as_ref().map(|_| ())
     }
@@ -372,8 +370,8 @@ impl Store {
         Ok(Entry { settings, inputs, outputs, kind, ..Entry::empty(&item.name) })
     }
 
-    /// Vouches for maps that are on the disk. The lines themselves may get there a little later: without them, the maps
-    /// are computed again.
+    /// Logs maps that are on the disk. The log itself may be synced a little later: without its lines the maps are computed
+    /// again.
     fn vouch(&self, entry: Entry) -> Result<()> {
         let sync = {
             let mut synced = self.synced.lock().unwrap_or_else(PoisonError::into_inner);
@@ -386,7 +384,7 @@ impl Store {
         self.done.append(&[entry], sync)
     }
 
-    /// The process ends in order.
+    /// Closes the log and the journal at the end of a run.
     pub fn close(&self) -> Result<()> {
         if self.begun.get().is_some() {
             self.done.sync()?;
@@ -409,7 +407,7 @@ impl Work for Store {
     }
 
     fn write(&self, matched: &MatchedPair) -> Result<(), Refused> {
-        // Only now, so that a run that cannot compute changes nothing.
+        // Not earlier, so that a run that cannot compute changes nothing.
         self.begin_once().map_err(|error| Refused::All(anyhow!("{error}")))?;
         let entry = self.write_maps(matched).map_err(Refused::of)?;
         self.vouch(entry).map_err(Refused::All)?;

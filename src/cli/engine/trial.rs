@@ -1,4 +1,4 @@
-//! Trial: pairs that an earlier process may have died of are computed by a process of their own, one by one.
+//! Trial: pairs that an earlier process may have died of are computed one by one in a separate process.
 
 use super::pipeline::{self, FailedPair, Ran, Setup, Work as _};
 use super::store::{MOST_DEATHS, State, Store};
@@ -12,10 +12,10 @@ use std::sync::atomic::{AtomicBool, Ordering};
 use std::thread;
 use std::time::{Duration, Instant};
 
-/// Between two looks at the other process.
+/// The time between two polls of the other process.
 const LOOK: Duration = Duration::from_millis(10);
 
-/// Computes all pairs of a store: at once what can be, then alone what must be.
+/// Computes all pairs of a store: in parallel where possible, then alone where necessary.
 pub fn run(store: &Store, setup: &Setup<'_>, stop: &'static AtomicBool) -> Ran {
     let start = Instant::now();
     let mut ran = match store.open() {
@@ -42,7 +42,7 @@ impl Store {
     }
 }
 
-/// In the process that computes suspects: a device that was lost is due to the pair.
+/// In the process that computes suspects: a lost device is blamed on the pair.
 fn as_suspect(store: &Store, ran: &mut Ran) -> Result<()> {
     let Some(error) = lost(ran).map(|error| one_line(&format!("{error:#}"))) else { return Ok(()) };
     let states = store.journal()?.states()?;
@@ -56,12 +56,12 @@ fn as_suspect(store: &Store, ran: &mut Ran) -> Result<()> {
     Ok(())
 }
 
-/// The error that the device failed.
+/// The error of a lost device, if there is one.
 fn lost(ran: &Ran) -> Option<&anyhow::Error> {
     ran.stopped.as_ref().filter(|error| matches!(error.downcast_ref(), Some(Error::Lost(_))))
 }
 
-/// What is told, counted and written down of a pair that failed.
+/// Reports, counts and records a pair that failed.
 fn fail(
     store: &Store,
     ran: &mut Ran,
@@ -78,7 +78,7 @@ fn fail(
 /// After the other pairs: the suspects, and those that are not computed again.
 fn after(store: &Store, ran: &mut Ran, stop: &AtomicBool) -> Result<()> {
     if lost(ran).is_some() {
-        // Any of those that were on it may have done that.
+        // Any of the pairs in flight may be the cause.
         let states = store.journal()?.states()?.into_values();
         let running = states.filter(|(_, state)| *state == State::Running);
         store.journal()?.suspect(running.map(|(begun, _)| begun))?;
@@ -124,7 +124,7 @@ fn after(store: &Store, ran: &mut Ran, stop: &AtomicBool) -> Result<()> {
     Ok(())
 }
 
-/// The places of suspects that did not come to an end.
+/// The places of suspects that are not finished.
 fn open(store: &Store) -> Result<Vec<usize>> {
     let states = store.journal()?.states()?;
     let is_open = |place: &usize| {
@@ -134,7 +134,7 @@ fn open(store: &Store) -> Result<Vec<usize>> {
     Ok((store.main..store.main + store.suspects.len()).filter(is_open).collect())
 }
 
-/// Counts what the other process did of `open`; the one that it was at, if there is one.
+/// Counts what the other process finished of `open`; returns the pair that it was computing, if any.
 fn settle(store: &Store, ran: &mut Ran, open: &[usize]) -> Result<Option<usize>> {
     let states = store.journal()?.states()?;
     let mut culprit = None;
@@ -152,7 +152,7 @@ fn settle(store: &Store, ran: &mut Ran, open: &[usize]) -> Result<Option<usize>>
     Ok(culprit)
 }
 
-/// Runs this command on the suspects alone. How it ended, and its last word.
+/// Runs this command on the suspects alone. Returns its status and its last error.
 fn other_process(store: &Store, stop: &AtomicBool) -> Result<(ExitStatus, String)> {
     let start = || -> std::io::Result<_> {
         let mut args = std::env::args_os().skip(1);
@@ -190,7 +190,7 @@ fn other_process(store: &Store, stop: &AtomicBool) -> Result<(ExitStatus, String
     Ok((status, errors.last().and_then(|line| line.strip_prefix("error: ")).unwrap_or_default().to_owned()))
 }
 
-/// In the process that computes suspects: the end of stdin is that of the process that waits for this one.
+/// In the process that computes suspects: stops when stdin ends, since then the waiting process has ended.
 pub fn stop_with_parent(stop: &'static AtomicBool) -> Result<()> {
     let watch = move || {
         let _ = std::io::copy(&mut std::io::stdin().lock(), &mut std::io::sink());

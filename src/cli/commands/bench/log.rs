@@ -1,4 +1,4 @@
-//! The log of a bench: what came of each scene with each variant, so that a run that was ended goes on where it was.
+//! The log of a bench: the results of each scene with each variant, so that an interrupted run can be resumed.
 
 use crate::engine::compute::EngineNames;
 use crate::engine::known::KnownFile;
@@ -14,7 +14,7 @@ use std::{fs, io};
 /// The file's name.
 const NAME: &str = "done.jsonl";
 
-/// What came of a scene with a variant. Numbers with a fraction are kept to the bit.
+/// The results of a scene with a variant. Floats are kept to the bit.
 #[derive(Clone, Debug, Serialize, Deserialize)]
 pub struct Kept {
     /// The scene, the variant and all that decides about the result.
@@ -93,7 +93,7 @@ pub struct BenchLog {
 }
 
 impl BenchLog {
-    /// That of a report. With `resume`, what is there is kept, else it goes.
+    /// Opens the log of a report. Without `resume`, an old one is removed.
     pub fn open(report: Option<&Path>, resume: bool) -> Result<Self> {
         let log = report.map(|folder| Log { path: folder.join(NAME) });
         let mut there = HashMap::new();
@@ -110,7 +110,7 @@ impl BenchLog {
         Ok(Self { log, there })
     }
 
-    /// What was found before with the same settings and the same files, if all that was written is still there.
+    /// Earlier results with the same settings and files, if everything that was written still exists.
     pub fn find(&self, scene: &str, variant: &str, settings: &str) -> Option<&Kept> {
         let kept = self.there.get(&[scene.into(), variant.into(), hash(settings.as_bytes())])?;
         let inputs = kept.inputs.iter().all(|input| input.facts.are_of_input(&input.path.0));
@@ -118,12 +118,12 @@ impl BenchLog {
         (inputs && outputs()).then_some(kept)
     }
 
-    /// The contents of the files that a scene is made of, as they are before they are read. Without a log nobody asks.
+    /// The facts of a scene's files before they are read; nothing without a log.
     pub fn inputs<'a>(&self, files: impl Iterator<Item = &'a Path>) -> Vec<KnownFile> {
         if self.log.is_some() { files.filter_map(KnownFile::read).collect() } else { Vec::new() }
     }
 
-    /// Keeps what was found, once all that belongs to it is written.
+    /// Logs results, once all their files are written.
     pub fn keep(
         &self,
         [scene, variant, key]: [&str; 3],
@@ -148,7 +148,7 @@ impl BenchLog {
     }
 }
 
-/// What is kept of a scene.
+/// The results to keep.
 pub struct ToKeep<'a> {
     /// Why it is doubtful.
     pub warnings: Vec<String>,

@@ -1,4 +1,4 @@
-//! What was found of a data set, and `--report`: report.md, its pictures and results.json.
+//! The results of a data set, and `--report`: report.md, its pictures and results.json.
 
 use super::files::{file_name, put};
 use super::scene::{Loaded, SceneReport};
@@ -17,7 +17,7 @@ use serde::Serialize;
 use std::fmt::Write as _;
 use std::path::Path;
 
-/// Pictures of the report are at most so wide.
+/// The greatest width of the report's pictures.
 const PICTURE: u32 = 480;
 
 /// Files and a folder of a report.
@@ -25,7 +25,7 @@ pub const REPORT: &str = "report.md";
 pub const RESULTS: &str = "results.json";
 pub const PICTURES: &str = "pictures";
 
-/// What was found; `--json` prints it as it is.
+/// The results; `--json` prints them as they are.
 #[derive(Serialize)]
 pub struct BenchReport {
     /// The adapter and its driver.
@@ -160,7 +160,7 @@ fn scaled(picture: &RgbImage) -> RgbImage {
     imageops::resize(picture, PICTURE, height, FilterType::Triangle)
 }
 
-/// A text in a line or a cell of Markdown, as it is.
+/// A text escaped for Markdown.
 fn escaped(text: &str) -> String {
     let mut escaped = String::new();
     for c in plain(text).chars() {

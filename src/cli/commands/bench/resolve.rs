@@ -18,7 +18,7 @@ use std::path::{Path, PathBuf};
 
 /// A run over a data set, ready to start.
 pub struct Bench {
-    /// How the data set lies.
+    /// The layout of the data set.
     pub layout: DataSet,
     /// Its scenes.
     pub scenes: Vec<Scene>,
@@ -169,8 +169,7 @@ impl Bench {
         places::ensure_apart(outputs.iter().map(PathBuf::as_path), inputs)
     }
 
-    /// All that decides about the result of a scene with a variant and about the files that are made of it, but the contents
-    /// of the scene's files.
+    /// Everything that determines the results and files of a scene with a variant, except the contents of the scene's files.
     pub fn key(&self, number: usize, place: usize, scene: &Scene) -> String {
         let variant = &self.variants[place];
         let submission = self.submission.as_ref().map(|to| (absolute(&to.folder), &to.method));

@@ -31,7 +31,7 @@ pub fn run(bench: &Bench) -> Result<BenchReport> {
     Ok(BenchReport { names, scenes, sets, failures, warnings: warnings::all() })
 }
 
-/// What was found so far, and what finds more.
+/// The state of a run.
 struct Run<'a> {
     bench: &'a Bench,
     log: &'a BenchLog,
@@ -46,7 +46,7 @@ struct Run<'a> {
 struct Task<'a> {
     scene: &'a Scene,
     variant: &'a Variant,
-    /// All that decides about the result but the contents of files.
+    /// Everything that determines the result except the contents of files.
     key: String,
     /// The numbers of scene and variant, from 1.
     numbers: [usize; 2],
@@ -122,7 +122,7 @@ impl<'a> Run<'a> {
         self.failures.push(FailedScene { scene: scene.into(), variant, error });
     }
 
-    /// Once a result cannot be written for good, nothing more is computed.
+    /// Ends the run if results cannot be written any more, as on a full disk.
     fn ensure_not_lasting(&self, error: &anyhow::Error) -> Result<()> {
         let unwritten = error.downcast_ref().map(|Unwritten(error)| error);
         let Some(error) = unwritten.filter(|error| disk::is_lasting(error)) else { return Ok(()) };

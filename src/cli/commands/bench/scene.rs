@@ -1,4 +1,4 @@
-//! A scene with a variant: what is read of it, and what was found.
+//! A scene: its images and truths, and its results with a variant.
 
 use super::log::{Kept, ToKeep};
 use crate::args::{self, InputArgs};
@@ -19,7 +19,7 @@ use serde::Serialize;
 pub struct Loaded {
     pub left: Image,
     pub right: Image,
-    /// Why the images may be wrong, and what their corners tell.
+    /// Why the images may be wrong, and their corners.
     pub doubts: Vec<String>,
     pub evidence: Evidence,
     pub disparities: u32,
@@ -94,7 +94,7 @@ pub struct SceneReport {
 }
 
 impl SceneReport {
-    /// What was found of a scene with a variant; not scored yet.
+    /// The results of a scene with a variant, not scored yet.
     pub fn new(
         scene: &Scene,
         variant: &Variant,
@@ -141,7 +141,7 @@ impl SceneReport {
         Ok(self.with_scores([score(&loaded.truth)?, score(&loaded.noc)?]))
     }
 
-    /// What is kept of it.
+    /// The results to keep.
     pub fn kept<'a>(&'a self, names: EngineNames, warnings: &[String]) -> ToKeep<'a> {
         ToKeep {
             warnings: warnings.to_vec(),
@@ -153,7 +153,7 @@ impl SceneReport {
         }
     }
 
-    /// The outcome in a few words.
+    /// The results in a few words.
     pub fn in_words(&self) -> String {
         let scores = match &self.scores[0] {
             Some(scores) => {

@@ -17,7 +17,7 @@ pub struct Submission {
     pub folder: PathBuf,
     /// The method's name.
     pub method: String,
-    /// How the files of the data set lie, and those of the submission.
+    /// The layout of the data set and of the submission.
     pub layout: DataSet,
     /// Whether there are several variants.
     pub several: bool,
@@ -57,7 +57,7 @@ impl Submission {
                 let folder = set.join(&scene.name);
                 with_time(folder.join(format!("disp0{method}{suffix}.pfm")), folder.join(format!("time{method}.txt")))
             }
-            // For the other layouts it was refused.
+            // The other layouts were refused.
             DataSet::Eth3d | DataSet::Vkitti2 | DataSet::Manifest => {
                 let folder = folder.join("low_res_two_view");
                 with_time(folder.join(format!("{}.pfm", scene.name)), folder.join(format!("{}.txt", scene.name)))

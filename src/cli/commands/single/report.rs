@@ -10,7 +10,7 @@ use serde::{Serialize, Serializer};
 use std::fmt::Write as _;
 use std::path::PathBuf;
 
-/// What a run found; `--json` prints it as it is.
+/// The results of a run; `--json` prints them as they are.
 #[derive(Serialize)]
 pub struct Report {
     /// The adapter and its driver.
@@ -46,7 +46,7 @@ pub struct Report {
     pub stages: Vec<StageTime>,
     /// The most device memory in use, 0 for the reference.
     pub peak_device_bytes: u64,
-    /// What the map is worth, where a truth was given.
+    /// The scores, if a truth was given.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub evaluation: Option<Evaluation>,
     /// The comparison with the reference, when asked for.
@@ -76,7 +76,7 @@ impl From<Camera> for Cameras {
     }
 }
 
-/// A stage's buffer beside the reference's.
+/// A stage compared with the reference.
 #[derive(Debug, Serialize)]
 pub struct Check {
     stage: String,
@@ -111,7 +111,7 @@ fn stages<S: Serializer>(stages: &[StageTime], serializer: S) -> Result<S::Ok, S
     serializer.collect_seq(stages.iter().map(|stage| Stage { name: &stage.name, ms: rounded(stage.ms) }))
 }
 
-/// Six digits that mean something, as many as a calibration has.
+/// A number with six significant digits, as many as a calibration has.
 fn digits(value: f64) -> f64 {
     let scale = 10f64.powi(5 - value.abs().log10().floor() as i32);
     if scale.is_finite() && scale > 0.0 { (value * scale).round() / scale } else { value }

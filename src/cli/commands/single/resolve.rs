@@ -1,4 +1,4 @@
-//! Resolve: what was typed becomes settings that are known to be good, before an image is decoded or a device opened.
+//! Resolve: options become valid settings, before an image is decoded or a device opened.
 
 use super::shaders;
 use crate::args::{self, Backend, CameraArgs, DeviceArgs, InputArgs, SingleArgs};
@@ -137,7 +137,7 @@ pub fn resolve(typed: SingleArgs) -> Result<Job> {
 fn calibration(cameras: &CameraArgs, optics: Option<[f64; 2]>) -> Result<Option<Calibration>> {
     let CameraArgs { calib, rectify, calib_right, .. } = cameras;
     if let Some(path) = calib.as_ref().or(rectify.as_ref()) {
-        // The parser lets it pass where --calib excludes --rectify.
+        // Clap does not require --rectify for --lens if --calib, which excludes it, is given.
         ensure!(
             cameras.lens == LensModel::Auto || rectify.is_some(),
             "--lens goes with --rectify, since --calib takes a rectified pair; drop it, or give the file with --rectify"

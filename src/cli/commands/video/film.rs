@@ -1,4 +1,4 @@
-//! Film: the left images beside their colour maps, as a video that the `ffmpeg` on the PATH encodes.
+//! The film: left images beside their colour maps, as a video encoded by the `ffmpeg` on the PATH.
 
 use crate::engine::pipeline::{MatchedPair, Refused, Work};
 use crate::engine::{disk, images, places};
@@ -61,7 +61,7 @@ impl Film {
             none => none.insert(self.start(2 * map.width(), map.height())?),
         };
         if encoder.frames.write_all(&pixels).is_err() {
-            // It has ended; why, it says on its stderr.
+            // ffmpeg has ended; its stderr says why.
             let status = encoder.child.wait()?;
             bail!("ffmpeg ended before the last frame ({status})");
         }
@@ -74,7 +74,7 @@ impl Film {
         let mut command = ffmpeg();
         command.args(["-hide_banner", "-loglevel", "error", "-y"]);
         command.args(["-f", "rawvideo", "-pix_fmt", "rgb24", "-s", &format!("{width}x{height}"), "-r", &self.fps]);
-        // Most players want halved colours, and those an even number of rows and columns.
+        // Most players need yuv420p, which needs an even number of rows and columns.
         command.args(["-i", "-", "-an", "-vf", "pad=ceil(iw/2)*2:ceil(ih/2)*2", "-pix_fmt", "yuv420p"]);
         if ending(&self.path) == "webm" {
             command.args(["-crf", "30", "-b:v", "0"]); // or its encoder takes a very low rate
@@ -98,7 +98,7 @@ impl Film {
         Ok(Encoder { child, frames, told, file })
     }
 
-    /// Ends the video and gives it its name, if `whole`; else removes it. Without any frame there is none.
+    /// Ends the video: names it if `whole`, else removes it. Without any frame there is no file.
     pub fn finish(self, whole: bool) -> Result<()> {
         let Some(encoder) = self.encoder.into_inner().unwrap_or_else(PoisonError::into_inner) else { return Ok(()) };
         let Encoder { mut child, frames, told, file } = encoder;

@@ -1,4 +1,4 @@
-//! The lines of a store's logs.
+//! The entries of a store's logs.
 
 use super::plan::Item;
 use crate::engine::known::KnownFile;
@@ -9,7 +9,7 @@ use gpu_stereo::files::lists::absolute;
 use serde::{Deserialize, Serialize};
 use std::path::Path;
 
-/// A line of the log of failures, which is a list of pairs, too.
+/// A line of failures.jsonl, which can be read as a list of pairs.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize)]
 pub struct FailedLine {
     /// The name of its map.
@@ -22,12 +22,12 @@ pub struct FailedLine {
     pub error: String,
 }
 
-/// A line of what vouches for maps. The last one of a name counts.
+/// A line of done.jsonl: the maps of a pair and the files they were made of. The last line of a name counts.
 #[derive(Clone, Debug, Serialize, Deserialize)]
 pub struct Entry {
     /// The name of the maps.
     pub name: JsonPath,
-    /// What stands for the settings. Without it, it vouches for nothing.
+    /// The fingerprint of the settings. Without it the entry is void.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub settings: Option<String>,
     /// The images.
@@ -36,19 +36,19 @@ pub struct Entry {
     /// The maps.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub outputs: Vec<KnownFile>,
-    /// Files that may be there, of whatever contents.
+    /// Files that may exist with unknown contents.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub files: Vec<JsonPath>,
     /// Size and samples.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub kind: Option<PairKind>,
-    /// It ended the processes that computed it.
+    /// Set if the pair ended the processes that computed it: how.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub killed: Option<String>,
 }
 
 impl Entry {
-    /// A line that vouches for nothing.
+    /// A void entry.
     pub fn empty(name: &Path) -> Self {
         Self {
             name: name.into(),
@@ -61,7 +61,7 @@ impl Entry {
         }
     }
 
-    /// Whether it is about this pair as it is now.
+    /// Whether the entry is about this pair, with the present contents of its images.
     pub fn is_of(&self, settings: &str, pair: &Pair) -> bool {
         let paths = [&pair.left, &pair.right].map(|path| JsonPath(absolute(path)));
         self.settings.as_deref() == Some(settings)
@@ -69,7 +69,7 @@ impl Entry {
             && self.inputs.iter().all(|input| input.facts.are_of_input(&input.path.0))
     }
 
-    /// Whether the maps of an item are there as they were written.
+    /// Whether the maps of an item still exist as they were written.
     pub fn has(&self, out: &Path, item: &Item) -> bool {
         item.outputs.iter().all(|output| {
             let known = self.outputs.iter().find(|known| out.join(&known.path.0) == output.path);

@@ -1,8 +1,8 @@
-//! Journal: the pairs that a process has begun, so that after its death a later one knows what it may have died of.
+//! The journal: the pairs that a process has begun, so that after its death a later process knows which of them may have caused it.
 //!
-//! Each process has a journal of its own in the output folder, and a file beside it that it has locked as long as it lives. A
-//! journal whose lock nobody holds was left by a process that died, and the pairs that it began and did not end are suspects.
-//! They are computed one by one in a process of their own, which may die of one without harm to the others.
+//! Each process has its own journal in the output folder, and beside it a file that it keeps locked as long as it lives. A journal
+//! whose lock is free was left by a process that died, and the pairs that it began and did not end are suspects. They are computed
+//! one by one in a separate process, which may die without harm to the others.
 
 use crate::engine::pair::Pair;
 use crate::engine::{disk, log};
@@ -40,7 +40,7 @@ impl Begun {
     }
 }
 
-/// A line.
+/// A line of the journal.
 #[derive(Clone, Debug, Serialize, Deserialize)]
 #[serde(rename_all = "lowercase")]
 enum Line {
@@ -52,7 +52,7 @@ enum Line {
     Ended { name: JsonPath, error: Option<String> },
 }
 
-/// How far a pair came.
+/// The state of a pair.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub enum State {
     /// Not begun by this process.
@@ -76,10 +76,10 @@ pub struct Journal {
 }
 
 impl Journal {
-    /// A new one.
+    /// Creates a journal.
     pub fn create(folder: &Path) -> Result<Self> {
         let create = || -> std::io::Result<Self> {
-            // The lock has its name only when it is held, or it would be taken for that of a dead process.
+            // The lock file gets its name only once it is locked, or others would take it for that of a dead process.
             let file = disk::temporary(folder, "")?;
             let random = file.path().file_name().map(|name| name.to_string_lossy().replace(".gpu-stereo-", ""));
             let lock = held(file.as_file().try_clone()?)?;
@@ -94,7 +94,7 @@ impl Journal {
         })
     }
 
-    /// That of the process that started this one.
+    /// Opens the journal of the process that started this one.
     pub fn join(path: &Path) -> Result<Self> {
         let join = || -> std::io::Result<Self> {
             let lines = OpenOptions::new().append(true).open(path)?;
@@ -107,7 +107,7 @@ impl Journal {
     fn add(&self, lines: &[Line]) -> Result<()> {
         let text = log::text(lines)?;
         let mut file = self.lines.lock().unwrap_or_else(PoisonError::into_inner);
-        // Left to the system: it outlives the process.
+        // Not synced: what is written outlives the process, if not the system.
         file.write_all(text.as_bytes()).map_err(|error| {
             let told = format!("{:?} cannot be written; {}", self.path, disk::remedy(&error));
             anyhow::Error::from(error).context(told)
@@ -134,7 +134,7 @@ impl Journal {
         states(&self.path)
     }
 
-    /// The process ends in order. What was begun is no suspect; those that still are stay in the file.
+    /// Closes the journal at the end of a run: what this process began is no suspect; earlier suspects stay in the file.
     pub fn close(&self) -> Result<()> {
         let states = self.states()?;
         let stay = |(begun, state): &(Begun, State)| match state {
@@ -151,7 +151,7 @@ impl Journal {
     }
 }
 
-/// A shared lock on a file that holds until it is dropped.
+/// A file with a shared lock that lasts until it is dropped.
 fn held(file: File) -> std::io::Result<RwLock<File>> {
     let lock = RwLock::new(file);
     mem::forget(lock.try_read()?);
@@ -199,7 +199,7 @@ pub struct Dead {
 }
 
 impl Dead {
-    /// All in a folder.
+    /// All dead journals of a folder.
     pub fn find(folder: &Path) -> Vec<Self> {
         let dead = |path: PathBuf| {
             let lock = exclusive(&path)?;
@@ -210,7 +210,7 @@ impl Dead {
         journals(folder).filter_map(dead).collect()
     }
 
-    /// Takes these suspects out, and removes the file if it has no other.
+    /// Takes over these suspects, and removes the file if no other is left.
     pub fn take(mut self, names: impl Iterator<Item = JsonPath>) -> Result<()> {
         let taken: Vec<_> = names.filter(|name| self.suspects.remove(name).is_some()).collect();
         if self.suspects.is_empty() {
@@ -221,7 +221,7 @@ impl Dead {
     }
 }
 
-/// An exclusive lock on a journal, unless somebody has locked it.
+/// An exclusive lock on a journal; `None` if it is in use.
 fn exclusive(journal: &Path) -> Option<RwLock<File>> {
     let mut lock = RwLock::new(OpenOptions::new().read(true).write(true).open(lock_of(journal)).ok()?);
     let guard = lock.try_write().ok()?;
@@ -229,7 +229,7 @@ fn exclusive(journal: &Path) -> Option<RwLock<File>> {
     Some(lock)
 }
 
-/// The journals of a folder that have a lock, which comes first and goes last.
+/// The journals of a folder that have a lock file, which is created first and removed last.
 fn journals(folder: &Path) -> impl Iterator<Item = PathBuf> {
     let is_lock = |path: &PathBuf| {
         let name = path.file_name().unwrap_or_default().to_string_lossy().into_owned();

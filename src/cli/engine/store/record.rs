@@ -1,6 +1,7 @@
-//! Record: what the maps of a folder were made with, in a file beside them, so that no folder holds maps of two settings.
+//! The record: the settings that the maps of a folder were made with, in a file beside them, so that no folder mixes maps of
+//! different settings.
 //!
-//! Its lock is the folder's: who holds it decides for all processes that write into the folder, videos and batches alike.
+//! Its lock guards the whole folder, for videos and batches alike.
 
 use crate::args::InputArgs;
 use crate::engine::{disk, log};
@@ -17,14 +18,14 @@ use std::path::{Path, PathBuf};
 /// The file's name.
 pub const NAME: &str = "gpu-stereo.json";
 
-/// What a folder has a record of.
+/// The maps that a folder has, by its record.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub enum Contents {
-    /// Maps that were made with the same.
+    /// Maps of the same settings.
     Same,
     /// No maps.
     Nothing,
-    /// Maps that were made with something else; what differs, in words.
+    /// Maps of other settings; what differs, in words.
     Other(String),
     /// Maps of another verb.
     OtherVerb(&'static str),
@@ -47,14 +48,14 @@ impl Record {
         for (name, path) in sources {
             made_with.insert((*name).into(), serde_json::to_value(JsonPath(absolute(path))).unwrap_or_default());
         }
-        // Those of the device change no bit.
+        // Options of the device change no bit.
         for option in Params::OPTIONS.iter().filter(|option| option.heading != "Device") {
             made_with.insert(option.name.into(), option.get(params).into());
         }
         if let Some(masks) = &params.masks {
             made_with.insert("mask-in".into(), digest(masks).into());
         }
-        // As they usually are, they are not named.
+        // Defaults are not recorded.
         if input.swap {
             made_with.insert("swap".into(), true.into());
         }
@@ -64,12 +65,12 @@ impl Record {
         Self { path: folder.join(NAME), made_with }
     }
 
-    /// What stands for it in a line about a map.
+    /// The fingerprint of the settings, for the entries of maps.
     pub fn fingerprint(&self) -> String {
         hash(Value::from(self.made_with.clone()).to_string().as_bytes())
     }
 
-    /// The settings that are not as they are `there`, in words; empty if there are none.
+    /// The settings that differ from those `there`, in words; empty if none does.
     fn differing(&self, there: &Map<String, Value>) -> String {
         let told = |value: Option<&Value>| match value {
             Some(Value::String(text)) => text.clone(),
@@ -98,7 +99,7 @@ impl Record {
         }
     }
 
-    /// One that is cut short was never finished, and no map was made with it.
+    /// A truncated record was never finished, so no map was made with it.
     fn contents(&self, bytes: &[u8]) -> Contents {
         let Ok(there) = serde_json::from_slice(bytes) else { return Contents::Nothing };
         let is_video = |made_with: &Map<String, Value>| made_with.contains_key("left");
@@ -113,8 +114,8 @@ impl Record {
         }
     }
 
-    /// Says that the folder's maps are made with this from now on, and that on the disk before any of them is. `decide` is
-    /// told what was there, and clears it away or refuses; until it is done, nobody else can begin.
+    /// Writes the record, and syncs it before any map is written. `decide` is given what was there, and removes it or refuses; the
+    /// lock is held meanwhile.
     pub fn begin(&self, decide: impl FnOnce(&Contents) -> Result<()>) -> Result<()> {
         let file = disk::open_own(&self.path, OpenOptions::new().read(true).write(true).create(true).truncate(false))?;
         disk::locked(&self.path, file, |file| {
@@ -123,7 +124,7 @@ impl Record {
             let found = self.contents(&bytes);
             if matches!(found, Contents::Other(_) | Contents::OtherVerb(_)) {
                 decide(&found)?;
-                // Empty, it vouches for nothing, should the process end here.
+                // Emptied first, so that it is void if the process ends here.
                 file.set_len(0)?;
                 disk::sync(file)?;
             } else {
@@ -142,7 +143,7 @@ impl Record {
     }
 }
 
-/// Stands for masks: the size, and FNV-1a of the bytes of both sides.
+/// A digest of masks: the size, and FNV-1a of the bytes of both sides.
 fn digest(masks: &Masks) -> String {
     let byte = |hash: u64, byte: &u8| (hash ^ u64::from(*byte)).wrapping_mul(0x0000_0100_0000_01b3);
     let side = |hash, side| masks.side(side).map_or(byte(hash, &1), |mask| mask.iter().fold(hash, byte));
