@@ -1,4 +1,4 @@
-//! What the command prints and refuses, whatever names it is given: nothing that a terminal would obey reaches stdout or
+//! What the command prints and refuses, whatever names it is given: no control character reaches stdout or
 //! stderr, each output is judged before any work, and a tip never misleads. On the CPU reference, so no adapter is needed.
 #![cfg(feature = "cli")]
 #![allow(clippy::unwrap_used)]
@@ -12,7 +12,7 @@ use std::path::Path;
 use std::process::Output;
 use support::{command, contents, is_one_line_error, refuses, run, scene, stderr, stdout, succeeds};
 
-/// What terminals obey, and lines that the command might have written.
+/// Control characters, and lines that the command might have written.
 const HOSTILE: [&str; 2] = [
     "a\u{1b}[2J\u{1b}]0;x\u{7}\u{8}\u{9b}2J\u{202e}b\u{2066}\u{200b}\u{feff}\u{7f}\u{9c}c",
     "a\nwritten  forged.png\nerror: forged\rfailed: forged\u{85}error: forged\u{2028}note: forged\u{2029}error: forged",
@@ -36,7 +36,7 @@ fn with(name: &OsStr, ending: &str) -> OsString {
     name
 }
 
-/// Nothing to obey, and no line that a name forged.
+/// No control characters, and no line that a name forged.
 #[track_caller]
 fn is_clean(output: &Output, what: &str) {
     let code = output.status.code();
@@ -301,9 +301,11 @@ fn sources(folder: &Path) -> Vec<(String, String)> {
 
 #[test]
 fn one_module_prints() {
-    let all = sources(&Path::new(env!("CARGO_MANIFEST_DIR")).join("src/cli"));
-    let (printing, others): (Vec<_>, Vec<_>) = all.into_iter().partition(|(path, _)| path.contains("src/cli/terminal"));
-    assert!(others.len() > 20 && printing.iter().any(|(_, source)| !faults(source).is_empty()));
+    let root = Path::new(env!("CARGO_MANIFEST_DIR"));
+    let all = [sources(&root.join("src/cli")), sources(&root.join("src/files"))].concat();
+    let (printing, others): (Vec<_>, Vec<_>) =
+        all.into_iter().partition(|(path, _)| path.contains("src/cli/terminal/"));
+    assert!(others.len() > 60 && printing.iter().any(|(_, source)| !faults(source).is_empty()));
     for (path, source) in &others {
         assert_eq!(
             faults(source),

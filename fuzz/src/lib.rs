@@ -18,7 +18,7 @@ use std::path::{Component, Path};
 fn told(error: &Error) {
     let text = text::one_line(&format!("{error}"));
     assert!(!text.trim().is_empty());
-    assert!(text.chars().count() <= text::MOST && !text.contains(text::is_obeyed), "{text:?}");
+    assert!(text.chars().count() <= text::MOST && !text.contains(text::must_be_escaped), "{text:?}");
 }
 
 /// A file that begins as one of `kinds`, as a map. The first byte selects the kind and what is asked beside the file.

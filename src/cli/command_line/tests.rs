@@ -88,7 +88,7 @@ fn every_tip_names_an_option_that_exists() {
 }
 
 #[test]
-fn what_was_typed_is_shown_and_not_obeyed() {
+fn what_was_typed_is_escaped() {
     for line in [
         "--\u{1b}[2J",
         "l r --disp\u{9b}",
@@ -97,7 +97,7 @@ fn what_was_typed_is_shown_and_not_obeyed() {
         "l r third\u{1b}[31m",
     ] {
         let line = told(line);
-        assert!(!line.contains(terminal::is_obeyed), "{line:?}");
+        assert!(!line.contains(terminal::must_be_escaped), "{line:?}");
     }
 }
 

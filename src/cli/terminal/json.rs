@@ -1,6 +1,6 @@
 //! Values as JSON: `--json`, the files of a report and the lines of logs.
 
-use super::text::is_obeyed;
+use super::text::must_be_escaped;
 use anyhow::Result;
 use serde::{Serialize, Serializer};
 use std::fmt::Write as _;
@@ -21,7 +21,7 @@ pub fn pretty_json(value: &impl Serialize) -> Result<String> {
 fn escaped_json(text: &str) -> String {
     let mut escaped = String::with_capacity(text.len());
     for c in text.chars() {
-        match is_obeyed(c) {
+        match must_be_escaped(c) {
             true => c.encode_utf16(&mut [0; 2]).iter().for_each(|unit| {
                 let _ = write!(escaped, "\\u{unit:04x}"); // a string takes all
             }),
@@ -51,10 +51,10 @@ mod tests {
     use super::*;
 
     #[test]
-    fn json_is_read_as_it_was_and_obeyed_by_no_terminal() {
+    fn json_is_read_as_it_was_and_escapes_control_characters() {
         let names = ["a\u{1b}[2J\n\u{7f}\u{9b}2J", "\u{202e}gnp", "\u{2028}", "\u{e0001}", "Straße \"立体\" \\"];
         for text in [json(&names).unwrap(), pretty_json(&names).unwrap()] {
-            assert!(!text.replace('\n', "").contains(is_obeyed), "{text:?}");
+            assert!(!text.replace('\n', "").contains(must_be_escaped), "{text:?}");
             assert_eq!(serde_json::from_str::<Vec<String>>(&text).unwrap(), names);
         }
     }

@@ -17,5 +17,5 @@ pub use progress::Progress;
 pub use scores::{Evaluation, percent, pixels};
 pub use table::table;
 #[cfg(test)]
-pub use text::is_obeyed;
+pub use text::must_be_escaped;
 pub use text::{name, one_line, plain};

@@ -8,7 +8,7 @@ pub const MOST: usize = 2000;
 
 /// Whether a character must be escaped: control characters (C0, DEL, C1), ends of lines and paragraphs, marks of direction, and
 /// characters of no width.
-pub fn is_obeyed(c: char) -> bool {
+pub fn must_be_escaped(c: char) -> bool {
     c.is_control()
         || matches!(c, '\u{ad}' | '\u{61c}' | '\u{180e}' | '\u{200b}'..='\u{200f}' | '\u{2028}'..='\u{202e}'
             | '\u{2060}'..='\u{206f}' | '\u{feff}' | '\u{fff9}'..='\u{fffb}' | '\u{e0000}'..='\u{e007f}')
@@ -16,7 +16,7 @@ pub fn is_obeyed(c: char) -> bool {
 
 /// A character as it may be shown.
 fn show(c: char, f: &mut impl fmt::Write) -> fmt::Result {
-    match is_obeyed(c) {
+    match must_be_escaped(c) {
         true => write!(f, "{}", c.escape_default()),
         false => f.write_char(c),
     }
@@ -52,8 +52,9 @@ impl Debug for Name<'_> {
 
 impl Display for Name<'_> {
     fn fmt(&self, f: &mut Formatter<'_>) -> fmt::Result {
-        let stands_out =
-            |c: char| !(is_obeyed(c) || c.is_whitespace() || "\"',;:".contains(c) || (c == '\\' && !cfg!(windows)));
+        let stands_out = |c: char| {
+            !(must_be_escaped(c) || c.is_whitespace() || "\"',;:".contains(c) || (c == '\\' && !cfg!(windows)))
+        };
         match self.0.to_str() {
             Some(text) if !text.is_empty() && text.chars().all(stands_out) => f.write_str(text),
             _ => Debug::fmt(self, f),
@@ -86,7 +87,7 @@ mod tests {
     use super::*;
 
     /// Some of every kind.
-    const OBEYED: [char; 22] = [
+    const ESCAPED: [char; 22] = [
         '\0', '\u{7}', '\u{8}', '\t', '\n', '\r', '\u{1b}', '\u{1f}', '\u{7f}', '\u{80}', '\u{85}', '\u{9b}', '\u{9f}',
         '\u{ad}', '\u{200b}', '\u{200f}', '\u{2028}', '\u{2029}', '\u{202e}', '\u{2066}', '\u{2069}', '\u{feff}',
     ];
@@ -106,8 +107,8 @@ mod tests {
     }
 
     #[test]
-    fn no_terminal_obeys_what_is_shown() {
-        for c in OBEYED {
+    fn control_characters_are_escaped() {
+        for c in ESCAPED {
             let text = format!("a{c}b");
             let escaped = format!("a{}b", c.escape_default());
             assert_eq!(
@@ -116,11 +117,11 @@ mod tests {
                 "{c:?}"
             );
             for shown in [plain(&text), one_line(&text), format!("{}", name(&text)), format!("{:?}", name(&text))] {
-                assert!(!shown.contains(is_obeyed), "{c:?} in {shown:?}");
+                assert!(!shown.contains(must_be_escaped), "{c:?} in {shown:?}");
             }
         }
         for c in (0..=0x10_ffff).filter_map(char::from_u32).filter(|c| c.is_control()) {
-            assert!(is_obeyed(c), "{c:?}");
+            assert!(must_be_escaped(c), "{c:?}");
         }
         for letters in ["Straße 立体", "a\u{308}", "👍🏽", "नमस्ते", "עברית"] {
             assert_eq!(plain(letters), letters);

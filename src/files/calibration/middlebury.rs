@@ -38,7 +38,7 @@ pub fn read(text: &str, reading: Reading) -> Result<Calibration> {
     };
     let (left, right) = (matrix("cam0")?, matrix("cam1")?);
     let unit = reading.unit(Unit::Mm);
-    let baseline = text("baseline").and_then(number).context("its baseline")?;
+    let baseline = number(text("baseline")?).context("its baseline")?;
     let projection =
         |k: &[f64], shift: f64| vec![k[0], k[1], k[2], shift, k[3], k[4], k[5], 0.0, k[6], k[7], k[8], 0.0];
     let camera = of_projections(&projection(&left, 0.0), &projection(&right, -baseline * right[0]), unit.metres())?;
