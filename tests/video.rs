@@ -464,7 +464,7 @@ fn what_cannot_be_is_one_line() {
         ("left/f%s.png", "right", &["LEFT is \"left/f%s.png\"", "%06d"]),
         ("left/f%d_%d.png", "right", &["LEFT is \"left/f%d_%d.png\"", "one number"]),
         ("left%d/f.png", "right", &["LEFT is \"left%d/f.png\"", "in the file's name"]),
-        ("left/[", "right", &["LEFT is \"left/[\"", "no glob"]),
+        ("left/[", "right", &["LEFT is \"left/[\"", "not a glob"]),
     ];
     for (left, right, words) in sides {
         refuses(folder.path(), &of(left, right, "maps", &[]), words);
