@@ -190,11 +190,11 @@ impl Default for Wls {
     }
 }
 
-/// Settings that go well together ([`Params::preset`]).
+/// Settings that go well together ([`Params::preset`](crate::Params::preset)).
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
 #[non_exhaustive]
 pub enum Preset {
-    /// The plain chain, [`Params::sgm`], and the speckle filter.
+    /// The plain chain, [`Params::sgm`](crate::Params::sgm), and the speckle filter.
     Classic,
     /// As balanced, along three directions.
     Fast,

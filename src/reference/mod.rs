@@ -1,7 +1,7 @@
 //! The definition: every stage in the plainest Rust that states its formula, without a device.
 //!
 //! The shaders are the schedule of this definition and equal it to the bit; docs/ALGORITHMS.md says the same in words.
-//! Work is spread over rows by rayon, which changes no result. The stages take parameters that [`Params::validate`]
+//! Work is spread over rows by rayon, which changes no result. The stages take parameters that [`Params::validate`](crate::Params::validate)
 //! accepts, and each other's results: they check neither again.
 //!
 //! [`compute`], [`compute_all`], [`compute_timed`] and [`compute_traced`] follow semantic versioning as the rest of the

@@ -186,7 +186,7 @@ impl StereoMatcher {
     }
 
     /// Where [`StereoMatcher::record`] leaves the disparity map: `i16` in 1/16 px, two pixels a word, the left one in
-    /// the low half, each row padded to a multiple of 16 bytes; [`DisparityMap::INVALID`] where there is none. The buffer
+    /// the low half, each row padded to a multiple of 16 bytes; [`DisparityMap::INVALID`](crate::DisparityMap::INVALID) where there is none. The buffer
     /// may be longer. After [`StereoMatcher::resize`] or [`StereoMatcher::set_params`] it may be another one.
     pub fn output(&self) -> &wgpu::Buffer {
         &self.ends.output
@@ -205,7 +205,7 @@ impl StereoMatcher {
     }
 
     /// Where [`StereoMatcher::record`] leaves the depth, if [`Params::depth`] asks for it: a `u32` a pixel, as in
-    /// [`DepthMap`], each row padded to a multiple of 32 bytes. The buffer may be longer.
+    /// [`DepthMap`](crate::DepthMap), each row padded to a multiple of 32 bytes. The buffer may be longer.
     pub fn depth(&self) -> Option<&wgpu::Buffer> {
         self.ends.depth.as_ref()
     }

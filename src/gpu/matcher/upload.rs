@@ -5,7 +5,7 @@ use crate::gpu::scopes;
 use crate::{Error, Image};
 
 impl StereoMatcher {
-    /// Writes a pair where [`StereoMatcher::record`] takes it from with [`Inputs::Uploaded`]; it is there for all that is
+    /// Writes a pair where [`StereoMatcher::record`] takes it from with [`Inputs::Uploaded`](crate::Inputs::Uploaded); it is there for all that is
     /// recorded afterwards.
     ///
     /// # Errors
