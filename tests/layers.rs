@@ -324,45 +324,38 @@ fn faults(imports: &BTreeMap<String, BTreeSet<String>>, rooms: &[Room]) -> Vec<S
     faults
 }
 
-/// Files that import each other, directly or through others: what is left when those are taken away, again and again, that
-/// import nothing of what is left, or that nothing of it imports.
+/// Takes away, again and again, the files that import nothing of what is left, or that nothing of it imports.
+fn without_ends<'a>(left: &mut BTreeMap<&'a String, BTreeSet<&'a String>>) {
+    loop {
+        let files: BTreeSet<&String> = left.keys().copied().collect();
+        left.values_mut().for_each(|to| to.retain(|file| files.contains(file)));
+        let imported: BTreeSet<&String> = left.values().flatten().copied().collect();
+        left.retain(|file, to| !to.is_empty() && imported.contains(file));
+        if left.len() == files.len() {
+            return;
+        }
+    }
+}
+
+/// Files that import each other, directly or through others, as one way through each group of them.
 fn circles(imports: &BTreeMap<String, BTreeSet<String>>) -> Vec<Vec<String>> {
     let mut left: BTreeMap<&String, BTreeSet<&String>> =
         imports.iter().map(|(file, imported)| (file, imported.iter().collect())).collect();
-    loop {
-        let imported: BTreeSet<&String> = left.values().flatten().copied().collect();
-        let ends: BTreeSet<&String> = left
-            .iter()
-            .filter(|(file, to)| to.is_empty() || !imported.contains(*file))
-            .map(|(file, _)| *file)
-            .collect();
-        if ends.is_empty() {
-            break;
-        }
-        left.retain(|file, _| !ends.contains(file));
-        let files: BTreeSet<&String> = left.keys().copied().collect();
-        left.values_mut().for_each(|to| to.retain(|file| files.contains(file)));
-    }
     let mut circles = Vec::new();
+    without_ends(&mut left);
     while let Some((&start, _)) = left.first_key_value() {
+        // Every file that is left imports another one that is left.
         let mut way = vec![start];
-        let (begin, end) = loop {
+        let begin = loop {
             let next = *left[way[way.len() - 1]].first().unwrap();
             if let Some(begin) = way.iter().position(|file| *file == next) {
-                break (begin, way.len());
+                break begin;
             }
             way.push(next);
         };
-        circles.push(way[begin..end].iter().chain([&way[begin]]).map(|file| file.to_string()).collect());
-        // Every circle through these files is reported as one.
-        let told: BTreeSet<&String> = way.into_iter().collect();
-        left.retain(|file, _| !told.contains(file));
-        let files: BTreeSet<&String> = left.keys().copied().collect();
-        left.values_mut().for_each(|to| to.retain(|file| files.contains(file)));
-        left.retain(|_, to| !to.is_empty());
-        let files: BTreeSet<&String> = left.keys().copied().collect();
-        left.values_mut().for_each(|to| to.retain(|file| files.contains(file)));
-        left.retain(|_, to| !to.is_empty());
+        circles.push(way[begin..].iter().chain([&way[begin]]).map(|file| file.to_string()).collect());
+        left.retain(|file, _| !way.contains(file));
+        without_ends(&mut left);
     }
     circles
 }
@@ -426,6 +419,17 @@ fn imports_that_go_up_are_found() {
     }
     let circle = faults_with("src/middle/one.rs", "use super::Two;");
     assert_eq!(circle, ["a circle: src/middle/one.rs -> src/middle/two.rs -> src/middle/one.rs"]);
+    // Two circles, of which one hangs on the other.
+    let circles = circles(
+        &[("a", "b"), ("b", "a"), ("c", "a"), ("c", "d"), ("d", "e"), ("e", "c"), ("f", "c"), ("b", "g"), ("g", "")]
+            .map(|(file, to)| (file.to_string(), to.to_string()))
+            .into_iter()
+            .fold(BTreeMap::new(), |mut all: BTreeMap<String, BTreeSet<String>>, (file, to)| {
+                all.entry(file).or_default().extend((!to.is_empty()).then_some(to));
+                all
+            }),
+    );
+    assert_eq!(circles.iter().map(|circle| circle.join("")).collect::<Vec<_>>(), ["aba", "cdec"]);
     // What does not go up.
     for (file, added) in [
         ("src/low.rs", "#[cfg(test)] mod tests { use crate::High; }"),

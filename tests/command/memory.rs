@@ -1,6 +1,4 @@
 //! What the memory that is left does not hold is refused in one line, before any work.
-#![cfg(target_os = "linux")]
-#![allow(clippy::unwrap_used)]
 
 use std::process::{Command, Output};
 

@@ -1,8 +1,6 @@
 //! Calibrations of every kind, model and size: read as they are meant, or refused with an advice that leads on.
 //!
 //! Everything runs on the CPU reference, so that no adapter is needed.
-#![cfg(feature = "cli")]
-#![allow(clippy::unwrap_used)]
 
 use image::GrayImage;
 use std::fs;

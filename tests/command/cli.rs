@@ -1,12 +1,10 @@
 //! The command as a user meets it: the built program on small images, its files, its words and its exit codes.
 //!
 //! Everything runs on the CPU reference, so that no adapter is needed; where adapters matter the tests say so.
-#![cfg(feature = "cli")]
-#![allow(clippy::unwrap_used)]
 
-#[path = "support/command.rs"]
-mod support;
-
+use crate::support::{
+    SHIFT, command, contents, is_one_line_error, on, pair, refuses, run, scene, stderr, stdout, succeeds, texture,
+};
 use gpu_stereo::{Params, Preset};
 use image::{DynamicImage, GrayImage, ImageBuffer, ImageFormat, Luma, Rgb, Rgba};
 use serde_json::Value;
@@ -14,9 +12,6 @@ use std::ffi::OsStr;
 use std::fs;
 use std::path::Path;
 use std::process::{Command, Stdio};
-use support::{
-    SHIFT, command, contents, is_one_line_error, on, pair, refuses, run, scene, stderr, stdout, succeeds, texture,
-};
 use tempfile::TempDir;
 
 // Independent readers of what the command writes: disparity in pixels, rows from the top, NaN invalid.
@@ -949,7 +944,7 @@ fn the_help_and_the_readme_tell_the_defaults() {
         described.split_once("[default: ").unwrap().1.split_once(']').unwrap().0.into()
     };
     let options = || Params::OPTIONS.iter().map(|option| option.name).filter(|name| *name != "disp");
-    let readme = include_str!("../README.md").replace("\\|", "/");
+    let readme = include_str!("../../README.md").replace("\\|", "/");
     for name in options().chain(["preset", "backend"]) {
         let row = readme.lines().find(|line| line.starts_with(&format!("| `--{name} "))).expect(name);
         assert_eq!(row.split('|').nth(3).unwrap().trim(), default(name), "README.md, --{name}");

@@ -1,12 +1,8 @@
 //! `gpu-stereo video` as a user meets it: many frames, their files, what is told of those that fail.
 //!
 //! On the CPU reference, so that no adapter is needed, but for one test of the stream.
-#![cfg(feature = "cli")]
-#![allow(clippy::unwrap_used)]
 
-#[path = "support/command.rs"]
-mod support;
-
+use crate::support::{SHIFT, command, contents, is_one_line_error, refuses, run, stderr, stdout, succeeds, texture};
 use image::{GrayImage, Luma};
 use serde_json::Value;
 use std::collections::BTreeSet;
@@ -14,7 +10,6 @@ use std::fs;
 use std::io::Write as _;
 use std::path::Path;
 use std::process::Output;
-use support::{SHIFT, command, contents, is_one_line_error, refuses, run, stderr, stdout, succeeds, texture};
 use tempfile::TempDir;
 
 /// A pair that no other frame is equal to.

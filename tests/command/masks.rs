@@ -1,15 +1,10 @@
 //! `--mask-in` and `--rectify` as a user meets them: what has no content has no disparity in any file, and what is no mask is
 //! refused.
-#![cfg(feature = "cli")]
-#![allow(clippy::unwrap_used)]
 
-#[path = "support/command.rs"]
-mod support;
-
+use crate::support::{SHIFT, contents, is_one_line_error, pair, refuses, run, stderr, stdout, succeeds};
 use image::{GrayImage, Luma, LumaA, Rgb, RgbImage};
 use std::fs;
 use std::path::Path;
-use support::{SHIFT, contents, is_one_line_error, pair, refuses, run, stderr, stdout, succeeds};
 
 const SIZE: (u32, u32) = (64, 40);
 

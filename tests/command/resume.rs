@@ -2,12 +2,8 @@
 //! runs at the same time, full disks, names and files that are in the way.
 //!
 //! On the CPU reference, so that no adapter is needed.
-#![cfg(all(feature = "cli", unix))]
-#![allow(clippy::unwrap_used)]
 
-#[path = "support/command.rs"]
-mod support;
-
+use crate::support::{SHIFT, command, contents, is_one_line_error, refuses, run, stderr, succeeds, texture};
 use image::{GrayImage, Luma};
 use rand::{Rng as _, SeedableRng as _};
 use rand_chacha::ChaCha8Rng;
@@ -22,7 +18,6 @@ use std::path::{Path, PathBuf};
 use std::process::{Child, Command, Output, Stdio};
 use std::thread;
 use std::time::{Duration, SystemTime};
-use support::{SHIFT, command, contents, is_one_line_error, refuses, run, stderr, succeeds, texture};
 use tempfile::TempDir;
 
 /// The pair left/NUMBER.png and right/NUMBER.png, of which no other one with another seed is a copy.

@@ -1,12 +1,8 @@
 //! `gpu-stereo batch` as a user meets it: lists, shares of them, several processes at once, what failed.
 //!
 //! On the CPU reference, so that no adapter is needed, but for one test of mixed pairs.
-#![cfg(feature = "cli")]
-#![allow(clippy::unwrap_used)]
 
-#[path = "support/command.rs"]
-mod support;
-
+use crate::support::{SHIFT, command, contents, is_one_line_error, refuses, run, stderr, stdout, succeeds, texture};
 use image::{DynamicImage, GrayImage, Luma};
 use serde_json::{Value, json};
 use std::collections::{BTreeMap, BTreeSet};
@@ -16,7 +12,6 @@ use std::path::{Path, PathBuf};
 use std::process::{Child, Output, Stdio};
 use std::thread;
 use std::time::Duration;
-use support::{SHIFT, command, contents, is_one_line_error, refuses, run, stderr, stdout, succeeds, texture};
 use tempfile::TempDir;
 
 /// Saves a pair that no other one is equal to, as `convert` makes of gray images.

@@ -1,9 +1,7 @@
-//! Depth and points of the command: the files, read by tests/depth.py and computed again from the disparities; calibrations
+//! Depth and points of the command: the files, read by tests/command/depth.py and computed again from the disparities; calibrations
 //! of every kind; and those that are no calibration.
 //!
 //! Everything runs on the CPU reference, so that no adapter is needed.
-#![cfg(feature = "cli")]
-#![allow(clippy::unwrap_used)]
 
 use image::RgbImage;
 use std::fs;
@@ -24,14 +22,14 @@ fn stderr(output: &Output) -> String {
     String::from_utf8(output.stderr.clone()).unwrap()
 }
 
-/// What tests/depth.py says of a folder; `None` where there is no Python, and then says so.
+/// What tests/command/depth.py says of a folder; `None` where there is no Python, and then says so.
 fn read_again(folder: &Path, camera: [f64; 5], truth: Option<&Path>) -> Option<String> {
-    let script = concat!(env!("CARGO_MANIFEST_DIR"), "/tests/depth.py");
+    let script = concat!(env!("CARGO_MANIFEST_DIR"), "/tests/command/depth.py");
     let mut python = Command::new("python3");
     python.arg(script).arg(folder).args(camera.map(|number| number.to_string())).args(truth);
     match python.output() {
         Ok(output) => {
-            assert!(output.status.success(), "tests/depth.py failed:\n{}", stderr(&output));
+            assert!(output.status.success(), "tests/command/depth.py failed:\n{}", stderr(&output));
             Some(String::from_utf8(output.stdout).unwrap())
         }
         Err(error) => {
@@ -150,7 +148,7 @@ fn every_kind_of_calibration_gives_the_same_depth() {
         let _ = read_again(folder.path(), camera, None);
     }
     // The test of the reader: cameras that are a little off.
-    let script = concat!(env!("CARGO_MANIFEST_DIR"), "/tests/depth.py");
+    let script = concat!(env!("CARGO_MANIFEST_DIR"), "/tests/command/depth.py");
     for (i, off) in [(0, 100.01), (1, 0.50001), (2, 1.501), (3, 33.1), (4, 15.4)] {
         let mut camera = CAMERA;
         camera[i] = off;
@@ -384,10 +382,10 @@ fn what_is_no_rectification_is_refused() {
     }
 }
 
-/// tests/rectify.py, where there is OpenCV; else it says that there is none.
+/// tests/command/rectify.py, where there is OpenCV; else it says that there is none.
 #[test]
 fn the_rectification_is_that_of_opencv() {
-    let script = concat!(env!("CARGO_MANIFEST_DIR"), "/tests/rectify.py");
+    let script = concat!(env!("CARGO_MANIFEST_DIR"), "/tests/command/rectify.py");
     let (code, told) = match Command::new("python3").arg("-B").arg(script).output() {
         Ok(output) => (output.status.code(), stderr(&output)),
         Err(error) => (Some(3), format!("NOT TESTED: rectify beside OpenCV, python3 does not start: {error}\n")),
@@ -395,6 +393,6 @@ fn the_rectification_is_that_of_opencv() {
     match code {
         Some(0) => {}
         Some(3) => std::io::stderr().write_all(told.as_bytes()).unwrap(),
-        _ => panic!("tests/rectify.py failed:\n{told}"),
+        _ => panic!("tests/command/rectify.py failed:\n{told}"),
     }
 }

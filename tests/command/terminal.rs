@@ -1,16 +1,11 @@
 //! What the command prints and refuses, whatever names it is given: no control character reaches stdout or
 //! stderr, each output is judged before any work, and a tip never misleads. On the CPU reference, so no adapter is needed.
-#![cfg(feature = "cli")]
-#![allow(clippy::unwrap_used)]
 
-#[path = "support/command.rs"]
-mod support;
-
+use crate::support::{command, contents, is_one_line_error, refuses, run, scene, stderr, stdout, succeeds};
 use std::ffi::{OsStr, OsString};
 use std::fs;
 use std::path::Path;
 use std::process::Output;
-use support::{command, contents, is_one_line_error, refuses, run, scene, stderr, stdout, succeeds};
 
 /// Control characters, and lines that the command might have written.
 const HOSTILE: [&str; 2] = [

@@ -2,12 +2,8 @@
 //! huge.
 //!
 //! On the CPU reference, so that no adapter is needed.
-#![cfg(feature = "cli")]
-#![allow(clippy::unwrap_used)]
 
-#[path = "support/command.rs"]
-mod support;
-
+use crate::support::{contents, is_one_line_error, on, pair, refuses, scene, stderr, stdout, succeeds, texture};
 use image::codecs::{jpeg::JpegEncoder, png::PngEncoder, webp::WebPEncoder};
 use image::metadata::Orientation;
 use image::{DynamicImage, ExtendedColorType, GrayImage, ImageBuffer, ImageEncoder, Luma};
@@ -16,7 +12,6 @@ use std::fs;
 use std::path::Path;
 use std::process::{Command, Output};
 use std::time::{Duration, Instant};
-use support::{contents, is_one_line_error, on, pair, refuses, scene, stderr, stdout, succeeds, texture};
 use tempfile::TempDir;
 
 /// The map of two images, as a file.
@@ -145,7 +140,7 @@ fn few_bits_in_16_give_the_map_of_the_same_picture_in_16() {
     let folder = scene();
     for (bits, told) in [(8, 8), (9, 10), (10, 10), (12, 12), (14, 14)] {
         let most = (1_u32 << told) - 1;
-        for (name, shift) in [("l", 0), ("r", support::SHIFT)] {
+        for (name, shift) in [("l", 0), ("r", crate::support::SHIFT)] {
             let path = |kind: &str| folder.path().join(format!("{name}_{kind}.png"));
             in_bits(shift, bits, |v| v as u16).save(path("few")).unwrap();
             in_bits(shift, bits, |v| ((v * 65_535 + most / 2) / most) as u16).save(path("all")).unwrap();
@@ -173,7 +168,7 @@ fn few_bits_in_16_give_the_map_of_the_same_picture_in_16() {
 fn bits_that_do_not_hold_the_samples_are_refused() {
     let folder = scene();
     in_bits(0, 12, |v| v as u16).save(folder.path().join("l.png")).unwrap();
-    in_bits(support::SHIFT, 10, |v| v as u16).save(folder.path().join("r.png")).unwrap();
+    in_bits(crate::support::SHIFT, 10, |v| v as u16).save(folder.path().join("r.png")).unwrap();
     refuses(folder.path(), &on("l.png", "r.png", &["--bits", "10"]), &["l.png", "--bits is 10", "--bits 12"]);
     for bits in ["7", "17", "0", "-1", "ten", ""] {
         refuses(folder.path(), &on("l.png", "r.png", &["--bits", bits]), &["--bits"]);
@@ -185,7 +180,7 @@ fn bits_that_do_not_hold_the_samples_are_refused() {
 #[test]
 fn the_first_frame_decides_for_a_video() {
     let folder = tempfile::tempdir().unwrap();
-    for (side, shift) in [("l", 0), ("r", support::SHIFT)] {
+    for (side, shift) in [("l", 0), ("r", crate::support::SHIFT)] {
         fs::create_dir(folder.path().join(side)).unwrap();
         for (frame, bits) in [(1, 10), (2, 8), (3, 12)] {
             in_bits(shift, bits, |v| v as u16).save(folder.path().join(format!("{side}/{frame}.png"))).unwrap();
@@ -194,7 +189,7 @@ fn the_first_frame_decides_for_a_video() {
     let args = |out, more: &[&'static str]| {
         [&["video", "l", "r", "-o", out, "--disp", "16", "--backend", "cpu", "--format", "npy", "-q"], more].concat()
     };
-    let output = support::run(folder.path(), &args("maps", &[]));
+    let output = crate::support::run(folder.path(), &args("maps", &[]));
     assert_eq!(output.status.code(), Some(1));
     let told = stderr(&output);
     assert!(told.contains("l/3.png") && told.contains("the first pair's samples have 10; give --bits 12"), "{told}");

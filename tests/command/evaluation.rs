@@ -1,11 +1,7 @@
-//! Figures against a truth: tests/evaluation.py, which follows docs/EVALUATION.md alone, finds the same; every file
+//! Figures against a truth: tests/command/evaluation.py, which follows docs/EVALUATION.md alone, finds the same; every file
 //! format is read, and what is no map is refused.
-#![cfg(feature = "cli")]
-#![allow(clippy::unwrap_used)]
 
-#[path = "support/command.rs"]
-mod support;
-
+use crate::support::{contents, refuses, run, stderr, stdout, succeeds};
 use image::{DynamicImage, GrayImage, ImageBuffer, Luma};
 use rand::{Rng, SeedableRng};
 use rand_chacha::ChaCha8Rng;
@@ -14,9 +10,8 @@ use std::fs;
 use std::io::Write as _;
 use std::path::{Path, PathBuf};
 use std::process::Command;
-use support::{contents, refuses, run, stderr, stdout, succeeds};
 
-const SCRIPT: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/tests/evaluation.py");
+const SCRIPT: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/tests/command/evaluation.py");
 const NAN: f32 = f32::NAN;
 
 fn not_tested(what: &str) {
@@ -489,7 +484,7 @@ fn put(folder: &Path, name: &str, contents: impl FnOnce(&Path)) {
 
 /// A pair of `width` x 30 that is 5 px apart.
 fn put_pair(folder: &Path, [left, right]: [&str; 2], width: u32) {
-    for (image, name) in support::pair(width, 30).iter().zip([left, right]) {
+    for (image, name) in crate::support::pair(width, 30).iter().zip([left, right]) {
         put(folder, name, |path| image.save(path).unwrap());
     }
 }
@@ -673,7 +668,7 @@ fn middlebury_and_eth3d_in_their_layout() {
 fn virtual_kitti_in_its_layout() {
     let folder = tempfile::tempdir().unwrap();
     let frames = folder.path().join("set/Scene01/15-deg-left/frames");
-    for (image, camera) in support::pair(48, 30).iter().zip([0, 1]) {
+    for (image, camera) in crate::support::pair(48, 30).iter().zip([0, 1]) {
         let file = frames.join(format!("rgb/Camera_{camera}/rgb_00003.png"));
         put(&frames, file.to_str().unwrap(), |path| image.save(path).unwrap());
     }

@@ -1,0 +1,18 @@
+//! The built program as its users meet it: a file for each of its sides.
+#![cfg(feature = "cli")]
+#![allow(clippy::unwrap_used)]
+
+mod batch;
+mod calibrations;
+mod cli;
+mod depth;
+mod evaluation;
+mod input;
+mod masks;
+#[cfg(target_os = "linux")]
+mod memory;
+#[cfg(unix)]
+mod resume;
+mod support;
+mod terminal;
+mod video;
