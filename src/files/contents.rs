@@ -6,22 +6,22 @@ use std::fs::{self, File};
 use std::io::Read as _;
 use std::path::Path;
 
-/// The largest file, and the largest decoded image, that is taken: a header can declare any size, and a decoder would
+/// The largest file, and the largest decoded image, that is read: a header can declare any size, and a decoder would
 /// allocate it. 1 GiB is 130 megapixels of 16-bit colour.
 pub const MAX_BYTES: u64 = 1 << 30;
 
-/// What is wrong with a path that leads nowhere, if its form tells; for the end of a sentence.
+/// A guess from its form why a path does not exist, to end a sentence with; empty without one.
 pub fn hint(path: &Path) -> &'static str {
     let text = path.to_string_lossy();
     match () {
-        () if text.contains("://") => ", not an address: download it first, or leave out file://",
-        () if text.starts_with('~') => "; the shell takes ~ for the home folder only where it is not in quotes",
-        () if cfg!(not(windows)) && text.contains('\\') => ", in which / and not \\ parts the folders",
+        () if text.contains("://") => ", not an address: download it first, or drop file://",
+        () if text.starts_with('~') => "; the shell expands ~ only outside quotes",
+        () if cfg!(not(windows)) && text.contains('\\') => "; separate folders by / instead of \\",
         () => "",
     }
 }
 
-/// What stands in the place of a file's content, which has yet to be fetched.
+/// Describes a pointer file of Git LFS or git-annex, whose content is yet to be fetched; `None` for any other file.
 fn pointer(bytes: &[u8]) -> Option<&'static str> {
     if bytes.starts_with(b"version https://git-lfs.github.com/spec/") {
         return Some("a Git LFS pointer, not the file itself; run git lfs pull");
@@ -30,12 +30,18 @@ fn pointer(bytes: &[u8]) -> Option<&'static str> {
     is_annexed.then_some("a git-annex pointer, not the file itself; run git annex get")
 }
 
-/// The bytes of a regular file of a sane size, which holds `what`.
+/// The bytes of a regular file of at most [`MAX_BYTES`], which holds `what`.
+///
+/// # Errors
+/// If it is not a regular file, cannot be read, is empty or too large, or is the pointer of a file that was not fetched.
 pub fn read_file(path: &Path, what: &str) -> Result<Vec<u8>> {
     read_file_with_facts(path, what).map(|(bytes, _)| bytes)
 }
 
-/// The same, with what tells whether the file is still the same later.
+/// As [`read_file`], with the facts that show later whether the file has changed.
+///
+/// # Errors
+/// As [`read_file`].
 pub fn read_file_with_facts(path: &Path, what: &str) -> Result<(Vec<u8>, Facts)> {
     let kind = match fs::metadata(path) {
         Ok(kind) => kind,

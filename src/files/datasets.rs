@@ -8,7 +8,7 @@ use serde::Deserialize;
 use std::fs;
 use std::path::{Path, PathBuf};
 
-/// How the files of a data set lie.
+/// The folder structure of a data set.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum DataSet {
     /// training/{colored_0,colored_1,disp_occ,disp_noc}, else image_0, image_1
@@ -37,11 +37,11 @@ pub enum NonOccluded {
 /// Disparities to search.
 #[derive(Clone, Debug)]
 pub enum Range {
-    /// So many.
+    /// This number.
     Known(u32),
     /// As `ndisp` in Middlebury's calib.txt.
     Calibration(PathBuf),
-    /// The data set does not say: 128.
+    /// Not given by the data set: 128.
     Unknown,
 }
 
@@ -64,20 +64,23 @@ pub struct Scene {
     pub range: Range,
 }
 
-/// Disparities of KITTI: the truth ends below it.
+/// Disparities to search in KITTI: more than any true one.
 const KITTI: u32 = 192;
-/// Disparities where the data set does not say.
+/// Disparities to search where the data set gives no number.
 const USUAL: u32 = 128;
 /// Virtual KITTI 2: the focal length in px times the distance of the cameras in m (its web page).
 const VKITTI2: f64 = 725.0087 * 0.532725;
 
 impl DataSet {
     /// The scenes below a folder, in the order of their names.
+    ///
+    /// # Errors
+    /// If the folder cannot be read or has no scene, or its manifest is wrong.
     pub fn scenes(self, dataset: &Path) -> Result<Vec<Scene>> {
         if self == DataSet::Manifest {
             return manifest(dataset);
         }
-        ensure!(dataset.is_dir(), "{dataset:?} is no folder; give the folder of the data set");
+        ensure!(dataset.is_dir(), "{dataset:?} is not a folder; give the folder of the data set");
         let (scenes, expected) = match self {
             DataSet::Kitti2015 => {
                 let sides = [["image_2", "image_3"]];
@@ -118,6 +121,9 @@ impl Scene {
     }
 
     /// Disparities to search.
+    ///
+    /// # Errors
+    /// If the calibration that gives the number cannot be read.
     pub fn disparities(&self) -> Result<u32> {
         match &self.range {
             Range::Known(disparities) => Ok(*disparities),
@@ -128,7 +134,10 @@ impl Scene {
 }
 
 impl NonOccluded {
-    /// Which pixels are not occluded.
+    /// Which pixels are not occluded, in an image of `size`.
+    ///
+    /// # Errors
+    /// If the file cannot be read, or is of another size.
     pub fn read(&self, size: (u32, u32)) -> Result<Vec<bool>> {
         match self {
             Self::Mask(path) => maps::read_mask(path, size),
@@ -219,7 +228,7 @@ fn ndisp(path: &Path) -> Result<Option<u32>> {
     let Some(given) = text.lines().find_map(|line| line.trim().strip_prefix("ndisp=")) else { return Ok(None) };
     let value = given.trim().parse().ok().filter(|value: &u32| *value > 0);
     let value = value.with_context(|| {
-        format!("{path:?} has ndisp={given}, but a whole number from 1 on is needed; mend it, or give --disp N")
+        format!("{path:?} has ndisp={given}, but a whole number from 1 on is needed; correct it, or give --disp N")
     });
     value.map(Some)
 }
@@ -277,20 +286,20 @@ fn manifest(dataset: &Path) -> Result<Vec<Scene>> {
     let folder = path.parent().unwrap_or(Path::new(""));
     let bytes = contents::read_file(&path, "a manifest or its folder")?;
     let entries: Vec<Entry> =
-        serde_json::from_slice(&bytes).with_context(|| format!("{path:?} is no list of scenes; mend it"))?;
+        serde_json::from_slice(&bytes).with_context(|| format!("{path:?} is not a list of scenes; correct it"))?;
     let mut scenes = Vec::new();
     for entry in entries {
         let name = format!("{:?}", format!("{}/{}", entry.set, entry.scene));
         if let Some(scale) = entry.gt_scale
             && !(scale > 0.0 && scale.is_finite())
         {
-            bail!("{path:?}: {name} has gt_scale {scale}, but a number above 0 is needed; mend it");
+            bail!("{path:?}: {name} has gt_scale {scale}, but a number above 0 is needed; correct it");
         }
         let range = match entry.max_disp {
             None => Range::Unknown,
             // The multiple of 16 that holds it.
             Some(largest @ 0.0..=100_000.0) => Range::Known((largest as u32 + 16) / 16 * 16),
-            Some(largest) => bail!("{path:?}: {name} has max_disp {largest}, but 0 to 100000 is allowed; mend it"),
+            Some(largest) => bail!("{path:?}: {name} has max_disp {largest}, but 0 to 100000 is allowed; correct it"),
         };
         let encoding = Encoding { scale: entry.gt_scale, depth: None };
         let scene = Scene {
@@ -308,7 +317,7 @@ fn manifest(dataset: &Path) -> Result<Vec<Scene>> {
         };
         ensure!(
             frames <= MAX_FRAMES && scene.truth.is_none(),
-            "{path:?}: {name} has {frames} frames and perhaps a truth, but a sequence has at most {MAX_FRAMES} and none; mend it"
+            "{path:?}: {name} has {frames} frames, but a sequence has at most {MAX_FRAMES} and no gt; correct it"
         );
         for frame in 0..frames {
             scenes.push(Scene {

@@ -1,4 +1,4 @@
-//! The disk: what it takes that a file is still whole after a power cut, and what is in the way of one.
+//! The disk: flushing files and folders, so that they survive a power cut, and why a file cannot be written.
 
 use std::fs::{File, FileType};
 use std::io::{self, ErrorKind};
@@ -8,36 +8,42 @@ use tempfile::NamedTempFile;
 
 static SYNC: AtomicBool = AtomicBool::new(true);
 
-/// `--no-sync`: files are left to the system, which writes them when it likes.
+/// `--no-sync`: files are not flushed; the system writes them to the disk in its own time.
 pub fn leave_to_the_system() {
     SYNC.store(false, Ordering::Relaxed);
 }
 
-/// Whether a file is on the disk when it has its name.
+/// Whether a file is flushed to the disk before it gets its name.
 pub fn syncs() -> bool {
     SYNC.load(Ordering::Relaxed)
 }
 
 /// Waits until the contents of a file are on the disk.
+///
+/// # Errors
+/// If they cannot be written.
 pub fn sync(file: &File) -> io::Result<()> {
     if syncs() { supported(file.sync_all()) } else { Ok(()) }
 }
 
 /// Waits until the names in a folder are on the disk.
+///
+/// # Errors
+/// If they cannot be written.
 pub fn sync_folder(folder: &Path) -> io::Result<()> {
-    // Elsewhere a folder is no file.
+    // Other systems cannot open a folder as a file.
     if !syncs() || !cfg!(unix) {
         return Ok(());
     }
     let folder = if folder == Path::new("") { Path::new(".") } else { folder };
     match File::open(folder) {
         Ok(folder) => supported(folder.sync_all()),
-        Err(error) if error.kind() == ErrorKind::PermissionDenied => Ok(()), // it may be written, but not be listed
+        Err(error) if error.kind() == ErrorKind::PermissionDenied => Ok(()), // a folder that can be written, but not read
         Err(error) => Err(error),
     }
 }
 
-/// Some file systems have no such thing.
+/// Ignores the error of file systems that do not support flushing.
 fn supported(result: io::Result<()>) -> io::Result<()> {
     match result {
         Err(error) if matches!(error.kind(), ErrorKind::Unsupported | ErrorKind::InvalidInput) => Ok(()),
@@ -55,7 +61,7 @@ pub fn remedy(error: &io::Error) -> &'static str {
     }
 }
 
-/// What is there, if it is no regular file.
+/// The kind of what exists at a path; `None` for a regular file.
 pub fn other_than_file(kind: FileType) -> Option<&'static str> {
     #[cfg(unix)]
     {
@@ -71,11 +77,14 @@ pub fn other_than_file(kind: FileType) -> Option<&'static str> {
         _ if kind.is_dir() => Some("a folder"),
         _ if kind.is_symlink() => Some("a link"),
         _ if kind.is_file() => None,
-        _ => Some("no regular file"),
+        _ => Some("something other than a file"),
     }
 }
 
-/// A file that disappears unless it is renamed, with the permissions that an ordinary new file has.
+/// A file that is deleted unless it is renamed, with the permissions of an ordinary new file.
+///
+/// # Errors
+/// If it cannot be created.
 pub fn temporary(folder: &Path, suffix: &str) -> io::Result<NamedTempFile> {
     let mut builder = tempfile::Builder::new();
     builder.prefix(".gpu-stereo-").suffix(suffix);

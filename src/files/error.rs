@@ -12,7 +12,7 @@ pub struct Error {
     io: Option<(ErrorKind, Option<i32>)>,
 }
 
-/// What reading or writing a file gives.
+/// The result of reading or writing a file.
 pub type Result<T, E = Error> = std::result::Result<T, E>;
 
 impl Error {
@@ -38,12 +38,12 @@ impl Error {
         found
     }
 
-    /// The same error with what was being done before it.
+    /// The same error; its text starts with what was being done.
     pub(super) fn context(self, text: impl Display) -> Self {
         Self { text: format!("{text}: {}", self.text), ..self }
     }
 
-    /// The same of an error that is needed further.
+    /// An I/O error as one of this module, for a caller that still needs the original.
     pub fn of_io(error: &io::Error) -> Self {
         Self::of(error)
     }
@@ -87,7 +87,7 @@ impl From<crate::Error> for Error {
     }
 }
 
-/// Says what was being done when something failed, or was not there.
+/// Adds to an error, or to a missing value, what was being done.
 pub(super) trait Context<T> {
     fn context(self, text: impl Display) -> Result<T>;
     fn with_context<D: Display>(self, text: impl FnOnce() -> D) -> Result<T>;

@@ -1,4 +1,4 @@
-//! Facts: what tells whether a file is still the one that it was.
+//! Facts: length, hash and times of a file, which show later whether it has changed.
 
 use super::error::{Context as _, Result};
 use serde::{Deserialize, Serialize};
@@ -9,21 +9,21 @@ use std::path::Path;
 use std::time::{SystemTime, UNIX_EPOCH};
 use twox_hash::XxHash3_64;
 
-/// A file that changed so lately may change again without another time, in nanoseconds: no disk counts coarser.
+/// A file that changed less than this many nanoseconds ago may change again and keep its times: file systems round them.
 const RECENT: i64 = 2_000_000_000;
 
-/// When the contents changed and, where that is known, when anything of the file did, in nanoseconds since 1970. Who
-/// sets the first back changes the second.
+/// When the contents were last changed (mtime) and, where that is known, when anything of the file was (ctime), in
+/// nanoseconds since 1970. Setting the first one back changes the second.
 type Stamp = [i64; 2];
 
-/// The length and the contents of a file, and a shortcut to them.
+/// The length and the hash of a file, and the times that spare hashing it again.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub struct Facts {
     /// Its length.
     pub bytes: u64,
     /// XXH3 of its contents, 64 bits.
     pub hash: String,
-    /// While it has these times, its contents need not be read. None: they must be.
+    /// While the file has these times, its hash is still right. `None`: the contents must be read to compare them.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     stamp: Option<Stamp>,
 }
@@ -34,18 +34,21 @@ pub fn hash(bytes: &[u8]) -> String {
 }
 
 impl Facts {
-    /// Of a file whose contents were read, with what the system says of it before and afterwards.
+    /// The facts of a file whose contents were read, with its metadata from before and after.
     pub fn of_read(bytes: &[u8], [before, after]: [&Metadata; 2]) -> Self {
         let stamp = stamp(before).filter(|at| stamp(after) == Some(*at) && is_settled(at));
         Self { bytes: bytes.len() as u64, hash: hash(bytes), stamp }
     }
 
-    /// Of a file that was written by this process. `kind`: what the system says of it now that it is on the disk.
+    /// The facts of a file that this process wrote. `kind`: its metadata, now that it is on the disk.
     pub fn of_written(bytes: &[u8], kind: Option<&Metadata>) -> Self {
         Self { bytes: bytes.len() as u64, hash: hash(bytes), stamp: kind.and_then(stamp) }
     }
 
-    /// Of a file.
+    /// The facts of a file.
+    ///
+    /// # Errors
+    /// If it cannot be read.
     pub fn of_file(path: &Path) -> Result<Self> {
         let read = || -> std::io::Result<Self> {
             let mut file = File::open(path)?;
@@ -67,7 +70,7 @@ impl Facts {
         read().with_context(|| format!("{path:?} cannot be read"))
     }
 
-    /// Whether a file that `kind` describes has these contents. They are read only if its times are others.
+    /// Whether a file that `kind` describes has these contents. They are read only if its times differ.
     fn are_of(&self, path: &Path, kind: &Metadata) -> bool {
         let same_times = || self.stamp.is_some() && self.stamp == stamp(kind);
         let same_contents =

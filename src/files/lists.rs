@@ -12,7 +12,7 @@ use std::path::{Component, Path, PathBuf};
 /// The largest list that is read.
 const MAX_BYTES: u64 = 1 << 28;
 
-/// A pair, and how its map is called.
+/// A pair, and the name of its map.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Listed {
     /// The line of the list, if it is in one.
@@ -35,13 +35,16 @@ pub enum Kind {
 }
 
 /// The pairs of a list, at least one. Their paths are relative to the list's folder, or, from stdin (`-`), to this one.
+///
+/// # Errors
+/// If the list cannot be read, has no pair, or has a line that is not one.
 pub fn read(path: &Path) -> Result<Vec<Listed>> {
     let kind = match path.extension().unwrap_or_default().to_string_lossy().to_ascii_lowercase().as_str() {
         _ if path == Path::new("-") => None,
         "csv" => Some(Kind::Csv),
         "jsonl" | "ndjson" => Some(Kind::JsonLines),
         _ => bail!(
-            "LIST is {path:?}, but a list ends in .csv, .jsonl or .ndjson, or is - for stdin; name it so, or give LEFT \
+            "LIST is {path:?}, but a list ends in .csv, .jsonl or .ndjson, or is - for stdin; rename it, or give LEFT \
              and RIGHT"
         ),
     };
@@ -64,11 +67,14 @@ pub fn read(path: &Path) -> Result<Vec<Listed>> {
 fn text(source: impl Read) -> Result<String> {
     let mut text = String::new();
     source.take(MAX_BYTES + 1).read_to_string(&mut text)?;
-    ensure!(text.len() as u64 <= MAX_BYTES, "it has more than {MAX_BYTES} bytes; give it in parts");
+    ensure!(text.len() as u64 <= MAX_BYTES, "it has more than {MAX_BYTES} bytes; split it");
     Ok(text)
 }
 
 /// The pairs of a list's text.
+///
+/// # Errors
+/// If a line is not a pair.
 pub fn parse(text: &str, kind: Kind) -> Result<Vec<Listed>> {
     let mut columns = None;
     let mut all = Vec::new();
@@ -113,7 +119,7 @@ fn within(name: &Path) -> Result<PathBuf> {
     let leads_out = parts.clone().any(|part| !matches!(part, Component::Normal(_)));
     ensure!(
         parts.peek().is_some() && !leads_out && !name.to_string_lossy().contains(char::is_control),
-        "name is {name:?}, but must be a path within the output folder, such as scene/0001; leave out .. and the root"
+        "name is {name:?}, but must be a path within the output folder, such as scene/0001; remove .. and the root"
     );
     Ok(parts.collect())
 }
@@ -154,7 +160,7 @@ fn csv_row(text: &str, columns: &mut Option<Columns>) -> Result<Option<Row>> {
         }
         let mut known = HashSet::new();
         if let Some(field) = header.iter().find(|field| !NAMES.contains(&field.as_str()) || !known.insert(*field)) {
-            bail!("the header has {field:?}, but left, right and name are known, each once; leave the column out");
+            bail!("the header has {field:?}, but left, right and name are known, each once; remove the column");
         }
         *columns = Some(NAMES.map(|name| header.iter().position(|field| field == name)));
         return Ok(None);
@@ -186,7 +192,7 @@ pub fn names(all: &[Listed]) -> Result<Vec<PathBuf>> {
             let leads_out = below.components().any(|part| !matches!(part, Component::Normal(_)));
             ensure!(
                 !leads_out && below != Path::new(""),
-                "{:?} gives its map no name within the output folder; give it one in the list",
+                "{:?} yields no name for its map within the output folder; name it in the list",
                 pair.left
             );
             Ok(below)
@@ -195,7 +201,7 @@ pub fn names(all: &[Listed]) -> Result<Vec<PathBuf>> {
     all.iter().map(name).collect()
 }
 
-/// An absolute path; symbolic links are not looked at.
+/// An absolute path; symbolic links are not followed.
 pub fn absolute(path: &Path) -> PathBuf {
     std::path::absolute(path).unwrap_or_else(|_| path.into())
 }

@@ -12,7 +12,7 @@ use tiff::decoder::{Decoder, DecodingResult, Limits};
 
 /// The longest text before the samples of a PFM or NumPy file.
 const MAX_HEADER: usize = 1 << 16;
-/// The most pixels: a small file can declare many, and of each a few numbers are kept while it is read.
+/// The most pixels: a small file can declare many, and reading keeps a few numbers for each.
 const MAX_PIXELS: u64 = 1 << 27;
 /// Digits in the header of a NumPy file: two sides and the size of a sample have fewer.
 const MAX_DIGITS: usize = 18;
@@ -34,12 +34,18 @@ enum Samples {
     Float(Vec<f64>),
 }
 
-/// Reads a disparity map. `option` sets the scale, for the error that asks for it.
+/// Reads a disparity map. `option`: what sets the scale on the command line, for the error where it is missing.
+///
+/// # Errors
+/// If the file cannot be read, is not a map, or needs a scale.
 pub fn read(path: &Path, encoding: Encoding, option: &str) -> Result<FloatMap> {
     parse(path, &contents::read_file(path, "a disparity map")?, encoding, option)
 }
 
-/// The same of a file's bytes.
+/// As [`read`], from a file's bytes.
+///
+/// # Errors
+/// As [`read`].
 pub fn parse(path: &Path, bytes: &[u8], encoding: Encoding, option: &str) -> Result<FloatMap> {
     let (width, height, samples) = match bytes {
         [b'P', b'f', ..] => pfm(bytes).with_context(|| in_file(path))?,
@@ -69,11 +75,14 @@ pub fn parse(path: &Path, bytes: &[u8], encoding: Encoding, option: &str) -> Res
 }
 
 /// Reads which pixels a mask has: 255 in Middlebury's masks, where 128 is occluded and 0 unknown.
+///
+/// # Errors
+/// If the file cannot be read, is not a mask, or is of another size.
 pub fn read_mask(path: &Path, size: (u32, u32)) -> Result<Vec<bool>> {
     let bytes = contents::read_file(path, "a mask")?;
     let image = gray(path, decode(path, decoder(path, &bytes)?)?)?;
     let DynamicImage::ImageLuma8(mask) = image else {
-        bail!("{path:?} has 16 bits, but a mask has 8: 255 where pixels count; save it so");
+        bail!("{path:?} has 16 bits, but a mask has 8: 255 where pixels count; convert it");
     };
     ensure!(
         mask.dimensions() == size,
@@ -113,17 +122,17 @@ fn picture(path: &Path, bytes: &[u8], depth: bool) -> Result<(u32, u32, Samples)
     let (width, height) = decoder.dimensions();
     ensure_pixels(width, height).with_context(|| in_file(path))?;
     if format == ImageFormat::Pnm {
-        // The decoder stretches what has another maximum.
+        // The decoder rescales samples of another maximum.
         let (_, header) = PnmDecoder::new(bytes).with_context(|| in_file(path))?.into_inner();
         let most = header.maximal_sample();
         ensure!(
             most == 255 || most == 65535,
-            "{path:?} has a maximum of {most}, but a disparity map has 255 or 65535; save it so, or as PNG"
+            "{path:?} has a maximum of {most}, but a disparity map has 255 or 65535; rescale it, or save it as PNG"
         );
     }
     ensure!(
         !matches!(decoder.original_color_type(), ExtendedColorType::L1 | ExtendedColorType::L2 | ExtendedColorType::L4),
-        "{path:?} has less than 8 bits a pixel, but a disparity map has 8 or 16; save it so"
+        "{path:?} has less than 8 bits a pixel, but a disparity map has 8 or 16; convert it"
     );
     let image = gray(path, decode(path, decoder)?)?;
     let (width, height) = (image.width(), image.height()); // turned as the file says
@@ -223,26 +232,26 @@ fn pfm(bytes: &[u8]) -> Result<(u32, u32, Samples)> {
 
 /// NumPy's array of rows and columns: floats, or whole numbers from 0 on.
 fn npy(bytes: &[u8]) -> Result<(u32, u32, Samples)> {
-    // The library allocates what the header's length says, and multiplies the sides; both are held to what is sane before.
+    // The library allocates as much as the header declares and multiplies the sides, so both are limited before.
     let length = match bytes {
         [_, _, _, _, _, _, 1, _, a, b, ..] => 10 + usize::from(u16::from_le_bytes([*a, *b])),
         [_, _, _, _, _, _, _, _, a, b, c, d, ..] => 12 + u32::from_le_bytes([*a, *b, *c, *d]) as usize,
         _ => bail!("its header is cut short; save it again"),
     };
     let header = bytes.get(..length).filter(|_| length <= MAX_HEADER).with_context(|| {
-        format!("its header is said to end at byte {length}, but the file or what is sane ends before; save it again")
+        format!("its header declares {length} bytes, more than the file or a header of two sides has; save it again")
     })?;
     let digits = header[8..].iter().filter(|b| b.is_ascii_digit()).count();
     ensure!(
         digits <= MAX_DIGITS,
         "its header has {digits} digits, but two sides need fewer; save an array of rows and columns"
     );
-    // The library's time doubles with every bracket within another.
+    // The library's time doubles with each level of nested brackets.
     let text = &header[if bytes[6] == 1 { 10 } else { 12 }..];
     let brackets = text.iter().filter(|b| b"[({".contains(b)).count();
     ensure!(
         brackets <= 2,
-        "its header opens {brackets} brackets, as that of an array of records, but numbers are needed: 2; save one field"
+        "its header opens {brackets} brackets, as for an array of records, but at most 2 are allowed; save one field as numbers"
     );
     let file = npyz::NpyFile::new(bytes).context("its header is not NumPy's; save it again")?;
     let [height, width] = file.shape()[..] else {
@@ -295,7 +304,7 @@ fn npy(bytes: &[u8]) -> Result<(u32, u32, Samples)> {
     Ok((sides.0, sides.1, samples))
 }
 
-/// What lies column by column, row by row.
+/// Samples that are stored column by column, reordered row by row.
 fn transposed<T: Copy>(values: &[T], (width, height): (u32, u32)) -> Vec<T> {
     let (width, height) = (width as usize, height as usize);
     (0..width * height).map(|i| values[i % width * height + i / width]).collect()
@@ -331,7 +340,7 @@ fn tiff(bytes: &[u8]) -> Result<(u32, u32, Samples)> {
         }
         DecodingResult::U32(values) => Samples::Whole { values, usual_scale },
         _ => bail!(
-            "it has {kind:?} pixels, but 32-bit or 64-bit floats or whole numbers from 0 on are needed; save it so"
+            "it has {kind:?} pixels, but 32-bit or 64-bit floats or whole numbers from 0 on are needed; convert it"
         ),
     };
     Ok((width, height, samples))

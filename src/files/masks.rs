@@ -36,15 +36,18 @@ pub struct MaskFiles([Option<PathBuf>; 2]);
 pub struct ReadMasks {
     /// The masks; nothing if no file was named.
     pub masks: Option<Masks>,
-    /// Why they may be wrong.
+    /// Why the masks may be wrong, for warnings.
     pub doubts: Vec<String>,
 }
 
 impl MaskFiles {
-    /// What was given: LEFT, LEFT,RIGHT or ,RIGHT. A file whose name has a comma is known by being there.
+    /// The files of a value LEFT, LEFT,RIGHT or ,RIGHT. A comma belongs to a name if a file of that name exists.
+    ///
+    /// # Errors
+    /// If the value names no file, or can be split in more than one way.
     pub fn resolve(given: Option<&Path>) -> Result<Self> {
         let Some(given) = given else { return Ok(Self::default()) };
-        // A name that is no text is taken as a whole.
+        // A name that is not Unicode is not split.
         let text = given.to_str().unwrap_or_default();
         if given.exists() || !text.contains(',') {
             return Ok(Self([Some(given.into()), None]));
@@ -56,7 +59,7 @@ impl MaskFiles {
         let there: Vec<_> = splits.iter().filter(|sides| sides.iter().any(Option::is_some)).filter(is_there).collect();
         ensure!(
             there.len() < 2,
-            "--mask-in is {given:?}, but its commas can part more than one pair of files that are there; rename one"
+            "--mask-in is {given:?}, but its commas can separate more than one pair of existing files; rename one"
         );
         let sides = there.first().copied().or(splits.first()).cloned().unwrap_or_default();
         ensure!(
@@ -71,12 +74,18 @@ impl MaskFiles {
         self.0.iter().flatten().map(PathBuf::as_path)
     }
 
-    /// The masks of images of their size, `None` if no file was named.
+    /// The masks for images of their size, `None` if no file was named.
+    ///
+    /// # Errors
+    /// If a mask cannot be read, or the two differ in size.
     pub fn read(&self) -> Result<ReadMasks> {
         self.read_if(|_, _| Ok(()))
     }
 
-    /// The masks for a pair as `image` is.
+    /// The masks for pairs of the size of `image`.
+    ///
+    /// # Errors
+    /// If a mask cannot be read, or is of another size.
     pub fn read_for(&self, image: &Image) -> Result<ReadMasks> {
         let (width, height) = (image.width(), image.height());
         self.read_if(|path, mask| {
@@ -105,7 +114,7 @@ impl MaskFiles {
                 mask.height
             );
             if mask.data.iter().all(|&value| value == 0) {
-                doubts.push(format!("{path:?} is 0 everywhere, so no pixel has a disparity; 0 is what has no content"));
+                doubts.push(format!("{path:?} is 0 (no content) everywhere, so no pixel has a disparity"));
             }
             *side = Some(mask.data);
         }

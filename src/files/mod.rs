@@ -1,8 +1,8 @@
 //! Everything that reads and writes files: images, masks, disparity maps, calibrations, lists of pairs, truths, data sets, and
 //! the encoders of maps, depths, points and pictures.
 //!
-//! Nothing here prints: what makes a result doubtful is returned beside it. An [`Error`] is one sentence; options that it names
-//! are those of the command.
+//! Nothing here prints: warnings are returned with the result. An [`Error`] is one sentence; options that it names are those
+//! of the command.
 
 pub mod calibration;
 mod contents;

@@ -35,19 +35,22 @@ impl<F> Output<F> {
 
 /// What was written.
 pub struct Written {
-    /// What tells of each file whether it is still the same later.
+    /// The facts of each file, which show later whether it has changed.
     pub facts: Vec<Facts>,
-    /// What the files do not hold, though the maps do.
+    /// Which values of the maps the files cannot hold, for warnings.
     pub doubts: Vec<String>,
 }
 
-/// A TIFF has at most 4 GiB.
+/// Checks that every file can hold a map of this size: a TIFF has at most 4 GiB.
+///
+/// # Errors
+/// If a TIFF would be larger.
 pub fn ensure_size(outputs: &[Output], width: u32, height: u32) -> Result<()> {
     let too_large = 4 * u64::from(width) * u64::from(height) >= (1 << 32) - (1 << 20);
     let of_tiff = |output: &&Output| matches!(output.format, Format::Tiff | Format::Depth(DepthFormat::Tiff));
     match outputs.iter().find(of_tiff).filter(|_| too_large) {
         Some(Output { path, .. }) => {
-            bail!("output {path:?} is a TIFF, which cannot hold {width}x{height} floats; take .pfm or .npy")
+            bail!("output {path:?} is a TIFF, which cannot hold {width}x{height} floats; use .pfm or .npy")
         }
         None => Ok(()),
     }
@@ -110,7 +113,7 @@ fn put<F: Copy>(outputs: &[Output<F>], mut contents: impl FnMut(F) -> Result<Vec
     Ok(files.iter().map(|(file, bytes)| facts(file, bytes)).collect())
 }
 
-/// Which of several outputs have their names when another one cannot get its own.
+/// Which of several outputs were written when another one fails.
 fn kept<F>(outputs: &[Output<F>]) -> String {
     let names: Vec<_> = outputs.iter().map(|output| format!("{:?}", output.path)).collect();
     format!(
@@ -119,13 +122,13 @@ fn kept<F>(outputs: &[Output<F>]) -> String {
     )
 }
 
-/// What tells later whether a file is still the same. One that was left to the system may be lost, whatever its times say.
+/// The facts of a written file. One that was not flushed may be lost in a power cut, so its times are not kept.
 fn facts(file: &File, bytes: &[u8]) -> Facts {
     let kind = disk::syncs().then(|| file.metadata().ok()).flatten();
     Facts::of_written(bytes, kind.as_ref())
 }
 
-/// What a file cannot take the place of. A link is no more than a name.
+/// The kind of what a file cannot replace. It can replace a link.
 fn in_the_way(kind: fs::FileType) -> Option<&'static str> {
     if kind.is_symlink() { None } else { disk::other_than_file(kind) }
 }
@@ -138,7 +141,7 @@ fn folder_of(place: &Path) -> &Path {
     }
 }
 
-/// A file without a name, its contents on the disk.
+/// A temporary file with its contents on the disk.
 fn stage(folder: &Path, bytes: &[u8]) -> std::io::Result<NamedTempFile> {
     let mut file = temporary(folder, "")?;
     file.write_all(bytes)?;
@@ -147,8 +150,7 @@ fn stage(folder: &Path, bytes: &[u8]) -> std::io::Result<NamedTempFile> {
     Ok(file)
 }
 
-/// Writes a file of many, whole or not at all; its folder is made where it is missing. What tells whether it is still the
-/// same later.
+/// Writes a file of many, whole or not at all; a missing folder is created. Returns the facts of the file.
 ///
 /// # Errors
 /// Where the file cannot be written.

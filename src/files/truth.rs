@@ -1,4 +1,4 @@
-//! The truth of a map: where it is, and what an estimate is worth beside it.
+//! The truth of a map: its files, and the scores of an estimate.
 
 use super::error::{Result, ensure};
 use super::maps::{self, Encoding};
@@ -31,7 +31,10 @@ impl TruthFile {
         [Some(&self.path), self.mask.as_ref()].into_iter().flatten().map(PathBuf::as_path)
     }
 
-    /// Reads the truth of a map of `size`, which `of` has.
+    /// Reads the truth for a map of `size`, the size of the file `of`.
+    ///
+    /// # Errors
+    /// If a file cannot be read, or is of another size.
     pub fn read(&self, size: (u32, u32), of: &Path) -> Result<Truth> {
         let map = maps::read(&self.path, self.encoding, "--gt-scale")?;
         let truth = (map.width(), map.height());
@@ -50,12 +53,18 @@ impl TruthFile {
 }
 
 impl Truth {
-    /// What the estimate is worth.
+    /// The scores of an estimate.
+    ///
+    /// # Errors
+    /// If the sizes differ, or no pixel counts.
     pub fn score(&self, estimate: &FloatMap) -> Result<Scores> {
         Ok(evaluation::evaluate(estimate, &self.map, self.mask.as_deref())?)
     }
 
     /// The errors in KITTI's colours.
+    ///
+    /// # Errors
+    /// If the sizes differ.
     pub fn error_picture(&self, estimate: &FloatMap) -> Result<RgbImage> {
         let mut pixels = evaluation::error_picture(estimate, &self.map, self.mask.as_deref())?.into_iter();
         let (width, height) = (estimate.width(), estimate.height());

@@ -478,7 +478,7 @@ fn what_cannot_be_is_one_line() {
         ("l0.png,r0.png\nl0.png,r1.png\n", &["(line 1)", "(line 2)", "\"maps/l0.png\"", "a name of its own"]),
         ("l0.png,r0.png\nl0.jpg,r0.jpg\n", &["\"l0.png\" (line 1)", "\"l0.jpg\" (line 2)"]),
         ("l0.png,r0.png,\nl1.png,r1.png,./l0\n", &["both become \"maps/l0.png\""]),
-        ("l0.png,r0.png\n../l1.png,r1.png\n", &["\"../l1.png\" gives its map no name"]),
+        ("l0.png,r0.png\n../l1.png,r1.png\n", &["\"../l1.png\" yields no name for its map"]),
     ];
     for (text, words) in names {
         fs::write(at("x.csv"), text).unwrap();

@@ -346,7 +346,7 @@ fn the_cameras_are_told_and_doubted() {
     }
     let (summary, notes, _) = told("", &["--focal", "50", "--baseline", "60"]);
     assert!(
-        summary.contains("focal length 50 px, baseline 60 m") && notes.contains("--baseline takes metres"),
+        summary.contains("focal length 50 px, baseline 60 m") && notes.contains("give --baseline in metres"),
         "{notes}"
     );
     let (summary, ..) = told(&lenses(&[0.0; 5], 1.0), &["--rectify", "calib"]);

@@ -186,7 +186,7 @@ fn what_is_no_calibration_is_refused() {
     let cases: Vec<(Vec<u8>, &str)> = vec![
         (b"".to_vec(), "empty"),
         (b"hello".to_vec(), "no named value"),
-        (vec![0xff, 0xfe, 0, 1], "no text"),
+        (vec![0xff, 0xfe, 0, 1], "not text"),
         (b"{ unclosed".to_vec(), "YAML"),
         (b"a: [1, 2".to_vec(), "YAML"),
         ("[".repeat(100_000).into_bytes(), "YAML"),

@@ -732,13 +732,13 @@ fn a_manifest_and_scenes_that_fail() {
     refuses(folder.path(), &as_layout("kitti2015"), &["no scene", "training/image_2/000000_10.png"]);
     refuses(folder.path(), &as_layout("vkitti2"), &["no scene", "Scene01"]);
     refuses(folder.path(), &as_layout("sintel"), &["sintel", "kitti2012"]);
-    refuses(folder.path(), &["bench", "gone", "--layout", "eth3d"], &["gone", "no folder"]);
+    refuses(folder.path(), &["bench", "gone", "--layout", "eth3d"], &["gone", "not a folder"]);
     refuses(folder.path(), &["bench", "gone", "--layout", "manifest"], &["gone", "does not exist"]);
     let submit = ["bench", "set", "--layout", "middlebury", "--submission", "out", "--method-name", "a/b"];
     refuses(folder.path(), &submit, &["--method-name", "a/b"]);
     for (text, words) in [
         ("[]", "no scene"),
-        ("{", "no list of scenes"),
+        ("{", "not a list of scenes"),
         (r#"[{"set": "a"}]"#, "missing field"),
         (r#"[{"set": "a", "scene": "b", "left": "l", "right": "r", "max_disp": -4}]"#, "max_disp -4"),
         (r#"[{"set": "a", "scene": "b", "left": "l", "right": "r", "max_disp": 1e30}]"#, "max_disp"),

@@ -133,7 +133,7 @@ fn masks_of_every_kind_say_the_same() {
     assert!(fs::read(at("plain.npy")).unwrap() == fs::read(at("all.npy")).unwrap());
     let output = succeeds(folder.path(), &with(&["-o", "none.npy", "--mask-in", "none.png", "--json"]));
     assert!(stderr(&output).contains("none.png") && stderr(&output).lines().count() == 1, "{}", stderr(&output));
-    assert!(stdout(&output).contains("0 everywhere"), "{}", stdout(&output));
+    assert!(stdout(&output).contains("0 (no content) everywhere"), "{}", stdout(&output));
     assert!(npy(&at("none.npy")).iter().all(|v| v.is_nan()));
 }
 

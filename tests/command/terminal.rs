@@ -580,5 +580,5 @@ fn tips_do_not_mislead() {
     );
     refuses(folder.path(), &["file:///l.png", "right.png", "--disp", "16", "--backend", "cpu"], &["not an address"]);
     #[cfg(unix)]
-    refuses(folder.path(), &["C:\\l.png", "right.png", "--disp", "16", "--backend", "cpu"], &["/ and not \\ parts"]);
+    refuses(folder.path(), &["C:\\l.png", "right.png", "--disp", "16", "--backend", "cpu"], &["/ instead of \\"]);
 }

@@ -1,4 +1,4 @@
-//! Two cameras and what lies between them.
+//! Two cameras and the pose of one to the other.
 
 use super::rectified::of_projections;
 use crate::files::error::{Result, ensure};
@@ -19,8 +19,7 @@ impl Apart {
         let fisheyes = cameras.map(|(_, distortion)| matches!(distortion, Distortion::Fisheye(_)));
         ensure!(
             fisheyes[0] == fisheyes[1],
-            "one of its lenses is a pinhole and one a fisheye, which OpenCV rectifies by no function; give R1, P1, R2 and P2 beside \
-             the lenses"
+            "its lenses are a pinhole and a fisheye, which OpenCV cannot rectify together; add R1, P1, R2 and P2"
         );
         Ok(Self { cameras, rotation, translation })
     }

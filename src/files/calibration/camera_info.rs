@@ -13,7 +13,7 @@ pub fn is(tree: &Tree) -> bool {
 }
 
 pub fn read(_: &Tree, _: Reading) -> Result<Calibration> {
-    bail!("it is the calibration of one camera; give that of the right one by --calib-right")
+    bail!("it is the calibration of one camera; give that of the right one with --calib-right")
 }
 
 /// Both cameras.
@@ -21,7 +21,7 @@ pub fn pair(left: &Tree, right: &Tree, reading: Reading) -> Result<Calibration> 
     let [left_size, right_size] = [size_of(left)?, size_of(right)?];
     ensure!(
         left_size == right_size,
-        "the left camera has {} and the right one {}; take two calibrations of one size",
+        "the left camera has {} and the right one {}; use two calibrations of one size",
         pixels_of(left_size),
         pixels_of(right_size)
     );

@@ -1,17 +1,17 @@
-//! What a calibration file says of its cameras.
+//! The contents of a calibration file.
 
 use super::apart::Apart;
 use super::reading::Unit;
 use super::scale::Scale;
 use crate::{Camera, Lens};
 
-/// What a calibration says.
+/// The cameras of a calibration, and the size and the unit that they were calibrated in.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Calibration {
     pub(super) cameras: Cameras,
-    /// Columns and rows of the images that were calibrated, if the file tells.
+    /// Columns and rows of the images that were calibrated, if the file gives them.
     pub(super) size: Option<[u32; 2]>,
-    /// The unit that its lengths were taken for; none where they were typed in metres.
+    /// The unit that its lengths were read in; `None` if they were given in metres on the command line.
     pub(super) unit: Option<Unit>,
     pub(super) scale: Option<Scale>,
 }
@@ -23,6 +23,6 @@ pub(super) enum Cameras {
     Rectified(Camera),
     /// The rectified cameras, and the lenses of the given ones.
     Lenses(Camera, Box<[Lens; 2]>),
-    /// The given cameras and what lies between them.
+    /// The given cameras and the pose of one to the other.
     Apart(Box<Apart>),
 }

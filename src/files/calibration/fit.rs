@@ -1,4 +1,4 @@
-//! A calibration beside the images: their size, their scale, and what makes its numbers doubtful.
+//! Fits a calibration to the images: their size and scale, and warnings about doubtful numbers.
 
 use super::apart::Apart;
 use super::cameras::{Calibration, Cameras};
@@ -60,8 +60,8 @@ impl Calibration {
         }
     }
 
-    /// Refuses a calibration without a size whose principal points say that it is of images of another one: none is far
-    /// from the middle, or all are off it by the same factor.
+    /// Refuses a calibration that gives no image size and does not suit these images: a principal point lies far from the
+    /// middle, or all of them are off it by one factor, as those of images at another size.
     fn ensure_middle(&self, images: [u32; 2]) -> Result<()> {
         let scale = self.scale.unwrap_or(Scale::ONE);
         let points = self.principal_points().map(|point| point.map(|place| scale.of_place(place)));
@@ -74,8 +74,8 @@ impl Calibration {
             let outside = scale != Scale::ONE && all.iter().any(|share| !(0.0..=2.0).contains(share));
             ensure!(
                 !outside,
-                "at --calib-scale {} the principal point is ({x}, {y}), outside the {width}x{height} images; it must be the images' \
-                 size by that of the calibrated ones",
+                "at --calib-scale {} the principal point is ({x}, {y}), outside the {width}x{height} images; give the ratio of \
+                 their size to that of the calibrated ones",
                 in_words(scale.0)
             );
             return Ok(());
@@ -91,31 +91,31 @@ impl Calibration {
         let remedy = match alike {
             true => {
                 format!(
-                    "give --calib-scale {}, the images' size by that of the calibrated ones",
+                    "give --calib-scale {}, the ratio of their size to that of the calibrated ones",
                     in_words(1.0 / factor)
                 )
             }
             false => {
-                "take the calibration of these images, or give --calib-scale, their size by that of the calibrated ones"
+                "use the calibration of these images, or give --calib-scale, the ratio of their size to that of the calibrated ones"
                     .into()
             }
         };
         bail!(
-            "the calibration has no size of its images and a principal point of ({x}, {y}), but the middle of the {width}x{height} \
-             images is ({}, {}); {remedy}; if it is right as it is, --calib-scale 1",
+            "the calibration has no image size and a principal point of ({x}, {y}), but the middle of the {width}x{height} \
+             images is ({}, {}); {remedy}; if it is right, give --calib-scale 1",
             f64::from(width - 1) / 2.0,
             f64::from(height - 1) / 2.0
         );
     }
 
-    /// What makes the cameras doubtful, in words.
+    /// A warning if the cameras are doubtful.
     pub fn doubt(&self, camera: &Camera) -> Option<String> {
         let baseline = camera.baseline;
         if (0.005..=3.0).contains(&baseline) {
             return None;
         }
         let Some(unit) = self.unit else {
-            return Some(format!("the baseline is {baseline} m, but --baseline takes metres; 0.12 is usual"));
+            return Some(format!("the baseline is {baseline} m; give --baseline in metres, such as 0.12"));
         };
         let other = [Unit::Mm, Unit::Cm, Unit::M]
             .into_iter()
@@ -126,7 +126,7 @@ impl Calibration {
             }
             None => "check its unit, --calib-unit, and its numbers".into(),
         };
-        Some(format!("the baseline is {baseline} m, taken in {}: {remedy}", unit.name()))
+        Some(format!("the baseline is {baseline} m, read in {}: {remedy}", unit.name()))
     }
 }
 
@@ -136,8 +136,8 @@ fn ensure_inside(camera: &Camera, [width, height]: [u32; 2]) -> Result<()> {
     let inside = |place: f64, side: u32| (-0.5..=f64::from(side) - 0.5).contains(&place);
     ensure!(
         inside(*cx, width) && inside(cx + doffs, width) && inside(*cy, height),
-        "the rectified cameras have principal points of ({cx}, {cy}) and ({}, {cy}), outside of {width}x{height} pixels, and rectified \
-         images keep the size of the given ones; give stereoRectify that as newImageSize; if it is right as it is, --calib-scale 1",
+        "the rectified cameras have principal points of ({cx}, {cy}) and ({}, {cy}), outside the {width}x{height} images, whose size \
+         rectified ones keep; pass it to stereoRectify as newImageSize; if they are right, give --calib-scale 1",
         cx + doffs
     );
     Ok(())
@@ -162,8 +162,8 @@ fn ensure_size(calibrated: [u32; 2], images: [u32; 2], scale: Scale) -> Result<(
         _ if factor.fits(h, height) => {
             format!("where they are the same images at another size, give --calib-scale {width}/{w}")
         }
-        _ => "take the calibration of these images; of a part of the calibrated ones give --focal, --baseline, --doffs, --cx and \
-              --cy, since the principal points move"
+        _ => "use the calibration of these images; if they were cropped, which moves the principal points, give --focal, \
+              --baseline, --doffs, --cx and --cy"
             .into(),
     };
     bail!("the images are {width}x{height}, but the calibration is of {w}x{h}{scaled}; {remedy}")

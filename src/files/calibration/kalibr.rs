@@ -24,14 +24,14 @@ pub fn read(tree: &Tree, reading: Reading) -> Result<Calibration> {
     };
     ensure!(
         size("cam0")? == size("cam1")?,
-        "its cam0 and cam1 differ in their resolution; take two cameras of one size"
+        "its cam0 and cam1 differ in their resolution; use two cameras of one size"
     );
     let between = matrix(tree, &["cam1.T_cn_cnm1"], &[(4, 4)])?
         .context("it has no T_cn_cnm1 of cam1; calibrate both cameras together, by kalibr_calibrate_cameras")?;
     let rotation = std::array::from_fn(|i| between[i / 3 * 4 + i % 3]);
     ensure_rotation(&rotation, "T_cn_cnm1")?;
     let translation = [3, 7, 11].map(|i| between[i] * unit.metres());
-    // Where the pair is rectified, lenses are not asked for.
+    // A rectified pair needs no lenses.
     let choice = if reading.lenses { reading.lens } else { LensModel::Auto };
     let cameras = [camera(tree, "cam0", choice)?, camera(tree, "cam1", choice)?];
     let cameras = Cameras::Apart(Box::new(Apart::new(cameras, rotation, translation)?));

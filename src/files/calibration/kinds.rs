@@ -8,15 +8,15 @@ use crate::files::error::{Context as _, Result, bail, ensure, error};
 use std::fs;
 use std::path::Path;
 
-/// The largest file that is taken.
+/// The largest file that is read.
 const MAX_BYTES: u64 = 1 << 20;
 
-/// A kind of calibrations, of what a file is read as.
+/// A kind of calibration file; `T` is what its text is parsed into.
 pub struct Kind<T: ?Sized + 'static> {
     name: &'static str,
     /// Whether a file has its structure.
     is: fn(&T) -> bool,
-    /// What a file says.
+    /// The calibration in a file.
     read: fn(&T, Reading) -> Result<Calibration>,
 }
 
@@ -35,7 +35,7 @@ const TREES: [Kind<Tree>; 4] = [
     Kind { name: "OpenCV (YAML, XML)", is: opencv::is, read: opencv::read },
 ];
 
-/// Files of others that are known, but not read, by a name that is in them.
+/// Known kinds that are not read: a key that only their files have, and what they are called.
 const FOREIGN: [(&str, &str); 7] = [
     ("model_type", "camodocal or VINS"),
     ("Camera.type", "ORB-SLAM3's settings"),
@@ -62,8 +62,8 @@ fn foreign(tree: &Tree) -> Option<&'static str> {
 
 fn refuse(tree: &Tree, _: Reading) -> Result<Calibration> {
     bail!(
-        "it is a calibration of {}, which is not read; write its cameras to a file of OpenCV, as M1, D1, M2, D2, R and T, and \
-         give that with --rectify",
+        "it is a calibration of {}, which is not supported; write its cameras to a file of OpenCV as M1, D1, M2, D2, R and T, \
+         and give that with --rectify",
         foreign(tree).unwrap_or_default()
     )
 }
@@ -93,10 +93,13 @@ impl Source {
         Self::parse(&bytes).with_context(|| format!("{path:?}"))
     }
 
-    /// What the bytes of a file are.
+    /// Recognises the kind of a file by its bytes.
+    ///
+    /// # Errors
+    /// If it is of no known kind.
     pub fn parse(bytes: &[u8]) -> Result<Self> {
         let text = std::str::from_utf8(bytes)
-            .map_err(|_| error!("it is no text in UTF-8; give a calibration of {}", names()))?;
+            .map_err(|_| error!("it is not text in UTF-8; give a calibration of {}", names()))?;
         let text = text.trim_start_matches('\u{feff}');
         ensure!(!text.trim().is_empty(), "it is empty; give a calibration file");
         let is_xml = text.trim_start().starts_with('<');
@@ -121,7 +124,10 @@ impl Source {
         }
     }
 
-    /// What the file says, or this one and that of the right camera.
+    /// The calibration in this file, or in this one and that of the right camera.
+    ///
+    /// # Errors
+    /// If a number is missing or wrong, or the two files do not belong together.
     pub fn calibration(self, right: Option<Self>, reading: Reading) -> Result<Calibration> {
         match (self.0, right.map(|right| right.0)) {
             (Content::Lines(kind, text), None) => (kind.read)(&text, reading),

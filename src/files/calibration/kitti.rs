@@ -70,7 +70,7 @@ pub fn read(text: &str, reading: Reading) -> Result<Calibration> {
     let [left_size, right_size] = [size(cameras[0])?, size(cameras[1])?];
     ensure!(
         left_size == right_size || left_size.is_none() || right_size.is_none(),
-        "its cameras {} and {} differ in their size; take two of one size",
+        "its cameras {} and {} differ in their size; use two of one size",
         cameras[0],
         cameras[1]
     );
@@ -102,7 +102,7 @@ fn cameras(there: &[u32], pair: Option<KittiPair>) -> Result<[u32; 2]> {
     let remedy = match (wanted == color, wanted == gray) {
         (true, _) if whole(gray) => "give --calib-pair gray if P0 and P1 took the pair",
         (_, true) if whole(color) => "drop --calib-pair if P2 and P3 took the pair",
-        _ => "a pair is P2 and P3, P0 and P1, or P_rect_101 and P_rect_103; take a file with both of its cameras",
+        _ => "a pair is P2 and P3, P0 and P1, or P_rect_101 and P_rect_103; use a file with both of its cameras",
     };
     bail!("it has {all}, but {lacks}; {remedy}")
 }

@@ -176,7 +176,7 @@ pub fn of_model(numbers: &[f64], named: Option<&str>, choice: LensModel, what: &
     }
 }
 
-/// Refuses what turns no camera: another matrix, or one that mirrors.
+/// Refuses a matrix that is not a rotation, or that mirrors.
 pub fn ensure_rotation(rotation: &[f64; 9], name: &str) -> Result<()> {
     let row = |i: usize| &rotation[3 * i..3 * i + 3];
     let dot = |a: &[f64], b: &[f64]| a.iter().zip(b).map(|(a, b)| a * b).sum::<f64>();

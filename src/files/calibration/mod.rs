@@ -1,4 +1,4 @@
-//! Calibration files become the cameras of a pair: the structure of a file tells its kind, and what it says is fitted to the
+//! Calibration files become the cameras of a pair: the structure of a file shows its kind, and its numbers are fitted to the
 //! images.
 //!
 //! ```no_run

@@ -10,19 +10,25 @@ use crate::files::error::{Context as _, Result, bail, ensure};
 use std::path::Path;
 
 impl Calibration {
-    /// A calibration of one file, or of a file for each camera.
+    /// Reads a calibration from one file, or from a file for each camera.
+    ///
+    /// # Errors
+    /// If a file cannot be read, or does not have what `reading` asks for.
     pub fn read(path: &Path, right: Option<&Path>, reading: Reading) -> Result<Self> {
         let (source, right_source) = (Source::read(path)?, right.map(Source::read).transpose()?);
         let told = || right.map_or(format!("{path:?}"), |right| format!("{path:?} with {right:?}"));
         Self::of(source, right_source, reading).with_context(told)
     }
 
-    /// What one file says, or a file for each camera.
+    /// The calibration in one file, or in a file for each camera.
+    ///
+    /// # Errors
+    /// If a file does not have what `reading` asks for.
     pub fn of(source: Source, right: Option<Source>, reading: Reading) -> Result<Self> {
         let kitti = source.name() == kitti::NAME;
         ensure!(
             reading.pair.is_none() || kitti,
-            "--calib-pair is for the calibrations of KITTI, and this is one of {}; drop it",
+            "--calib-pair is for calibrations of KITTI, but this is one of {}; drop it",
             source.name()
         );
         let name = source.name();
@@ -35,8 +41,8 @@ impl Calibration {
             (Cameras::Apart(apart), false) => match apart.as_it_is() {
                 Some(camera) => Cameras::Rectified(camera?),
                 None => bail!(
-                    "this calibration of {name} is of cameras that are not rectified, and of none that are; give it with \
-                     --rectify and the images as they were taken, or for rectified ones --focal and --baseline"
+                    "this calibration of {name} has no rectified cameras; give it with --rectify and the images as they were \
+                     taken, or give --focal and --baseline for rectified ones"
                 ),
             },
             (cameras, _) => cameras,
@@ -47,7 +53,7 @@ impl Calibration {
         Ok(found)
     }
 
-    /// The cameras of a rectified pair that were typed.
+    /// The cameras of a rectified pair that were given as numbers.
     pub fn typed(camera: Camera) -> Self {
         Self { cameras: Cameras::Rectified(camera), size: None, unit: None, scale: Some(Scale::ONE) }
     }

@@ -1,4 +1,4 @@
-//! What is asked of a calibration beside its file.
+//! How a calibration is read: the settings besides its files.
 
 use super::lenses::LensModel;
 use super::scale::Scale;
@@ -42,7 +42,7 @@ pub enum KittiPair {
     Gray,
 }
 
-/// What is asked of a calibration beside its file.
+/// How a calibration is read.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct Reading {
     /// The unit of its lengths; millimetres in Middlebury's files and ZED's, else metres, if it is not given.
@@ -51,7 +51,7 @@ pub struct Reading {
     pub pair: Option<KittiPair>,
     /// The model of lenses whose file names none.
     pub lens: LensModel,
-    /// The images' size by that of the calibrated ones, if it is given.
+    /// The ratio of the images' size to that of the calibrated ones, if it is given.
     pub scale: Option<Scale>,
     /// Whether the lenses are wanted.
     pub lenses: bool,

@@ -3,7 +3,7 @@
 use crate::Camera;
 use crate::files::error::{Result, ensure};
 
-const REMEDY: &str = "take P1 and P2 as stereoRectify gives them";
+const REMEDY: &str = "use P1 and P2 as stereoRectify gives them";
 
 /// The cameras of two projection matrices, 3 x 4 by rows.
 pub fn of_projections(left: &[f64], right: &[f64], unit: f64) -> Result<Camera> {
@@ -12,7 +12,7 @@ pub fn of_projections(left: &[f64], right: &[f64], unit: f64) -> Result<Camera> 
     ensure!(focal > 0.0, "the focal length is {focal} px, but must be more than 0; correct the projection matrix");
     ensure!(
         same(focal, right_focal),
-        "the focal lengths are {focal} and {right_focal} px, but a rectified pair has one; take its projection matrices"
+        "the focal lengths are {focal} and {right_focal} px, but a rectified pair has one; use its projection matrices"
     );
     for p in [left, right] {
         ensure!(
@@ -93,7 +93,7 @@ pub fn of_q(q: &[f64], unit: f64) -> Result<Camera> {
     of_projections(&left, &right, unit)
 }
 
-/// Refuses two statements about one pair of cameras that differ, beyond the digits that a file may have.
+/// Refuses two descriptions of one pair of cameras that differ by more than the rounding of numbers in files.
 pub fn ensure_same(a: &Camera, b: &Camera, names: &str) -> Result<()> {
     let near = |a: f64, b: f64, scale: f64| (a - b).abs() <= 1e-3 * scale;
     for (what, a, b, scale) in [
@@ -103,7 +103,7 @@ pub fn ensure_same(a: &Camera, b: &Camera, names: &str) -> Result<()> {
         ("principal points' rows", a.cy, b.cy, 50.0),
         ("offsets of disparities", a.doffs, b.doffs, 50.0),
     ] {
-        ensure!(near(a, b, scale), "{names} tell of different {what}, {a} and {b}; remove the one that is wrong");
+        ensure!(near(a, b, scale), "{names} give different {what}, {a} and {b}; remove the one that is wrong");
     }
     Ok(())
 }

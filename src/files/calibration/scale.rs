@@ -5,7 +5,7 @@ use std::str::FromStr;
 
 type Matrix = [f64; 9];
 
-/// The images' size by that of the calibrated ones.
+/// The ratio of the images' size to that of the calibrated ones.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Scale(pub(super) f64);
 

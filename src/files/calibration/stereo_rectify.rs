@@ -170,7 +170,7 @@ pub fn stereo_rectify(
     };
     ensure!(
         focal > 0.0 && focal.is_finite() && center.iter().all(|place| place.is_finite()),
-        "its lenses and its R leave nothing that both cameras see; correct them, or give R1, P1, R2 and P2"
+        "by its lenses and its R the cameras see nothing in common; correct them, or give R1, P1, R2 and P2"
     );
     let shift = turned(&rotations[1], t)[0] * focal;
     let lenses = [0, 1].map(|side| Lens {

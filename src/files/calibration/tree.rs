@@ -5,13 +5,13 @@ use std::collections::BTreeMap;
 use yaml_rust2::Event;
 use yaml_rust2::parser::Parser;
 
-/// The deepest nesting of what is taken.
+/// The deepest nesting that is read.
 const MAX_DEPTH: usize = 16;
 
 pub type Tree = BTreeMap<String, Vec<String>>;
 
 pub fn number(text: &str) -> Result<f64> {
-    let value: f64 = text.trim().parse().map_err(|_| error!("{text:?} is no number; correct the file"))?;
+    let value: f64 = text.trim().parse().map_err(|_| error!("{text:?} is not a number; correct the file"))?;
     ensure!(value.is_finite(), "{text:?} is not finite; correct the file");
     Ok(value)
 }
@@ -19,7 +19,7 @@ pub fn number(text: &str) -> Result<f64> {
 pub fn whole(text: &str) -> Result<u32> {
     match number(text)? {
         value if value.fract() == 0.0 && (1.0..=1e6).contains(&value) => Ok(value as u32),
-        _ => bail!("{text:?} is no size; it must be a whole number from 1 on"),
+        _ => bail!("{text:?} is not a size; give a whole number from 1 on"),
     }
 }
 
@@ -82,11 +82,11 @@ pub fn yaml(text: &str, known: &str) -> Result<Tree> {
     };
     let mut tree = Tree::new();
     let mut parser = Parser::new_from_str(&body);
-    // Of each mapping that is open the key that waits for its value, of each sequence nothing.
+    // For each open mapping the key whose value comes next, for each open sequence `None`.
     let mut open: Vec<Option<Option<String>>> = Vec::new();
     loop {
         let (event, _) = parser.next_token().map_err(|error| {
-            error!("it is no calibration of a known kind, nor YAML ({error}); give one of {}", known)
+            error!("it is neither a calibration of a known kind nor YAML ({error}); give one of {}", known)
         })?;
         match event {
             Event::StreamEnd => break,
@@ -126,7 +126,7 @@ fn path_of(open: &[Option<Option<String>>]) -> String {
     open.iter().flatten().flatten().map(String::as_str).collect::<Vec<_>>().join(".")
 }
 
-/// The innermost mapping has the value of its key.
+/// Marks the value of the current key of the innermost mapping as read.
 fn filled(open: &mut [Option<Option<String>>]) {
     if let Some(Some(key)) = open.last_mut() {
         *key = None;
@@ -135,7 +135,7 @@ fn filled(open: &mut [Option<Option<String>>]) {
 
 /// The same of an XML file of OpenCV: `<opencv_storage><P1 type_id="opencv-matrix"><rows>3</rows>..`.
 pub fn xml(text: &str, known: &str) -> Result<Tree> {
-    // Many of them nested cost minutes: every element gets those of all around it.
+    // Many nested namespaces cost minutes: every element inherits those of all that enclose it.
     ensure!(!text.contains("xmlns"), "it has a namespace (xmlns), which OpenCV does not write; save it again");
     let options = roxmltree::ParsingOptions { nodes_limit: 100_000, ..Default::default() };
     let document = roxmltree::Document::parse_with_options(text, options)

@@ -17,7 +17,7 @@ pub(super) fn kitti(map: &DisparityMap) -> Result<Vec<u16>> {
         u16::try_from(16 * i32::from(value)).ok().map(|sample| sample.max(1)).with_context(|| {
             let (x, y) = (i % map.width as usize, i / map.width as usize);
             format!(
-                "the disparity at ({x}, {y}) is {disparity} px, but a 16-bit PNG holds 0 to {} px; take .pfm, .npy or \
+                "the disparity at ({x}, {y}) is {disparity} px, but a 16-bit PNG holds 0 to {} px; use .pfm, .npy or \
                  .tif, or search another range",
                 f32::from(u16::MAX >> 4) / 16.0
             )

@@ -75,18 +75,21 @@ pub enum SheetFormat {
     Jpeg,
 }
 
-/// A 16-bit PNG holds what is searched: found out only in the end, all the work would be lost.
+/// Checks before any work that a 16-bit PNG can hold the searched range.
+///
+/// # Errors
+/// If it cannot.
 pub fn ensure_range(format: Format, path: &Path, params: &Params) -> Result<()> {
     let (first, last) = searched(params);
     ensure!(
         format != Format::Kitti || (first >= 0 && last <= 255),
         "output {path:?} is a 16-bit PNG, which holds 0 to 255.9375 px, but disparities from {first} to {last} px are \
-         searched; take .pfm, .npy or .tif, or search another range"
+         searched; use .pfm, .npy or .tif, or search another range"
     );
     Ok(())
 }
 
-/// The format of a map whose name says none: 16-bit PNG where it holds what is searched, else TIFF.
+/// The format of a map whose name has no ending: 16-bit PNG if it can hold the searched range, else TIFF.
 pub fn default_format(params: &Params) -> Format {
     let (first, last) = searched(params);
     if first >= 0 && last <= 255 { Format::Kitti } else { Format::Tiff }
@@ -97,19 +100,24 @@ pub fn searched(params: &Params) -> (i32, i32) {
     params.searched().into_inner()
 }
 
-/// What follows the last dot of a name, in small letters.
+/// The file extension in lower case; empty if there is none.
 pub fn ending(path: &Path) -> String {
     path.extension().map(|ending| ending.to_string_lossy().to_ascii_lowercase()).unwrap_or_default()
 }
 
-/// What the ending of a name says.
+/// The format that the ending of a name selects.
+///
+/// # Errors
+/// If there is no ending, or it is unknown.
 pub fn map_format(path: &Path) -> Result<Format> {
     Ok(match ending(path).as_str() {
         "png" => Format::Kitti,
         "pfm" => Format::Pfm,
         "npy" => Format::Npy,
         "tif" | "tiff" => Format::Tiff,
-        "" => bail!("output {path:?} has no ending, but it tells the format; add .png, .pfm, .npy, .tif or .tiff"),
-        other => bail!("output {path:?} ends in .{other}, but .png, .pfm, .npy, .tif and .tiff are known; take one"),
+        "" => bail!("output {path:?} has no ending, which selects the format; add .png, .pfm, .npy, .tif or .tiff"),
+        other => {
+            bail!("output {path:?} ends in .{other}, but .png, .pfm, .npy, .tif and .tiff are known; use one of them")
+        }
     })
 }

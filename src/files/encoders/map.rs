@@ -37,7 +37,7 @@ impl<'a> Maps<'a> {
 pub struct Encoded {
     /// All of them.
     pub bytes: Vec<u8>,
-    /// What the file does not hold, though the map does.
+    /// Which values of the map the file cannot hold, for a warning.
     pub doubt: Option<String>,
 }
 
@@ -71,9 +71,8 @@ pub fn encode(format: Format, maps: &Maps<'_>) -> Result<Encoded> {
                     let (samples, lost) = depth::millimetres(found);
                     if lost > 0 {
                         doubt = Some(format!(
-                            "{lost} pixels are 65.5355 m away or farther, by a baseline of {} m, which a 16-bit PNG in \
-                             millimetres cannot hold: they are 0 there; where the baseline is right, .pfm, .npy and .tif hold \
-                             them",
+                            "{lost} pixels are 65.5355 m away or farther at a baseline of {} m, beyond a 16-bit PNG in \
+                             millimetres, and are 0 there; if the baseline is right, use .pfm, .npy or .tif",
                             camera.baseline
                         ));
                     }

@@ -24,6 +24,9 @@ fn points(depth: &DepthMap, camera: &Camera, left: &Image) -> Vec<Point> {
 }
 
 /// A binary PLY file of coloured points.
+///
+/// # Errors
+/// If the bytes cannot be written.
 pub fn ply(depth: &DepthMap, camera: &Camera, left: &Image) -> Result<Vec<u8>> {
     let points = points(depth, camera, left);
     let mut bytes = Vec::with_capacity(300 + 15 * points.len());
@@ -41,7 +44,10 @@ pub fn ply(depth: &DepthMap, camera: &Camera, left: &Image) -> Result<Vec<u8>> {
     Ok(bytes)
 }
 
-/// A binary PCD file of coloured points, as the Point Cloud Library has them: `rgb` is 0x00rrggbb, taken for a float.
+/// A binary PCD file of coloured points, as the Point Cloud Library has them: `rgb` holds the bits of 0x00rrggbb in a float.
+///
+/// # Errors
+/// If the bytes cannot be written.
 pub fn pcd(depth: &DepthMap, camera: &Camera, left: &Image) -> Result<Vec<u8>> {
     let points = points(depth, camera, left);
     let mut bytes = Vec::with_capacity(300 + 16 * points.len());

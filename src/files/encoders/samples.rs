@@ -8,6 +8,9 @@ use npyz::WriterBuilder as _;
 use std::io::{Cursor, Write as _};
 
 /// A picture as PNG.
+///
+/// # Errors
+/// If the encoder fails.
 pub fn png(picture: &RgbImage) -> Result<Vec<u8>> {
     let mut bytes = Cursor::new(Vec::new());
     picture.write_with_encoder(PngEncoder::new(&mut bytes)).map_err(|error| Error::of(&error))?;
@@ -15,6 +18,9 @@ pub fn png(picture: &RgbImage) -> Result<Vec<u8>> {
 }
 
 /// A picture as JPEG of quality 80.
+///
+/// # Errors
+/// If the encoder fails.
 pub fn jpeg(picture: &RgbImage) -> Result<Vec<u8>> {
     let mut bytes = Cursor::new(Vec::new());
     let encoded = JpegEncoder::new_with_quality(&mut bytes, 80).encode_image(picture);
@@ -23,6 +29,9 @@ pub fn jpeg(picture: &RgbImage) -> Result<Vec<u8>> {
 }
 
 /// 8-bit gray PNG.
+///
+/// # Errors
+/// If the encoder fails.
 pub fn png8(width: u32, height: u32, samples: &[u8]) -> Result<Vec<u8>> {
     let mut bytes = Vec::new();
     PngEncoder::new(&mut bytes)
@@ -32,6 +41,9 @@ pub fn png8(width: u32, height: u32, samples: &[u8]) -> Result<Vec<u8>> {
 }
 
 /// 16-bit gray PNG.
+///
+/// # Errors
+/// If the encoder fails.
 pub fn png16(width: u32, height: u32, samples: Vec<u16>) -> Result<Vec<u8>> {
     let mut bytes = Vec::new();
     let samples: Vec<u8> = samples.into_iter().flat_map(u16::to_ne_bytes).collect();
@@ -42,6 +54,9 @@ pub fn png16(width: u32, height: u32, samples: Vec<u16>) -> Result<Vec<u8>> {
 }
 
 /// Portable float map, little endian, rows from the bottom.
+///
+/// # Errors
+/// If the encoder fails.
 pub fn pfm(width: u32, height: u32, samples: &[f32]) -> Result<Vec<u8>> {
     let mut bytes = Vec::new();
     write!(bytes, "Pf\n{width} {height}\n-1.0\n")?;
@@ -54,6 +69,9 @@ pub fn pfm(width: u32, height: u32, samples: &[f32]) -> Result<Vec<u8>> {
 }
 
 /// NumPy array, rows x columns.
+///
+/// # Errors
+/// If the encoder fails.
 pub fn npy(width: u32, height: u32, samples: &[f32]) -> Result<Vec<u8>> {
     let mut bytes = Vec::new();
     let options = npyz::WriteOptions::<f32>::new().default_dtype();
@@ -64,6 +82,9 @@ pub fn npy(width: u32, height: u32, samples: &[f32]) -> Result<Vec<u8>> {
 }
 
 /// TIFF of 32-bit floats.
+///
+/// # Errors
+/// If the encoder fails.
 pub fn tiff(width: u32, height: u32, samples: &[f32]) -> Result<Vec<u8>> {
     let mut bytes = Cursor::new(Vec::new());
     tiff::encoder::TiffEncoder::new(&mut bytes)

@@ -11,7 +11,7 @@ pub enum Bits {
     /// As the largest sample needs.
     #[default]
     Auto,
-    /// So many.
+    /// This number.
     Given(u32),
     /// As many as the first pair of the sequence has.
     OfFirst(u32),
@@ -29,9 +29,9 @@ impl FromStr for Bits {
     }
 }
 
-/// What a sample can have.
+/// The most bits of a sample.
 pub const ALL: u32 = 16;
-/// What cameras put into 16 bits; more is 16.
+/// The depths that cameras store in 16 bits; larger samples have 16.
 const USUAL: [u32; 4] = [8, 10, 12, 14];
 
 /// The largest sample of an image of 16 bits, without its alpha; `None` of any other.
@@ -72,7 +72,7 @@ pub fn stretch(image: &mut DynamicImage, bits: u32) {
     }
     let most = (1_u32 << bits) - 1;
     let table: Vec<u16> = (0..=most).map(|v| ((2 * v * 65_535 + most) / (2 * most)) as u16).collect();
-    // Alpha is of no account, and may be more.
+    // Alpha is ignored, and may exceed the maximum.
     let wider = |sample: &mut u16| *sample = table.get(usize::from(*sample)).copied().unwrap_or(u16::MAX);
     match image {
         DynamicImage::ImageLuma16(image) => image.iter_mut().for_each(wider),

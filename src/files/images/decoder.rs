@@ -1,4 +1,4 @@
-//! Files become images; what they declare is judged before anything is decoded.
+//! Files become images; the sizes that they declare are checked before anything is decoded.
 
 use super::kinds;
 use crate::files::contents::MAX_BYTES;
@@ -10,15 +10,15 @@ use std::path::Path;
 
 /// The most pixels of an image: as many as a map can have.
 pub const MAX_PIXELS: u64 = 1 << 27;
-/// What a decoder may take beside the image: profiles, texts and the like are packed, too.
+/// Bytes that a decoder may allocate besides the image: profiles, texts and the like are compressed, too.
 const MAX_EXTRA: u64 = 32 << 20;
 
-/// How the image is to be turned; what cannot be read says nothing.
+/// How the image is to be turned; not at all if that cannot be read.
 pub fn orientation(decoder: &mut impl ImageDecoder) -> Orientation {
     decoder.orientation().unwrap_or(Orientation::NoTransforms)
 }
 
-/// A decoder that has read the header; what it declares is known to be of a sane size.
+/// A decoder that has read the header; the size that it declares is known to be allowed.
 pub fn decoder<'a>(path: &Path, bytes: &'a [u8]) -> Result<impl ImageDecoder + use<'a>> {
     let reader = ImageReader::new(Cursor::new(bytes)).with_guessed_format()?;
     // The content tells the format, whatever the name says. Only TGA has no signature.

@@ -1,4 +1,4 @@
-//! What a file is that is no image, or more than one, in words with what to do.
+//! Recognises files that are not images, or hold several, and says what to do about them.
 
 /// A kind that is known, but not read as an image; of others `None`.
 pub fn foreign(bytes: &[u8]) -> Option<&'static str> {

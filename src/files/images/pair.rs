@@ -21,9 +21,9 @@ pub struct ImagePair {
     pub bits: u32,
     /// How each image was turned, as its file says.
     turned: [Orientation; 2],
-    /// Why the images may be wrong.
+    /// Why the images may be wrong, for warnings.
     pub doubts: Vec<String>,
-    /// What tells whether the files are still the same later.
+    /// The facts of the files, which show later whether they have changed.
     pub facts: [Facts; 2],
 }
 
@@ -54,6 +54,9 @@ impl ImagePair {
 }
 
 /// Reads a pair.
+///
+/// # Errors
+/// If a file cannot be read or decoded, or the two sizes differ.
 pub fn read_pair(left: &Path, right: &Path, bits: Bits) -> Result<ImagePair> {
     let (left_file, left_facts) = read_file_with_facts(left, "an image")?;
     let (right_file, right_facts) = read_file_with_facts(right, "an image")?;
