@@ -8,8 +8,8 @@ use crate::DisparityMap;
 const FIRST: f64 = 0.08;
 const LAST: f64 = 0.97;
 
-/// Red, green and blue of a share of a range in the colour map turbo, without its dark ends: 0 is blue, 1 is red; below and
-/// above are those. No colour is near black.
+/// Red, green and blue of a share of a range in the colour map turbo, without its dark ends: 0 is blue, 1 is red; shares below
+/// and above are clamped. No colour is near black.
 pub fn turbo(share: f64) -> [u8; 3] {
     let color = colorous::TURBO.eval_continuous(FIRST + share.clamp(0.0, 1.0) * (LAST - FIRST));
     [color.r, color.g, color.b]

@@ -35,9 +35,9 @@ pub enum Error {
         /// What to change.
         remedy: &'static str,
     },
-    /// The memory that a CPU adapter or the CPU reference works in is not there: found before anything is made.
+    /// Less memory is left than a CPU adapter or the CPU reference needs: found before anything is allocated.
     #[error(
-        "{what} needs {} of memory, but {left}; take fewer disparities (--disp), crop or scale the images, or allow more memory \
+        "{what} needs {} of memory, but {left}; use fewer disparities (--disp), crop or scale the images, or allow more memory \
          (with memory-check off it is tried)",
         Mebibytes(*needed)
     )]
@@ -53,20 +53,20 @@ pub enum Error {
     /// The device has no room left for the buffers of a pair.
     #[error("the device ran out of memory; use fewer disparities or smaller images")]
     OutOfMemory,
-    /// The device lacks something the kernels need; all that is missing is named at once.
+    /// The device lacks what the kernels need; the message lists everything that is missing.
     #[error(
-        "the device lacks what the kernels need: {0}; request it when the device is created, or take another adapter"
+        "the device lacks what the kernels need: {0}; request it when the device is created, or use another adapter"
     )]
     Device(String),
-    /// The device is lost, or refused work that is right.
+    /// The device is lost, or refused valid work.
     #[error("the device failed: {0}")]
     Lost(String),
-    /// A call that does not fit those before it, or what it was given.
+    /// A call that does not fit earlier calls or its arguments.
     #[error("{0}")]
     Misuse(String),
-    /// A pair of a stream came while as many as may be were in flight.
+    /// A pair of a stream was dropped, since the allowed number was in flight.
     #[error(
-        "the frame was dropped: {in_flight} frames were in flight already; take results sooner, or allow more in flight"
+        "the frame was dropped, since {in_flight} frames were in flight; fetch results sooner, or allow more in flight"
     )]
     #[non_exhaustive]
     Dropped {
@@ -78,13 +78,13 @@ pub enum Error {
     Adapter(String),
 }
 
-/// The memory that is left to this process, and the limit that leaves no more ([`crate::memory`]).
+/// The memory that is left to this process, and the limit that it results from ([`crate::memory`]).
 #[derive(Clone, Debug, PartialEq, Eq)]
 #[non_exhaustive]
 pub struct Left {
     /// Bytes.
     pub bytes: u64,
-    /// The limit that they come from, such as "the machine" or "the control group /jobs/7".
+    /// The limit that they result from, such as "the machine" or "the control group /jobs/7".
     pub limit: String,
 }
 

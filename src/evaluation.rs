@@ -1,7 +1,7 @@
 //! A disparity map against the truth, by the definitions of the Middlebury and KITTI benchmarks. docs/EVALUATION.md has
 //! the formulas in one place.
 //!
-//! A pixel counts if its truth is known and the mask, if there is one, has it. Of these pixels, with the error
+//! A pixel counts if its truth is known and the mask, if there is one, contains it. Of these pixels, with the error
 //! `e = |estimate - truth|` in px, computed in 64 bits:
 //!
 //! - **density**: the share that has an estimate. The others are called invalid.
@@ -16,7 +16,7 @@
 //!   development kit). A pixel that is empty even then counts as -1 px, as it does there.
 //!
 //! evaldisp clips estimates to the range that a method was given. A map whose estimates lie in that range is not changed by it;
-//! here nothing is clipped. KITTI's kit takes a negative disparity for an invalid one; here it is a disparity.
+//! here nothing is clipped. KITTI's kit treats a negative disparity as invalid; here it is a disparity.
 //!
 //! ```
 //! use gpu_stereo::evaluation::{FloatMap, evaluate};
@@ -70,7 +70,7 @@ impl FloatMap {
     pub fn new(width: u32, height: u32, data: Vec<f32>) -> Result<Self, Error> {
         if width == 0 || height == 0 || data.len() as u128 != u128::from(width) * u128::from(height) {
             return Err(Error::Image(format!(
-                "a map of {width}x{height} was given {} values; both sides must be at least 1 and the values one a pixel",
+                "a map of {width}x{height} has {} values; both sides must be at least 1, with one value per pixel",
                 data.len()
             )));
         }
@@ -259,9 +259,9 @@ fn is_d1(error: f64, truth: f32) -> bool {
     error > 3.0 && 20.0 * error > f64::from(truth).abs()
 }
 
-/// Fills what is empty as KITTI's development kit does. A gap within a row takes the smaller of the two values beside
-/// it, a gap at its end the one value beside it. Then empty rows above the first row with values take that row, those below
-/// the last one that one; between them they stay empty (NaN).
+/// Fills what is empty as KITTI's development kit does. A gap within a row is filled with the smaller of the two values
+/// next to it, a gap at its end with the one value next to it. Then empty rows above the first row with values are copies of
+/// that row, those below the last one copies of the last; empty rows between two others stay empty (NaN).
 pub fn interpolate_background(map: &FloatMap) -> FloatMap {
     let width = map.width as usize;
     let mut filled = map.clone();
@@ -285,7 +285,7 @@ pub fn interpolate_background(map: &FloatMap) -> FloatMap {
     filled
 }
 
-/// Whether there was anything to fill from.
+/// Returns whether there was a value to fill with.
 fn fill_row(row: &mut [f32]) -> bool {
     let mut before: Option<usize> = None;
     for x in 0..row.len() {

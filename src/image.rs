@@ -138,7 +138,7 @@ pub struct DisparityMap {
 }
 
 impl DisparityMap {
-    /// The value of a pixel that has no disparity. No disparity that can be asked for is as low.
+    /// The value of a pixel that has no disparity. It is below every disparity that can be searched.
     pub const INVALID: i16 = i16::MIN;
 
     /// Disparity in pixels, `None` where there is none (or outside the map).
@@ -170,12 +170,12 @@ pub struct ConfidenceMap {
     pub width: u32,
     /// Rows.
     pub height: u32,
-    /// 1 (none) to 255 (there is no rival, or none that costs anything like it), row by row from the top; 0 where there
+    /// 1 (none) to 255 (there is no rival, or each costs far more), row by row from the top; 0 where there
     /// is no disparity.
     pub data: Vec<u8>,
 }
 
-/// How far away what each pixel shows is, along the viewing direction of the cameras.
+/// The distance of what each pixel shows, along the viewing direction of the cameras.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct DepthMap {
     /// Pixels a row.
@@ -200,7 +200,7 @@ impl DepthMap {
     }
 }
 
-/// All that matching a pair gives.
+/// Everything that matching a pair returns.
 #[derive(Clone, Debug, PartialEq, Eq)]
 #[non_exhaustive]
 pub struct Matched {

@@ -2,7 +2,7 @@
 //!
 //! Two rectified images go in, the disparity of every left pixel comes out. The stages, in order:
 //!
-//! 0. `rectify`, if it is asked for: pairs that are not rectified ([`Rectification`]).
+//! 0. `rectify`, optional: rectifies pairs that are not yet rectified ([`Rectification`]).
 //! 1. `gray`: luma, or with [`Params::color_cost`] red, green and blue, at the depth of the samples; and luma in 8
 //!    bits.
 //! 2. `prefilter`: the horizontal Sobel derivative, the gradient magnitude, the difference from the mean of a window,
@@ -16,13 +16,13 @@
 //!    With [`Method::Bm`], `block_match` does this on the block sums, in place of `matching_cost`, 5 and 6.
 //!    `validity`: what is outside the image that was rectified, or masked ([`Masks`]), has no disparity; here, and again
 //!    after each filter that gives one.
-//! 7. `texture`: what a block that holds too little says is dropped.
+//! 7. `texture`: drops disparities of blocks with too little texture.
 //! 8. `lr_check`: a left pixel keeps its disparity if the right view agrees ([`RightView`]).
 //! 9. `speckle`, `median` ([`Median`]), `fill` ([`Fill`]), `weighted_median`, `wls` ([`Wls`]): filters of the map,
-//!    those that are asked for; `confidence`; `depth` ([`Camera`]).
+//!    those that are switched on; `confidence`; `depth` ([`Camera`]).
 //!
 //! docs/ALGORITHMS.md defines every stage in exact integers. [`mod@reference`] is that definition in Rust,
-//! [`StereoMatcher`] the schedule that computes it on a device. No result depends on the device, the order of
+//! [`StereoMatcher`] computes it on a device by a schedule of its own. No result depends on the device, the order of
 //! evaluation or a rounding mode.
 //!
 //! # In another program
@@ -54,14 +54,14 @@
 //! }
 //! ```
 //!
-//! [`Inputs`] and [`Outputs`] tell which formats there are. After the first frame [`StereoMatcher::record`] makes nothing
-//! on the device. [`StereoMatcher::compute_blocking`] takes two [`Image`]s and waits for the map;
+//! [`Inputs`] and [`Outputs`] list the formats. After the first frame [`StereoMatcher::record`] allocates nothing on the
+//! device. [`StereoMatcher::compute_blocking`] takes two [`Image`]s and waits for the map;
 //! [`StereoMatcher::check_blocking`] compares every stage with the reference and names the first value that differs.
 //! examples/embed.rs is a whole program.
 //!
 //! [`evaluation`] scores a map against a truth.
 //!
-//! `wgpu` is exported again, so that the caller's device and the matcher's are of one version.
+//! `wgpu` is re-exported, so that the caller's device and the matcher's are of one version.
 //!
 //! # Features
 //!
@@ -73,7 +73,7 @@
 //! # Browsers
 //!
 //! The library builds for `wasm32-unknown-unknown`, with wgpu's backend WebGPU. Nothing can block there: what has
-//! `blocking` in its name does not exist. What a device objects to is known only when the browser gets to it: in place of
+//! `blocking` in its name does not exist. The errors of a device are known only when the browser reports them: in place of
 //! `new`, `resize` and `set_params`, which do not exist there, are [`StereoMatcher::new_async`],
 //! [`StereoMatcher::resize_async`] and [`StereoMatcher::set_params_async`], and [`StereoMatcher::compute`],
 //! [`StereoMatcher::read`], [`StereoMatcher::check`] and the results of a [`StereoStream`] come with it.

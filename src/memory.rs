@@ -1,8 +1,8 @@
 //! The memory that is left to this process: what the machine, its control groups and its limits leave.
 //!
-//! A CPU adapter and the CPU reference work in the host's memory, and systems promise more of it than there is: an
-//! allocation succeeds, and the process is killed when it is filled. So what is needed is compared with what is left before
-//! anything is made ([`Params::memory_check`](crate::Params::memory_check)).
+//! A CPU adapter and the CPU reference work in the host's memory, and systems overcommit it: an allocation
+//! succeeds, and the process is killed when it is filled. So what is needed is compared with what is left before anything is
+//! allocated ([`Params::memory_check`](crate::Params::memory_check)).
 
 use crate::error::Error;
 pub use crate::error::Left;
@@ -16,7 +16,7 @@ pub fn left() -> Option<Left> {
     if cfg!(target_os = "linux") { left_in(Path::new("/")) } else { None }
 }
 
-/// As [`left`], of a system whose files lie in `root`.
+/// As [`left`], for a system whose files lie below `root`.
 fn left_in(root: &Path) -> Option<Left> {
     let machine = machine(root);
     let swap = machine.as_ref().map_or(0, |(_, swap)| *swap);
@@ -81,14 +81,14 @@ type Files = (&'static str, &'static str, &'static str);
 const TWO: Files = ("memory.max", "memory.current", "");
 const ONE: Files = ("memory.limit_in_bytes", "memory.usage_in_bytes", "total_");
 
-/// The least maximum of version 1 that means none.
+/// The smallest maximum of version 1 that stands for no limit.
 const UNLIMITED: u64 = 1 << 60;
 
 fn left_of(group: &Path, (max, current, prefix): Files, swap: u64) -> Option<u64> {
     let max = number_in(&group.join(max)).filter(|&max| max < UNLIMITED)?;
     let used = number_in(&group.join(current))?;
     let statistics = std::fs::read_to_string(group.join("memory.stat")).unwrap_or_default();
-    // Pages of files go when others are needed.
+    // Cached pages of files are reclaimed when memory is needed.
     let of = |name: &str| named(&statistics, &format!("{prefix}{name} ")).unwrap_or(0);
     let reclaimable = of("inactive_file") + of("active_file");
     let swap_max = std::fs::read_to_string(group.join("memory.swap.max")).ok();

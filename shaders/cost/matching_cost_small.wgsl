@@ -53,7 +53,7 @@ fn main(@builtin(global_invocation_id) id: vec3<u32>) {
                 entering[j][p] = entering_bytes(start - four, plane_row);
             }
         }
-        // Beyond the last column it is computed, but not written: leaving early costs a copy of all that lives.
+        // Beyond the last column it is computed, but not written: returning early costs a copy of all live values.
         for (var c = four; c < four + 4u; c++) {
             // The rows that both blocks share; SUMMABLE costs fit a byte.
             var low = vec4(0u);

@@ -20,7 +20,7 @@ struct Sums {
     odd: vec4<u32>,
 }
 
-// The value of the column `offset` columns right of the first pixel enters the sums of the pixels that it is near enough to.
+// Adds the value of the column `offset` columns right of the first pixel to the sums of all pixels whose block contains it.
 fn enter(sums: ptr<function, Sums>, value: u32, offset: i32) {
     let even = abs(vec4(offset) - vec4(0, 2, 4, 6)) <= vec4(RADIUS);
     let odd = abs(vec4(offset) - vec4(1, 3, 5, 7)) <= vec4(RADIUS);

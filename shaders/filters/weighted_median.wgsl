@@ -1,5 +1,5 @@
-// weighted_median: of 25 values around a pixel the middle one by weight, a pixel's weight falling with its difference in
-//   gray from the middle one; the 25 lie SPACING rows and columns apart.
+// weighted_median: the weighted median of 25 values around a pixel, SPACING rows and columns apart; a weight falls with the
+//   difference of its pixel from the middle one in gray.
 // map (i16, in a texture), gray (u8, of the left image, in a texture) -> filtered (i16)
 // One invocation: four words, eight pixels of a row.
 // Border: pixels outside the image and invalid ones have no weight; an invalid pixel stays invalid.
@@ -23,7 +23,7 @@ fn gray_words(row: u32, i: u32) -> vec2<u32> {
     return select(words.xy, words.zw, (i & 1u) == 1u);
 }
 
-// Eight pixels of the map, from column x on; of no worth where they lie outside.
+// Eight pixels of the map, from column x on; arbitrary where they lie outside.
 fn inside(words: vec4<u32>, x: i32) -> vec4<u32> {
     let even = vec4(0, 2, 4, 6) + vec4(x);
     let width = vec4(i32(frame.width));

@@ -46,7 +46,7 @@ fn main(@builtin(global_invocation_id) id: vec3<u32>) {
     }
     let row = (dispatch.first_row + id.y) * frame.width;
     let x = 16 * i32(id.x) - 16;
-    // Where no column or not all of them lie in the image, others are read in their place and not used.
+    // For columns outside the image, other samples are read and ignored.
     let start = clamp(x, 0, i32(frame.width) - 1);
     let inside = select(i32(frame.width) - start, 1, x < 0);
     let pixels = pixels_from(row, u32(start));

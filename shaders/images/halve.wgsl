@@ -1,7 +1,7 @@
 // halve: floor((a + b + c + d + 2) / 4) of the pixels (2x, 2y) to (2x + 1, 2y + 1): an image at half the size.
 // image (u8, laid out like a gray one, in a texture), of lines x rows pixels -> halved (u8, four pixels a word, laid out
 //   like a gray one)
-// One invocation: one word. Border: the border pixels are repeated, in the result, too.
+// One invocation: one word. Border: the border pixels are repeated, also in the result.
 // With: values, common
 // Reference: src/reference/images/halve.rs
 

@@ -12,7 +12,7 @@ fn select_bits(a: vec4<u32>, b: vec4<u32>, mask: vec4<u32>) -> vec4<u32> {
     return (a & ~mask) | (b & mask);
 }
 
-// All sixteen are byte k, the last one where k is larger.
+// Sixteen copies of byte k, or of the last byte if k is larger.
 fn byte_at(words: vec4<u32>, k: i32) -> vec4<u32> {
     let index = u32(clamp(k, 0, 15));
     return vec4(extractBits(words[index >> 2u], (index & 3u) * 8u, 8u) * 0x01010101u);

@@ -17,7 +17,7 @@ struct Frame {
     map_stride: u32,      // words a row of a disparity map, a multiple of 4
     volume_stride: u32,   // pixels a row of a volume
     map_words: u32,       // words from the right map to the margins behind it
-    texture: u32,         // that a block needs
+    texture: u32,         // the least texture of a block
     speckle_window: u32,
     speckle_range: i32,   // 1/16 px
     fill_max_difference: i32, // px
@@ -30,22 +30,22 @@ struct Frame {
 // What differs between dispatches.
 struct Dispatch {
     first_row: u32,       // in the image; where rows of buffers are bound, they begin with it
-    rows: u32,            // that are worked on; of a path that crosses rows: those that it comes to
-    volume_row: u32,      // where first_row lies in the volume's buffer
+    rows: u32,            // number of rows to process; for a path that crosses rows, of rows that it visits
+    volume_row: u32,      // row of the volume's buffer that holds first_row
     first_line: u32,      // of the paths of a direction
     lines: u32,
     shift: u32,           // columns from a line's number to where its path enters
     dx: i32,              // direction of aggregation
     dy: i32,
     entry: i32,           // row of the band at which paths enter
-    carried: u32,         // 1: the band before this one in the direction left its path costs in carry_in
+    carried: u32,         // 1: carry_in holds the path costs of the band before this one
     stride: u32,          // words a row of the planes
-    row_step: u32,        // rows from one border of two bands to the next; from a pixel of a line to the next
-    slot: u32,            // pixels of a volume: before the one that is written, or from one to the next in a buffer
-    map_row: u32,         // of the bound rows of the maps, the one that first_row is
+    row_step: u32,        // rows between two borders of bands, or between two pixels of a line
+    slot: u32,            // offset in pixels of the volume that is written, or stride between volumes in a buffer
+    map_row: u32,         // index of first_row among the bound rows of the maps
     planes_row: u32,      // the row of the image with which the planes begin
     planes_rows: u32,     // rows of a plane
-    own: Own,             // what this kernel alone reads; declared by it or its fragments, else a number that is not used
+    own: Own,             // fields of this kernel alone, declared by it or its fragments; else an unused number
 }
 
 @group(0) @binding(0) var<uniform> frame: Frame;

@@ -6,7 +6,7 @@
 // Chosen: shared_path*, sums*, block_costs_*
 // Reference: src/reference/winner/block_match.rs
 
-// As in winner.wgsl: addresses fall all the way.
+// As in winner.wgsl: all addresses descend.
 const BACKWARDS: bool = true;
 
 @group(0) @binding(2) var<storage, read> columns: array<vec4<u32>>;

@@ -7,7 +7,7 @@
 // Chosen: shared_path*, volume*, cost_*, penalty_*
 // Reference: src/reference/winner/winner.rs, src/reference/paths/sgm_aggregate.rs
 
-// A row is walked backwards, and so is a pixel by its members: then addresses fall all the way, which CPUs foresee.
+// A row is walked backwards, and so is a pixel by its members: then all addresses descend, which CPUs prefetch.
 const BACKWARDS: bool = true;
 
 @group(0) @binding(3) var<storage, read> forward: array<Stored>;

@@ -5,7 +5,7 @@ use crate::Error;
 /// The cameras of a rectified pair: they look the same way, with one focal length, and the right one is `baseline` to the
 /// right of the left one.
 ///
-/// Depths are in the unit of `baseline`; where this crate speaks of metres, that is taken to be metres.
+/// Depths are in the unit of `baseline`; where this crate says metres, it assumes that `baseline` is in metres.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Camera {
     /// Focal length in pixels, 1 to 1,000,000.

@@ -10,8 +10,8 @@ pub enum Schedule {
     /// A path an invocation: all its disparities stay in registers. Two or more invocations share a path of many
     /// disparities where the device has subgroups. For CPU adapters such as lavapipe.
     PerThread,
-    /// A path for neighbouring invocations, 16 disparities each. They talk through the subgroup, or through workgroup
-    /// memory where the device has no subgroups. For GPUs.
+    /// A path for neighbouring invocations, 16 disparities each. They exchange values through the subgroup, or through
+    /// workgroup memory where the device has no subgroups. For GPUs.
     PerSubgroup,
 }
 
@@ -81,15 +81,15 @@ pub enum Method {
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 #[non_exhaustive]
 pub enum Paths {
-    /// Both horizontal directions and the downward one: what OpenCV's `MODE_SGBM_3WAY` takes.
+    /// Both horizontal directions and the downward one: those of OpenCV's `MODE_SGBM_3WAY`.
     Three,
     /// Both horizontal and both vertical directions.
     Four,
     /// Both horizontal directions, the downward one and the two diagonal ones downwards: OpenCV's `MODE_SGBM`.
     Five,
-    /// The four, and the four diagonal ones.
+    /// Horizontal, vertical and diagonal: eight.
     Eight,
-    /// The eight, and the eight that go two pixels one way and one the other.
+    /// The eight, and eight that go two pixels along one axis and one along the other.
     Sixteen,
 }
 
@@ -110,7 +110,7 @@ impl Paths {
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 #[non_exhaustive]
 pub enum RightView {
-    /// The costs of the left view, read along the diagonal: almost free.
+    /// The costs of the left view, read along the diagonal: takes almost no time.
     Diagonal,
     /// A full matching of its own, with the right image as the one that is matched: twice the time.
     Match,
@@ -155,7 +155,7 @@ impl Median {
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 #[non_exhaustive]
 pub enum Fill {
-    /// They stay without.
+    /// Holes stay.
     None,
     /// The farther of the two neighbours in the row, as the KITTI development kit does.
     Background,
@@ -170,7 +170,7 @@ pub enum Fill {
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[non_exhaustive]
 pub struct Wls {
-    /// Strength of the smoothing: 4 keeps the accuracy; 8000, as is usual with OpenCV, smooths for the eye and costs it.
+    /// Strength of the smoothing: 4 keeps the accuracy; 8000, usual with OpenCV, looks smoother and is less accurate.
     pub lambda: f32,
     /// Intensity step that stops it; 1 to 2 is usual.
     pub sigma: f32,

@@ -25,7 +25,7 @@ pub(crate) struct CostRow {
     pub(crate) color: bool,
     /// Whether it weights its descriptors by `ad-weight` and `census-weight`.
     pub(crate) weighted: bool,
-    /// What it compares of a pixel, one after the other: at most one beside a census string.
+    /// What it compares of a pixel, one after the other: at most one besides a census string.
     pub(crate) descriptors: &'static [Descriptor],
     /// What the cost of a pixel is.
     pub(crate) kind: Kind,
@@ -37,7 +37,7 @@ pub(crate) struct CostRow {
     pub(crate) top: fn(u32) -> u32,
     /// The WGSL that compares two pixels: `pixel_costs`, or `pixel_pairs` of a product.
     pub(crate) fragments: &'static [&'static str],
-    /// Whether the kernel `block_match_small`, which compares pixels without these, knows it.
+    /// Whether the kernel `block_match_small`, which does not use these fragments, supports it.
     pub(crate) small_match: bool,
 }
 
@@ -57,7 +57,7 @@ pub(crate) enum Descriptor {
 }
 
 impl Descriptor {
-    /// The names in shaders/cost/descriptors.wgsl of those that it computes beside a census string; `Value` is what is left.
+    /// The names in shaders/cost/descriptors.wgsl of those that it computes beside a census string; `Value` is the default.
     pub(crate) const IN_SHADERS: &[(&'static str, Self)] = &[
         ("DESCRIPTOR_INTERVAL", Self::Interval),
         ("DESCRIPTOR_EXCESS", Self::Excess),
@@ -125,7 +125,7 @@ pub(crate) struct Ranges {
 /// 1024 times the largest quantised cost: it gives 89.
 const TOP: u32 = 59 * 1550;
 
-/// The largest block, and the largest clip, where a cost asks for no smaller one.
+/// The largest block, and the largest clip, where a cost sets no lower limit.
 const ANY_BLOCK: RangeInclusive<u32> = 1..=51;
 const ANY_CAP: fn(&Ranges) -> u32 = |_| 127;
 

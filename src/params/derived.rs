@@ -11,8 +11,8 @@ impl Params {
         self.min_disparity..=self.min_disparity.saturating_add_unsigned(self.disparities).saturating_sub(1)
     }
 
-    /// The settings for images that are halved so often, in the early rounds of mutual information: no filter but
-    /// `lr_check`, and nothing beside the map of the left view.
+    /// The settings for images that are halved `halvings` times, in the early rounds of mutual information: no filter but
+    /// `lr_check`, and no result but the map of the left view.
     pub(crate) fn rough(&self, halvings: u32) -> Self {
         let last = self.min_disparity + self.disparities as i32 - 1;
         let (from, to) = (self.min_disparity >> halvings, -(-last >> halvings));
@@ -44,7 +44,7 @@ impl Params {
         (self.right_view == RightView::Match && self.reads_right_view()).then(|| self.second())
     }
 
-    /// The same for a second match.
+    /// The settings of a second match.
     pub(crate) fn second(&self) -> Self {
         Self {
             subpixel: Subpixel::Off,
@@ -83,7 +83,7 @@ impl Params {
         if self.color_cost { 3 } else { 1 }
     }
 
-    /// The cap, no larger than any cost allows: settings are also asked before they are validated.
+    /// The cap, no larger than any cost allows: this is also called before the settings are validated.
     fn bounded_cap(&self) -> u32 {
         self.prefilter_cap.min(Self::MAX_CAP)
     }
@@ -155,7 +155,7 @@ impl Params {
     /// Whether the matching cost is made without column sums in memory: pixel costs of a byte, whose block sums fit 16
     /// bits, and few rows of planes in a block.
     pub(crate) fn sums_small_blocks(&self) -> bool {
-        const MOST_ROWS: u32 = 64; // more make code that compiles for seconds
+        const MOST_ROWS: u32 = 64; // more rows take seconds to compile
         let bytes = self.pixel_max() <= 255 && !self.multiplies();
         bytes && self.block <= Self::SMALL_BLOCK && (self.block + 1) * self.planes() <= MOST_ROWS
     }
@@ -183,7 +183,7 @@ impl Params {
         self.cost.row().kind == Kind::Correlation
     }
 
-    /// Whether a table, made of a map of the pair, says what two values cost.
+    /// Whether the cost of two values is looked up in a table that is computed from a map of the pair.
     pub(crate) fn has_table(&self) -> bool {
         self.cost.row().kind == Kind::Table
     }

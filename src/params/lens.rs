@@ -2,7 +2,7 @@
 
 use crate::Error;
 
-/// A camera with its lens, and the rectified camera in its place, as OpenCV's `stereoCalibrate` and `stereoRectify` tell
+/// A camera with its lens, and the rectified camera in its place, as OpenCV's `stereoCalibrate` and `stereoRectify` give
 /// them. Matrices are by rows.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Lens {
@@ -64,7 +64,7 @@ impl Distortion {
 }
 
 fn refused<T>(given: String, allowed: &str) -> Result<T, Error> {
-    let (allowed, remedy) = (allowed.into(), "take the matrices of stereoCalibrate and stereoRectify");
+    let (allowed, remedy) = (allowed.into(), "use the matrices of stereoCalibrate and stereoRectify");
     Err(Error::Parameter { name: "rectify", given, allowed, remedy })
 }
 

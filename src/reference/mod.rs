@@ -2,7 +2,7 @@
 //!
 //! The shaders are the schedule of this definition and equal it to the bit; docs/ALGORITHMS.md says the same in words.
 //! Work is spread over rows by rayon, which changes no result. The stages take parameters that [`Params::validate`](crate::Params::validate)
-//! accepts, and each other's results: they check neither again.
+//! accepts, and each other's results: neither is checked again.
 //!
 //! [`compute`], [`compute_all`], [`compute_timed`] and [`compute_traced`] follow semantic versioning as the rest of the
 //! crate does. The functions of single stages and their types follow the definition: they may change in any release, and

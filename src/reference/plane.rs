@@ -1,4 +1,4 @@
-//! What the stages hand on: a value for each pixel, or for each pixel and disparity.
+//! The results of stages: a value for each pixel, or for each pixel and disparity.
 
 use rayon::prelude::*;
 

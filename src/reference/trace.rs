@@ -8,7 +8,7 @@ use web_time::Instant;
 /// Receives each result: the name of its stage and its bytes.
 pub(super) type Receiver<'a> = &'a mut dyn FnMut(&str, &[u8]);
 
-/// Follows the chain from stage to stage: takes the times, and passes the results on if somebody receives them.
+/// Follows the chain from stage to stage: measures the times, and passes the results on to a receiver, if there is one.
 pub(super) struct Trace<'a> {
     last: Instant,
     receiver: Option<Receiver<'a>>,
@@ -32,8 +32,8 @@ impl<'a> Trace<'a> {
         result
     }
 
-    /// Passes on a result that is part of another stage here and has no time of its own. It is computed only if somebody
-    /// receives it.
+    /// Passes on a result that is part of another stage here and has no time of its own. It is computed only if there is a
+    /// receiver.
     pub(super) fn show<T: Bytes>(&mut self, name: &str, result: impl FnOnce() -> T) {
         if let Some(receiver) = &mut self.receiver {
             let mut bytes = Vec::new();
@@ -44,7 +44,7 @@ impl<'a> Trace<'a> {
 }
 
 /// A result as bytes: its numbers in the order in which they are stored, each in little-endian order, without padding; a flag
-/// is 1 or 0. Of several parts one after the other, the left side first.
+/// is 1 or 0. Several parts follow one another, the left side first.
 pub(super) trait Bytes {
     /// Appends the bytes.
     fn append_to(&self, bytes: &mut Vec<u8>);

@@ -12,7 +12,7 @@ fn window(j: u32, row: u32) -> vec4<u32> {
     return (words >> vec4(shift)) | ((next << vec4(1u)) << vec4(31u - shift));
 }
 
-// Four bytes of a row of the right planes, from byte j - 3 to byte j. Those before byte 0 are of no meaning.
+// Four bytes of a row of the right planes, from byte j - 3 to byte j. Those before byte 0 are arbitrary.
 fn entering_bytes(j: u32, row: u32) -> u32 {
     let shift = (j & 3u) * 8u;
     let before = right_word(max(j >> 2u, 1u) - 1u, row);

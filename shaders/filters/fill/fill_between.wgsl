@@ -5,7 +5,7 @@
 // Reference: src/reference/filters/fill.rs
 
 struct Own {
-    occlusions: u32,    // 1: occlusions are filled in another way than mismatches
+    occlusions: u32,    // 1: occlusions are not filled like mismatches
 }
 
 @group(0) @binding(3) var<storage, read> nearest: array<vec4<u32>>;

@@ -1,6 +1,6 @@
 // fill_lines: as fill_rows, on lines that go dx columns to the right from row to row: the nearest above, and below.
 // map (i16, in a texture) -> nearest (i16, [y][line, eight][above, below]; a line is named by its column in row 0)
-// carry (i16, [line, eight][down, up]): the nearest so far, from one lot of rows to the next in the direction.
+// carry (i16, [line, eight][down, up]): the nearest so far, from one batch of rows to the next in the direction.
 // One invocation: eight neighbouring lines in one direction, 0 down and 1 up; the first is dispatch.entry.
 // With: bytes, map_octet, common
 // Reference: src/reference/filters/fill.rs

@@ -6,7 +6,7 @@
 // Reference: src/reference/filters/fill.rs
 
 struct Own {
-    occlusions: u32,    // 1: occlusions are filled in another way than mismatches
+    occlusions: u32,    // 1: occlusions are not filled like mismatches
 }
 
 @group(0) @binding(3) var<storage, read> along: array<u32>;
@@ -27,7 +27,7 @@ fn place(x: i32, y: i32, dx: i32) -> u32 {
 fn ranked(a: vec4<i32>, b: vec4<i32>, second: bool) -> i32 {
     let valid = countOneBits(mask(a != vec4(INVALID), b != vec4(INVALID)));
     let rank = select((valid - 1u) / 2u, min(valid - 1u, 1u), second) + 8u - valid;
-    // It has at most `rank` lower ones, and with its equals it has more.
+    // At most `rank` values are lower, and more than `rank` are lower or equal.
     var found = INVALID;
     for (var i = 0u; i < 8u; i++) {
         let value = select(b[i & 3u], a[i & 3u], i < 4u);

@@ -27,7 +27,7 @@ fn main(@builtin(global_invocation_id) id: vec3<u32>) {
     }
     let row = dispatch.first_row + id.y;
     let words = right_map[id.y * stride + id.x];
-    // What neighbours mark usually meets, and is marked at once.
+    // The columns that neighbours mark usually overlap, and are marked together.
     var first = 0;
     var last = -1;
     let largest = frame.min_disparity + i32(DISPARITIES) - 1;

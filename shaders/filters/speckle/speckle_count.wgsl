@@ -22,7 +22,7 @@ fn main(@builtin(global_invocation_id) id: vec3<u32>) {
         if root != first + start {
             set_tree(first + start, root);
         }
-        // A count only grows: beyond the window no more need be known.
+        // A count only grows: once it exceeds the window, counting can stop.
         if tree_at(root) - ROOT <= frame.speckle_window {
             add_to_tree(root, 1u + firstTrailingBit(~(along >> (start + 1u))));
         }

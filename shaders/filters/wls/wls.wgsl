@@ -1,4 +1,4 @@
-// wls: the smoothed disparity times confidence by the smoothed confidence; invalid where that is less than 2^-16.
+// wls: the smoothed disparity times confidence, divided by the smoothed confidence; invalid where that is less than 2^-16.
 // values -> filtered (i16)
 // One invocation: a word, two pixels of a row.
 // Border: none.

@@ -20,8 +20,8 @@ fn gray_at(line: u32, i: u32) -> i32 {
     return i32((select(two.x, two.y, (x & 4u) != 0u) >> (8u * (x & 3u))) & 255u);
 }
 
-// floor(65536 a / b), of a <= b and a < 65536. A division of floats is off by less than 1, and lavapipe has it in all
-// lanes at once, other than one of integers.
+// floor(65536 a / b), of a <= b and a < 65536. A division of floats is off by less than 1, and lavapipe vectorises it,
+// unlike a division of integers.
 fn quotient(a: u32, b: u32) -> u32 {
     let near = u32(f32(a) / f32(b) * 65536.0);
     let rest = bitcast<i32>((a << 16u) - near * b);
@@ -37,7 +37,7 @@ fn main(@builtin(global_invocation_id) id: vec3<u32>) {
     var mean = select(vec2(0u), carry[id.x].xy, carried);
     // The weight of the pixels so far, in 1/64.
     var weight = select(64u, carry[id.x].z, carried);
-    // Behind the last pixel of the line none is coupled; a lot of rows may end before it.
+    // The last pixel of the line is coupled to none after it; a batch of rows may end earlier.
     let end = select(frame.height - dispatch.first_row, frame.width, dispatch.row_step == 0u);
     var here = gray_at(id.x, 0u);
     for (var i = 0u; i < dispatch.rows; i++) {

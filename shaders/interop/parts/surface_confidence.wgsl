@@ -1,4 +1,4 @@
-// Appended to `surface_draw`: the confidence, of which 255 are one.
+// Appended to `surface_draw`: the confidence, where 255 becomes 1.
 alias Shown = vec4<f32>;
 
 @group(0) @binding(2) var<storage, read> confidence: array<u32>;

@@ -1,9 +1,9 @@
 // Appended to the kernels that walk a path: the recurrence of semi-global matching on the packed state L', sixteen
 // disparities a vector. MEMBERS invocations share a path; each owns OWN_QUADS vectors of its disparities. Disparities
-// beyond the range hold 255, which is never the smallest and never a neighbour's way.
+// beyond the range hold 255, which is never the smallest L' and never chosen by a neighbour.
 
 struct Own {
-    accumulate: u32,        // 1: add to what the opposite direction left
+    accumulate: u32,        // 1: add to the result of the opposite direction
     carry_from: u32,        // row of carry_in and of carry_out
     carry_to: u32,
     penalties_from: u32,    // vectors of penalties: before the first line
@@ -14,7 +14,7 @@ struct Own {
 
 alias State = array<Slice, SLICES>;
 
-// What the members of a path tell each other before a step: min L', and the L' next to a member's own.
+// What the members of a path exchange before a step: min L', and the L' next to a member's own.
 fn surroundings(state: ptr<function, State>) -> Surroundings {
     var least = vec4(NONE);
     for (var s = 0u; s < SLICES; s++) {

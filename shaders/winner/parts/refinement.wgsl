@@ -1,7 +1,7 @@
 // Appended to the kernels that choose a winner: the part of a pixel by which it is refined, its margin over its rival.
 // Reference: src/reference/winner/winner.rs
 
-// a / b, below 2^digits, bit by bit. A CPU has no division of many numbers at once, and a float one would not be exact on
+// a / b, below 2^digits, bit by bit. A CPU has no vector instruction that divides integers, and a float one would not be exact on
 // every device.
 fn quotient(a: u32, b: u32, digits: u32) -> u32 {
     var rest = a;
@@ -15,7 +15,7 @@ fn quotient(a: u32, b: u32, digits: u32) -> u32 {
     return bits;
 }
 
-// By how much of its cost a rival is dearer than the winner that costs `here`: 0 to 255.
+// The share of its cost, 0 to 255, by which a rival costs more than the winner, which costs `here`.
 fn margin_over(here: u32, rival: u32) -> u32 {
     return select(0u, quotient(255u * (rival - here), rival, 8u), rival > 0u);
 }

@@ -39,7 +39,7 @@ fn row_start() -> i32 {
     return i32(frame.width) - 1 + max(frame.min_disparity, 0);
 }
 
-// Known at compile time for the usual minimum of 0: a branch costs a copy of all that lives across it.
+// Known at compile time for the usual minimum of 0: a branch costs a copy of all values live across it.
 fn inside_row(x: i32) -> bool {
     return SHIFTED == 0u || (x >= 0 && x < i32(frame.width));
 }

@@ -1,4 +1,4 @@
-//! What a match costs.
+//! The matching cost.
 
 pub(crate) mod cost_columns;
 pub(crate) mod descriptors;

@@ -16,7 +16,7 @@ pub fn margin(best: u32, rival: Option<u32>) -> u8 {
 
 /// Stage `confidence`: the [`margin`] of each pixel's winner, at least 1; 0 where the final map has no disparity.
 ///
-/// A pixel to which a filter gave its value keeps the margin of its own winner.
+/// A pixel whose value a filter changed keeps the margin of its own winner.
 pub fn confidence(map: &DisparityMap, margins: &ConfidenceMap) -> ConfidenceMap {
     let of = |(&value, &margin): (&i16, &u8)| if value == DisparityMap::INVALID { 0 } else { margin.max(1) };
     ConfidenceMap { data: map.data.iter().zip(&margins.data).map(of).collect(), ..*margins }

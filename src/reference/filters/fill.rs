@@ -11,8 +11,8 @@ const RAYS: [Ray; 8] = [(-1, 0), (1, 0), (0, -1), (0, 1), (-1, -1), (1, 1), (-1,
 /// Stage `fill`: invalid pixels are given a value. A map without any valid pixel stays as it is.
 ///
 /// - [`Fill::Background`]: the smaller of the two nearest values of the row, or the only one; then, in rows without a
-///   value, the same of the column. As `interpolateBackground` of the KITTI development kit, but that the kit leaves rows
-///   without a value between rows that have some.
+///   value, the same of the column. As `interpolateBackground` of the KITTI development kit, except that the kit
+///   leaves rows without a value between rows that have some.
 /// - [`Fill::Rays`]: occlusions take the smaller of the two nearest values of the row, or the only one; then each pixel that
 ///   is still invalid takes the median along eight rays; then the background.
 /// - [`Fill::Hirschmuller`]: occlusions take the second lowest value along eight rays and mismatches the median; then the
@@ -20,6 +20,18 @@ const RAYS: [Ray; 8] = [(-1, 0), (1, 0), (0, -1), (0, 1), (-1, -1), (1, 1), (-1,
 ///
 /// A pixel is a mismatch if a disparity of the range leads to a pixel of the right view that has it, or one that differs
 /// by at most `lr_check` (1 if the check is off); otherwise an occlusion.
+///
+/// A ray ends at the border, which is not continued: at either end of a row only one side has a value, and a row without any
+/// is filled from the next one. The result need not point into the right image:
+///
+/// ```
+/// use gpu_stereo::{DisparityMap, Fill, Params, reference};
+/// const NONE: i16 = DisparityMap::INVALID;
+/// let map = DisparityMap { width: 4, height: 2, data: vec![NONE, 32, NONE, 16, NONE, NONE, NONE, NONE] };
+/// let mut params = Params::sgm(16);
+/// params.fill = Fill::Background;
+/// assert_eq!(reference::fill(&map, &map, &params).data, [32, 32, 16, 16, 32, 32, 16, 16]);
+/// ```
 pub fn fill(map: &DisparityMap, right: &DisparityMap, params: &Params) -> DisparityMap {
     let occluded = |x, y| !mismatch(right, params, x, y);
     let map = match params.fill {

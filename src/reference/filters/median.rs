@@ -6,6 +6,20 @@ use crate::reference::points_inside;
 ///
 /// An invalid value is smaller than every valid one. So a hole among a majority of valid pixels is filled, and a pixel
 /// among a majority of invalid ones is removed. A result that does not point into the right image is invalid.
+///
+/// At the upper right corner the border is read several times: 16 four times, 48 and 80 twice. At the left border a disparity
+/// of 1 px points outside and becomes invalid, though it is the median:
+///
+/// ```
+/// use gpu_stereo::{DisparityMap, reference};
+/// const NONE: i16 = DisparityMap::INVALID;
+/// let corner = DisparityMap { width: 4, height: 2, data: vec![NONE, NONE, 48, 16, NONE, NONE, NONE, 80] };
+/// assert_eq!(reference::median(&corner, 3).get(3, 0), Some(1.0));
+/// let border = DisparityMap { width: 2, height: 1, data: vec![0, 16] };
+/// let alike = DisparityMap { width: 2, height: 1, data: vec![16, 16] };
+/// assert_eq!(reference::median(&border, 3).data, [0, 16]);
+/// assert_eq!(reference::median(&alike, 3).data, [NONE, 16]);
+/// ```
 pub fn median(map: &DisparityMap, side: usize) -> DisparityMap {
     let (width, height) = (i64::from(map.width), i64::from(map.height));
     let reach = side as i64 / 2;

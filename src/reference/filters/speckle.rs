@@ -2,8 +2,18 @@ use crate::DisparityMap;
 
 /// Stage `speckle`: regions of at most `window` pixels become invalid, as OpenCV's `filterSpeckles` does.
 ///
-/// Two valid pixels beside or above each other are of one region if their values differ by at most 16 * `range`. A region
-/// is all pixels that such steps lead to.
+/// Two valid pixels that are neighbours in a row or a column belong to one region if their values differ by at most
+/// 16 * `range`. A region is a pixel and all pixels that chains of such neighbours lead to.
+///
+/// The border has no neighbours outside, and a row does not continue in the next one: the last pixel of row 0 and the first
+/// of row 1 are two regions of one pixel each, and the two upper pixels on the left are one of two:
+///
+/// ```
+/// use gpu_stereo::{DisparityMap, reference};
+/// const NONE: i16 = DisparityMap::INVALID;
+/// let map = DisparityMap { width: 4, height: 2, data: vec![16, 32, NONE, 64, 64, NONE, NONE, NONE] };
+/// assert_eq!(reference::speckle(&map, 1, 1).data, [16, 32, NONE, NONE, NONE, NONE, NONE, NONE]);
+/// ```
 pub fn speckle(map: &DisparityMap, window: u32, range: u32) -> DisparityMap {
     let (width, height) = (map.width as usize, map.height as usize);
     let mut filtered = map.clone();

@@ -10,10 +10,10 @@ pub struct Content {
 
 impl Content {
     /// Of pairs of `width` x `height` pixels, the size of the rectification and of the masks. `None` if all pixels have
-    /// content: then no stage asks for it.
+    /// content: then no stage reads it.
     ///
     /// A pixel of a given image has content if its mask is not 0, or there is none. A pixel of a rectified image has content
-    /// if each pixel that it takes a part of lies in the given image and has content there.
+    /// if each pixel that it is interpolated from lies in the given image and has content there.
     pub fn new(params: &Params, width: u32, height: u32) -> Option<Self> {
         if params.rectify.is_none() && params.masks.is_none() {
             return None;
@@ -23,8 +23,8 @@ impl Content {
         content.sides.iter().any(|side| side.data.contains(&false)).then_some(content)
     }
 
-    /// Of the images halved so often: a pixel has content if the four pixels have it that it is made of, the image continued
-    /// by its border.
+    /// The content of images halved `halvings` times: a pixel has content if all four pixels that it is computed from have,
+    /// the image continued by its border.
     #[must_use]
     pub fn halved(&self, halvings: u32) -> Self {
         let half = |side: &Plane<bool>| {

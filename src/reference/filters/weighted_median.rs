@@ -13,13 +13,14 @@ pub(crate) fn median_decay(sigma: u32) -> u32 {
     (65_536 + sigma / 2) / sigma
 }
 
-/// Rows and columns between the pixels that take part: half the radius, rounded up.
+/// The spacing of the sampled pixels in rows and columns: half the radius, rounded up.
 pub(crate) fn median_spacing(radius: u32) -> u32 {
     radius.div_ceil(2)
 }
 
 /// Stage `weighted_median`: each valid pixel takes the weighted median of the valid ones among 5x5 pixels around it, which
-/// lie `median_spacing` rows and columns apart: the smallest value at which those up to it have half of all weight.
+/// lie `median_spacing` rows and columns apart: the smallest value for which it and all smaller ones have at least half of
+/// the weight.
 ///
 /// A weight falls with the difference of the left image from the middle: Ma et al., "Constant Time Weighted Median
 /// Filtering for Stereo Matching and Beyond", ICCV 2013, with other weights and a sparse window.

@@ -4,13 +4,13 @@ use crate::reference::Descriptors;
 /// A pass through the chain for [`crate::Cost::MutualInformation`], which begins on small images.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Round {
-    /// How often the images are halved.
+    /// How many times the images are halved.
     pub halvings: u32,
-    /// The settings, with the range of disparities divided alike; before the last round without the filters of the map.
+    /// The settings, with the range of disparities divided accordingly; without filters of the map before the last round.
     pub params: Params,
 }
 
-/// The most halvings, and the shortest side that they leave.
+/// The most halvings, and the shortest side that an image may have after them.
 const MOST_HALVINGS: u32 = 4;
 const SHORTEST_SIDE: u32 = 16;
 

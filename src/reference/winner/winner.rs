@@ -49,7 +49,7 @@ pub(crate) fn winner_of_row(costs: &[u32], params: &Params) -> RowOfViews {
 
     let left = (0..width).map(|x| {
         let best = (0..n).min_by_key(|&d| (cost(x, d), d)).unwrap_or(0); // ties go to the smallest disparity
-        // Uniqueness: every disparity but the winner and its neighbours must cost clearly more.
+        // Uniqueness: every disparity but the winner and its neighbours must cost more by the given share.
         let ratio = params.uniqueness;
         let rival = (0..n).filter(|d| d.abs_diff(best) > 1).map(|d| cost(x, d)).min();
         let unique = ratio == 0 || rival.is_none_or(|rival| rival * (100 - ratio) > cost(x, best) * 100);

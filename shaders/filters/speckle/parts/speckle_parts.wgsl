@@ -40,7 +40,7 @@ fn set_tree(pixel: u32, value: u32) {
     }
 }
 
-// The value before.
+// Returns the value before.
 fn lower_tree(pixel: u32, value: u32) -> u32 {
     switch pixel >> PART_BITS {
         case 0u: {

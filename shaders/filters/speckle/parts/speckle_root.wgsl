@@ -1,7 +1,7 @@
 // Appended to the kernels of the stage speckle that look for roots.
 // Reference: src/reference/filters/speckle.rs
 
-// A root has this bit, and what was counted of its region; every other pixel has the number of one before it.
+// A root has this bit and the count of its region; every other pixel has the number of an earlier one.
 const ROOT: u32 = 1u << 31u;
 
 fn root_of(pixel: u32) -> u32 {

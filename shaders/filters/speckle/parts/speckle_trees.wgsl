@@ -9,7 +9,7 @@ fn set_tree(pixel: u32, value: u32) {
     atomicStore(&trees[pixel], value);
 }
 
-// The value before.
+// Returns the value before.
 fn lower_tree(pixel: u32, value: u32) -> u32 {
     return atomicMin(&trees[pixel], value);
 }

@@ -2,7 +2,7 @@
 
 // Disparity above the smallest times confidence, and confidence.
 @group(0) @binding(2) var<storage, read_write> values: array<vec2<u32>>;
-// Of 65536: what the mean with the pixels before has in the solution. The rest is that of the pixel after.
+// The weight, of 65536, of the mean with the pixels before in the solution; the rest is the weight of the pixel after.
 @group(0) @binding(3) var<storage, read_write> shares: array<u32>;
 
 // share / 65536 of a and the rest of b, to the nearest number, a half upwards.
@@ -12,7 +12,7 @@ fn blend(a: vec2<u32>, b: vec2<u32>, share: u32) -> vec2<u32> {
     return (a >> vec2(16u)) * share + (b >> vec2(16u)) * rest + (low >> vec2(16u));
 }
 
-// Of each line, from one lot of rows to the next: the mean, and the weight that belongs to it.
+// Of each line, from one batch of rows to the next: the mean, and the weight that belongs to it.
 @group(0) @binding(4) var<storage, read_write> carry: array<vec4<u32>>;
 
 // A line's pixels lie dispatch.dx apart, the first ones of neighbouring lines dispatch.dy.
