@@ -2,6 +2,26 @@
 
 use crate::params::{Fill, Median, Params};
 
+/// How a device computes a filter: src/gpu/chain/filters/filtered.rs records it. The first three are one kernel, named as the
+/// stage.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum Steps {
+    /// From what is around the pixel in the map.
+    Around,
+    /// From what is around the pixel in the map and in the left image.
+    AroundWithImage,
+    /// From the maps of both views.
+    BothViews,
+    /// Sums of the image's columns before.
+    Texture,
+    /// Trees of regions.
+    Speckle,
+    /// The kernels of the kind of fill.
+    Fill,
+    /// A solution along rows and columns in turn.
+    Wls,
+}
+
 macro_rules! filters {
     ($($(#[$doc:meta])* $name:ident {
         stage: $stage:literal,
@@ -9,9 +29,10 @@ macro_rules! filters {
         clear: $clear:expr,
         reads_right: $reads_right:expr,
         gives_disparities: $gives:literal,
+        steps: $steps:ident,
     })+) => {
-        /// A filter of the map of the left view. What computes it is in src/reference/filters/mod.rs and
-        /// src/gpu/chain/filters/filtered.rs, which do not compile until they have an arm for each variant.
+        /// A filter of the map of the left view. Its definition is in src/reference/filters/mod.rs, which does not compile until
+        /// it has an arm for each variant.
         #[derive(Clone, Copy, Debug, PartialEq, Eq)]
         pub(crate) enum Filter {
             $($(#[$doc])* $name,)+
@@ -48,6 +69,11 @@ macro_rules! filters {
             pub(crate) fn gives_disparities(self) -> bool {
                 match self { $(Self::$name => $gives,)+ }
             }
+
+            /// How the device computes it.
+            pub(crate) fn steps(self) -> Steps {
+                match self { $(Self::$name => Steps::$steps,)+ }
+            }
         }
     };
 }
@@ -60,6 +86,7 @@ filters! {
         clear: |params| params.texture = 0,
         reads_right: |_| false,
         gives_disparities: false,
+        steps: Texture,
     }
     /// Drops disparities with which the right view disagrees.
     LrCheck {
@@ -68,6 +95,7 @@ filters! {
         clear: |params| params.lr_check = None,
         reads_right: |_| true,
         gives_disparities: false,
+        steps: BothViews,
     }
     /// Drops small regions.
     Speckle {
@@ -76,6 +104,7 @@ filters! {
         clear: |params| params.speckle_window = 0,
         reads_right: |_| false,
         gives_disparities: false,
+        steps: Speckle,
     }
     /// The median of a window.
     Median {
@@ -84,6 +113,7 @@ filters! {
         clear: |params| params.median = Median::Off,
         reads_right: |_| false,
         gives_disparities: true,
+        steps: Around,
     }
     /// Fills holes.
     Fill {
@@ -92,6 +122,7 @@ filters! {
         clear: |params| params.fill = Fill::None,
         reads_right: |params| matches!(params.fill, Fill::Rays | Fill::Hirschmuller),
         gives_disparities: true,
+        steps: Fill,
     }
     /// The median of a window, weighted by the left image.
     WeightedMedian {
@@ -100,6 +131,7 @@ filters! {
         clear: |params| params.weighted_median = None,
         reads_right: |_| false,
         gives_disparities: true,
+        steps: AroundWithImage,
     }
     /// Smooths by weighted least squares.
     Wls {
@@ -108,5 +140,6 @@ filters! {
         clear: |params| params.wls = None,
         reads_right: |_| false,
         gives_disparities: true,
+        steps: Wls,
     }
 }

@@ -19,7 +19,7 @@ pub use camera::Camera;
 pub use choices::{Census, Fill, Median, Method, Paths, Prefilter, Preset, RightView, Schedule, Subpixel, Wls};
 pub use costs::Cost;
 pub(crate) use costs::Descriptor;
-pub(crate) use filters::Filter;
+pub(crate) use filters::{Filter, Steps};
 pub use lens::{Distortion, Lens};
 pub use masks::Masks;
 #[cfg(test)]

@@ -10,7 +10,7 @@ use crate::gpu::layout::{Dispatch, Frame};
 use crate::gpu::plan;
 use crate::gpu::recording::Bound::{self, Buffer, Texture};
 use crate::gpu::recording::{Builder, Written};
-use crate::params::Filter;
+use crate::params::{Filter, Steps};
 use crate::{Median, reference};
 
 /// The filters that are asked for, and `validity` after each that may give a pixel another disparity. Returns the buffer of
@@ -43,30 +43,33 @@ fn filter_step(
     gray: &wgpu::TextureView,
 ) -> wgpu::Buffer {
     let written = Written::Filter(filter);
-    match filter {
-        Filter::Texture => {
+    let kernel = match filter {
+        Filter::Median if b.params.median == Median::Five => "median_five",
+        _ => filter.stage(),
+    };
+    match filter.steps() {
+        Steps::Around => {
+            let texels = b.copy_to_texels();
+            map_step(b, kernel, [&[Texture(&texels)], &[]], written)
+        }
+        Steps::AroundWithImage => {
+            let texels = b.copy_to_texels();
+            map_step(b, kernel, [&[Texture(&texels)], &[Texture(gray)]], written)
+        }
+        Steps::BothViews => {
+            let reads = [by_rows(b, map), by_rows(b, right)];
+            map_step(b, kernel, [&reads, &[]], written)
+        }
+        Steps::Texture => {
             let columns = b.buffer("texture_columns", b.sizes.map);
             let (storage, lines) = ([Texture(gray), by_rows(b, &columns)], b.sizes.frame.map_stride.div_ceil(8));
             b.step_rows("texture_columns", &storage, Dispatch::default(), lines, plan::segment(&b.plan), Written::Part);
             let reads = [by_rows(b, &columns), by_rows(b, map)];
-            map_step(b, "texture", [&reads, &[]], written)
+            map_step(b, kernel, [&reads, &[]], written)
         }
-        Filter::LrCheck => {
-            let reads = [by_rows(b, map), by_rows(b, right)];
-            map_step(b, "lr_check", [&reads, &[]], written)
-        }
-        Filter::Speckle => speckle(b),
-        Filter::Median => {
-            let kernel = if b.params.median == Median::Five { "median_five" } else { "median" };
-            let texels = b.copy_to_texels();
-            map_step(b, kernel, [&[Texture(&texels)], &[]], written)
-        }
-        Filter::Fill => fill(b, right),
-        Filter::WeightedMedian => {
-            let texels = b.copy_to_texels();
-            map_step(b, "weighted_median", [&[Texture(&texels)], &[Texture(gray)]], written)
-        }
-        Filter::Wls => {
+        Steps::Speckle => speckle(b),
+        Steps::Fill => fill(b, right),
+        Steps::Wls => {
             let couplings = b.params.wls.as_ref().map_or_else(Vec::new, reference::wls_couplings);
             wls(b, gray, couplings)
         }
