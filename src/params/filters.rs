@@ -1,6 +1,8 @@
 //! The table of filters: a row for each filter of the map of the left view, in the order of the chain.
 
-use crate::params::{Fill, Median, Params};
+use crate::Error;
+use crate::params::check::{MAX_DIFFERENCE, check};
+use crate::params::{Fill, Median, Params, Wls};
 
 /// How a device computes a filter: src/gpu/chain/filters/filtered.rs records it. The first three are one kernel, named as the
 /// stage.
@@ -30,6 +32,7 @@ macro_rules! filters {
         reads_right: $reads_right:expr,
         gives_disparities: $gives:literal,
         steps: $steps:ident,
+        ranges: $ranges:expr,
     })+) => {
         /// A filter of the map of the left view. Its definition is in src/reference/filters/mod.rs, which does not compile until
         /// it has an arm for each variant.
@@ -70,6 +73,12 @@ macro_rules! filters {
                 match self { $(Self::$name => $gives,)+ }
             }
 
+            /// Checks the ranges of its settings.
+            pub(crate) fn validate(self, params: &Params) -> Result<(), Error> {
+                let ranges: fn(&Params) -> Result<(), Error> = match self { $(Self::$name => $ranges,)+ };
+                ranges(params)
+            }
+
             /// How the device computes it.
             pub(crate) fn steps(self) -> Steps {
                 match self { $(Self::$name => Steps::$steps,)+ }
@@ -87,6 +96,13 @@ filters! {
         reads_right: |_| false,
         gives_disparities: false,
         steps: Texture,
+        ranges: |params| check(
+            params.texture <= Params::MAX_TEXTURE,
+            "texture",
+            params.texture,
+            format!("from 0 (off) to {}", Params::MAX_TEXTURE),
+            "a few units for each pixel of the block are usual",
+        ),
     }
     /// Drops disparities with which the right view disagrees.
     LrCheck {
@@ -96,6 +112,13 @@ filters! {
         reads_right: |_| true,
         gives_disparities: false,
         steps: BothViews,
+        ranges: |params| check(
+            params.lr_check.is_none_or(|px| px <= MAX_DIFFERENCE),
+            "lr-check",
+            params.lr_check.unwrap_or_default(),
+            format!("off, or from 0 to {MAX_DIFFERENCE} px"),
+            "1 is usual",
+        ),
     }
     /// Drops small regions.
     Speckle {
@@ -105,6 +128,22 @@ filters! {
         reads_right: |_| false,
         gives_disparities: false,
         steps: Speckle,
+        ranges: |params| {
+            check(
+                params.speckle_range <= MAX_DIFFERENCE,
+                "speckle-range",
+                params.speckle_range,
+                format!("from 0 to {MAX_DIFFERENCE} px"),
+                "1 or 2 is usual",
+            )?;
+            check(
+                params.speckle_window <= i32::MAX as u32,
+                "speckle-window",
+                params.speckle_window,
+                format!("from 0 (off) to {} px", i32::MAX),
+                "100 is usual",
+            )
+        },
     }
     /// The median of a window.
     Median {
@@ -114,6 +153,7 @@ filters! {
         reads_right: |_| false,
         gives_disparities: true,
         steps: Around,
+        ranges: |_| Ok(()),
     }
     /// Fills holes.
     Fill {
@@ -123,6 +163,7 @@ filters! {
         reads_right: |params| matches!(params.fill, Fill::Rays | Fill::Hirschmuller),
         gives_disparities: true,
         steps: Fill,
+        ranges: |_| Ok(()),
     }
     /// The median of a window, weighted by the left image.
     WeightedMedian {
@@ -132,6 +173,17 @@ filters! {
         reads_right: |_| false,
         gives_disparities: true,
         steps: AroundWithImage,
+        ranges: |params| {
+            check(
+                params.weighted_median.is_none_or(|radius| (1..=15).contains(&radius)),
+                "weighted-median",
+                params.weighted_median.unwrap_or_default(),
+                "off, or a radius from 1 to 15 px",
+                "5 is usual",
+            )?;
+            let sigma = params.weighted_median_sigma;
+            check((1..=255).contains(&sigma), "weighted-median-sigma", sigma, "from 1 to 255", "20 is usual")
+        },
     }
     /// Smooths by weighted least squares.
     Wls {
@@ -141,5 +193,10 @@ filters! {
         reads_right: |_| false,
         gives_disparities: true,
         steps: Wls,
+        ranges: |params| {
+            let Some(Wls { lambda, sigma }) = params.wls else { return Ok(()) };
+            check((0.0..=1e6).contains(&lambda), "wls-lambda", lambda, "from 0 to 1000000", "4 is usual")?;
+            check((0.1..=1000.0).contains(&sigma), "wls-sigma", sigma, "from 0.1 to 1000", "1 to 2 is usual")
+        },
     }
 }

@@ -1,6 +1,7 @@
 //! What a user may ask for, and the checks that come before anything touches a device.
 
 mod camera;
+mod check;
 mod choices;
 mod costs;
 mod derived;

@@ -1,21 +1,9 @@
 //! The ranges of the settings, and which go together.
 
 use crate::Error;
+use crate::params::check::check;
 use crate::params::names::Named;
-use crate::params::{Camera, Cost, Method, Params, Wls};
-
-/// The largest difference between two disparities, in pixels.
-const MAX_DIFFERENCE: u32 = 2 * Params::MAX_ABS_DISPARITY as u32 + 1;
-
-fn check(
-    ok: bool,
-    name: &'static str,
-    given: impl ToString,
-    allowed: impl Into<String>,
-    remedy: &'static str,
-) -> Result<(), Error> {
-    if ok { Ok(()) } else { Err(Error::Parameter { name, given: given.to_string(), allowed: allowed.into(), remedy }) }
-}
+use crate::params::{Camera, Cost, Filter, Method, Params};
 
 impl Params {
     /// Checks every range, and that the settings go together. Whatever takes settings does so itself.
@@ -34,7 +22,6 @@ impl Params {
         self.validate_disparities()?;
         self.validate_windows()?;
         self.validate_penalties()?;
-        self.validate_checks()?;
         self.validate_filters()?;
         self.depth.as_ref().map_or(Ok(()), Camera::validate)?;
         self.validate_cost()
@@ -87,57 +74,12 @@ impl Params {
         check(self.p1 <= self.p2, "p1", self.p1, format!("from 0 to p2, which is {}", self.p2), "lower p1 or raise p2")
     }
 
-    /// What drops disparities of the winner.
-    fn validate_checks(&self) -> Result<(), Error> {
-        check(self.uniqueness <= 99, "uniqueness", self.uniqueness, "from 0 (off) to 99 per cent", "10 is usual")?;
-        check(
-            self.lr_check.is_none_or(|px| px <= MAX_DIFFERENCE),
-            "lr-check",
-            self.lr_check.unwrap_or_default(),
-            format!("off, or from 0 to {MAX_DIFFERENCE} px"),
-            "1 is usual",
-        )?;
-        check(
-            self.texture <= Self::MAX_TEXTURE,
-            "texture",
-            self.texture,
-            format!("from 0 (off) to {}", Self::MAX_TEXTURE),
-            "a few units for each pixel of the block are usual",
-        )
-    }
-
+    /// The ranges of the filters are in their rows.
     fn validate_filters(&self) -> Result<(), Error> {
-        check(
-            self.speckle_range <= MAX_DIFFERENCE,
-            "speckle-range",
-            self.speckle_range,
-            format!("from 0 to {MAX_DIFFERENCE} px"),
-            "1 or 2 is usual",
-        )?;
-        check(
-            self.speckle_window <= i32::MAX as u32,
-            "speckle-window",
-            self.speckle_window,
-            format!("from 0 (off) to {} px", i32::MAX),
-            "100 is usual",
-        )?;
-        check(
-            self.weighted_median.is_none_or(|radius| (1..=15).contains(&radius)),
-            "weighted-median",
-            self.weighted_median.unwrap_or_default(),
-            "off, or a radius from 1 to 15 px",
-            "5 is usual",
-        )?;
-        check(
-            (1..=255).contains(&self.weighted_median_sigma),
-            "weighted-median-sigma",
-            self.weighted_median_sigma,
-            "from 1 to 255",
-            "20 is usual",
-        )?;
-        let Some(Wls { lambda, sigma }) = self.wls else { return Ok(()) };
-        check((0.0..=1e6).contains(&lambda), "wls-lambda", lambda, "from 0 to 1000000", "4 is usual")?;
-        check((0.1..=1000.0).contains(&sigma), "wls-sigma", sigma, "from 0.1 to 1000", "1 to 2 is usual")
+        check(self.uniqueness <= 99, "uniqueness", self.uniqueness, "from 0 (off) to 99 per cent", "10 is usual")?;
+        // Of two faults the first is reported: lr-check before texture.
+        Filter::LrCheck.validate(self)?;
+        Filter::ALL.iter().try_for_each(|filter| filter.validate(self))
     }
 
     /// What is allowed with this cost.
