@@ -2,12 +2,11 @@
 
 use std::collections::HashSet;
 
-use super::table::{Access, Kernel};
+use super::table::{Access, Kernel, SETTINGS};
 use crate::PixelFormat;
 use crate::gpu::layout::{NO_OWN, TEXELS};
 use crate::gpu::plan::{Plan, paired, parts_and_strip, segment, span, vectors};
 use crate::params::{Census, Descriptor, Params, Prefilter, Subpixel};
-use crate::reference::{median_decay, median_spacing, wls_bits};
 
 /// A constant: its name, its type and its value.
 type Constant = (&'static str, &'static str, String);
@@ -121,13 +120,11 @@ fn winner(kernel: &Kernel, params: &Params) -> Vec<Constant> {
     ]
 }
 
-fn filters(params: &Params, plan: &Plan) -> Vec<Constant> {
+/// The parts that the trees of the speckle filter lie in.
+fn speckle_parts(plan: &Plan) -> Vec<Constant> {
     vec![
         number("PART_BITS", plan.part_bits.unwrap_or(0)),
         number("FILTERED", 3 + plan.parts()),
-        number("SPACING", median_spacing(params.weighted_median.unwrap_or(1))),
-        number("DECAY", median_decay(params.weighted_median_sigma)),
-        number("SIXTEENTH_BITS", wls_bits(params.disparities)),
     ]
 }
 
@@ -154,7 +151,8 @@ pub(super) fn constants(
         cost(params),
         census(params),
         winner(kernel, params),
-        filters(params, plan),
+        speckle_parts(plan),
+        SETTINGS.iter().map(|&(name, value)| number(name, value(params))).collect(),
     ]
     .iter()
     .flatten()

@@ -2,6 +2,7 @@
 
 use crate::gpu::plan::{Exchange, GROUP_LANES, Plan, STRIP_LANES};
 use crate::params::Params;
+use crate::reference::{median_decay, median_spacing, wls_bits};
 
 /// What a kernel does with a storage resource.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -120,6 +121,13 @@ pub(crate) const KERNELS: &[Kernel] = &[
     Kernel { name: "wls_forward", stage: "wls", lanes: 8, sources: wgsl!("filters/wls/wls_forward", "filters/wls/parts/wls_line", "shared/common"), choices: &[], storage: &[Write, Write, Write, QUAD, Read] },
     Kernel { name: "wls_backward", stage: "wls", lanes: 8, sources: wgsl!("filters/wls/wls_backward", "filters/wls/parts/wls_line", "shared/common"), choices: &[], storage: &[Write, Write, Write] },
     Kernel { name: "wls", stage: "wls", lanes: 64, sources: wgsl!("filters/wls/wls", "shared/common"), choices: &[], storage: &[Read, Write] },
+];
+
+/// Constants that follow from the settings of a filter. A kernel that names one gets it.
+pub(super) const SETTINGS: &[(&str, fn(&Params) -> u32)] = &[
+    ("SPACING", |params| median_spacing(params.weighted_median.unwrap_or(1))),
+    ("DECAY", |params| median_decay(params.weighted_median_sigma)),
+    ("SIXTEENTH_BITS", |params| wls_bits(params.disparities)),
 ];
 
 impl Kernel {
