@@ -122,10 +122,7 @@ fn winner(kernel: &Kernel, params: &Params) -> Vec<Constant> {
 
 /// The parts that the trees of the speckle filter lie in.
 fn speckle_parts(plan: &Plan) -> Vec<Constant> {
-    vec![
-        number("PART_BITS", plan.part_bits.unwrap_or(0)),
-        number("FILTERED", 3 + plan.parts()),
-    ]
+    vec![number("PART_BITS", plan.part_bits.unwrap_or(0)), number("FILTERED", 3 + plan.parts())]
 }
 
 fn no_own(fragments: &[&str]) -> Option<&'static str> {
