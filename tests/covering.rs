@@ -30,7 +30,8 @@ type Row = Vec<usize>;
 /// A value of a factor: their indices.
 type Choice = (usize, usize);
 
-/// The values of the options that take numbers. What an option takes in words is taken from the table of options.
+/// Values of options that take numbers, where they are not those of `numbers`. What an option takes in words is taken from the
+/// table of options.
 const NUMBERS: &[(&str, &[&str])] = &[
     ("disp", &["21", "7", "37"]),
     ("min-disp", &["0", "-4", "3"]),
@@ -43,7 +44,6 @@ const NUMBERS: &[(&str, &[&str])] = &[
     ("p2", &["96", "40"]),
     ("texture", &["off", "150"]),
     ("uniqueness", &["10", "off"]),
-    ("lr-check", &["1", "off"]),
     ("speckle-window", &["off", "12"]),
     ("speckle-range", &["1", "3"]),
     ("weighted-median", &["off", "3"]),
@@ -64,19 +64,26 @@ const CIRCUMSTANCES: &[(&str, &[&str])] = &[
     ("masks", &["off", "on"]),
 ];
 
+/// What an option that takes numbers has by default, and off or the first of some numbers that is another and allowed.
+fn numbers(name: &'static str, allowed: &str) -> Vec<&'static str> {
+    let default: &str = Params::from_options(64, []).unwrap().get(name).leak();
+    let off = allowed.ends_with("|off").then_some("off");
+    let other = off.into_iter().chain(["4", "3", "40", "1"]).find(|value| {
+        *value != default && Params::from_options(64, [(name, *value)]).is_ok_and(|params| params.get(name) == *value)
+    });
+    let other = other.unwrap_or_else(|| panic!("--{name} needs two values in NUMBERS"));
+    vec![default, other]
+}
+
 fn factors() -> Vec<Factor> {
     let options = Params::OPTIONS.iter().map(|option| {
-        let numbers = NUMBERS.iter().find(|(name, _)| *name == option.name).map(|(_, values)| values.to_vec());
-        let words = || {
-            option
-                .values
-                .iter()
-                .map(|(word, _)| *word)
-                .filter(|word| !UNLISTED.contains(&(option.name, word)))
-                .collect::<Vec<_>>()
+        let listed = NUMBERS.iter().find(|(name, _)| *name == option.name);
+        let words = option.values.iter().map(|(word, _)| *word);
+        let values: Vec<_> = match listed {
+            Some((_, values)) => values.to_vec(),
+            None if option.values.is_empty() => numbers(option.name, option.placeholder),
+            None => words.filter(|word| !UNLISTED.contains(&(option.name, word))).collect(),
         };
-        let values = numbers.unwrap_or_else(words);
-        assert!(!values.is_empty(), "--{} takes numbers, of which none are listed here", option.name);
         Factor { name: option.name, values }
     });
     let circumstances = CIRCUMSTANCES.iter().map(|(name, values)| Factor { name, values: values.to_vec() });
