@@ -256,16 +256,20 @@ fn every_stage_and_every_choice_is_covered() {
     assert!(names.len() > 24, "only {names:?}");
     assert_eq!(names.difference(&covered).collect::<Vec<_>>(), [""; 0], "stages of the page without a vector");
 
-    // The description has every stage, and their number.
+    // The description has every stage but those that give one map.
     let described = text("docs/VECTORS.md");
+    assert!(described.contains("\n| any other, "), "docs/VECTORS.md does not describe the other stages");
+    let rows: Vec<&str> = described.lines().filter(|line| line.starts_with("| `")).collect();
+    let gives_one_map = |name: &str| {
+        vectors.iter().any(|vector| {
+            let pixels = ["width", "height"].map(|side| vector["case"][side].as_u64().unwrap() as usize);
+            known(vector).iter().any(|(stage, bytes, _)| stage == name && *bytes == 2 * pixels[0] * pixels[1])
+        })
+    };
     for stage in &covered {
-        let row = described.lines().find(|line| line.starts_with('|') && line.contains(&format!("`{stage}`")));
-        assert!(row.is_some(), "docs/VECTORS.md does not describe the bytes of {stage}");
+        let has_row = rows.iter().any(|row| row.contains(&format!("`{stage}`")));
+        assert!(has_row || gives_one_map(stage), "docs/VECTORS.md does not describe the bytes of {stage}");
     }
-    assert!(
-        described.contains(&format!("{}\nsettings", vectors.len())),
-        "docs/VECTORS.md has another number of settings"
-    );
 
     // Every value of every setting that takes words.
     let cases: Vec<Params> = vectors.iter().map(|vector| params(&vector["case"])).collect();
