@@ -123,8 +123,11 @@ pub(crate) const KERNELS: &[Kernel] = &[
     Kernel { name: "wls", stage: "wls", lanes: 64, sources: wgsl!("filters/wls/wls", "shared/common"), choices: &[], storage: &[Read, Write] },
 ];
 
+/// The name of a constant, and its value.
+type Constant = (&'static str, fn(&Params) -> u32);
+
 /// Constants that follow from the settings of a filter. A kernel that names one gets it.
-pub(super) const SETTINGS: &[(&str, fn(&Params) -> u32)] = &[
+pub(super) const SETTINGS: &[Constant] = &[
     ("SPACING", |params| median_spacing(params.weighted_median.unwrap_or(1))),
     ("DECAY", |params| median_decay(params.weighted_median_sigma)),
     ("SIXTEENTH_BITS", |params| wls_bits(params.disparities)),
