@@ -2,6 +2,7 @@
 
 mod batch;
 mod bench;
+mod bulk;
 mod cameras;
 mod choices;
 mod device;

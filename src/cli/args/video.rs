@@ -1,5 +1,6 @@
 //! The command line of `video`.
 
+use super::bulk::BulkArgs;
 use super::choices;
 use super::device::DeviceArgs;
 use super::headings::{DEVICE, OUTPUT};
@@ -73,27 +74,7 @@ pub struct VideoArgs {
     #[arg(long, value_name = "FPS", allow_negative_numbers = true, help_heading = OUTPUT)]
     pub fps: Option<String>,
 
-    /// Keep the files of an earlier run with the same settings and the same images, and compute only what is missing
-    #[arg(long, help_heading = OUTPUT)]
-    pub resume: bool,
-
-    /// With --resume: try again the pairs that ended the processes that computed them
-    #[arg(long, requires = "resume", help_heading = OUTPUT)]
-    pub retry: bool,
-
-    /// Do not wait until each file is on the disk; --resume then reads the maps before it trusts them
-    #[arg(long, help_heading = OUTPUT)]
-    pub no_sync: bool,
-
-    /// Internal: compute the pairs of this journal one by one
-    #[arg(long, hide = true, value_name = "FILE")]
-    pub suspects: Option<PathBuf>,
-
-    /// Print one JSON object instead of the summary
-    #[arg(long, help_heading = OUTPUT)]
-    pub json: bool,
-
-    /// Print no summary and no progress
-    #[arg(short, long, help_heading = OUTPUT)]
-    pub quiet: bool,
+    /// How the run resumes, writes and reports
+    #[command(flatten)]
+    pub bulk: BulkArgs,
 }

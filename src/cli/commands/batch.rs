@@ -53,18 +53,18 @@ fn resolve(typed: BatchArgs) -> Result<Batch> {
     let in_flight = args::in_flight(&typed.in_flight)?;
     output_files::ensure_ranges(&typed.format, &typed.output, &params)?;
     let threads = typed.threads.as_ref().map_or(Ok(args::usual_threads()), args::threads)?;
-    if typed.no_sync {
+    if typed.bulk.no_sync {
         disk::leave_to_the_system();
     }
 
     let planned = plan(&typed, &formats)?;
     let mode = Mode {
-        resume: typed.resume,
-        retry: typed.retry,
+        resume: typed.bulk.resume,
+        retry: typed.bulk.retry,
         video: false,
         input: typed.input.clone(),
         masks,
-        suspects: typed.suspects,
+        suspects: typed.bulk.suspects,
     };
     let advice = "give each a name of its own in a list";
     let mut store = Store::new(&typed.output, &params, &[], &planned, advice, mode)?;
@@ -83,15 +83,15 @@ fn resolve(typed: BatchArgs) -> Result<Batch> {
         params,
         in_flight,
         threads,
-        json: typed.json,
-        quiet: typed.quiet,
+        json: typed.bulk.json,
+        quiet: typed.bulk.quiet,
     })
 }
 
 /// All pairs, and what they become.
 fn plan(args: &BatchArgs, formats: &[Format]) -> Result<Vec<Planned>> {
     let planned = |pair, name, line| Planned { pair, item: Item::new(&args.output, name, formats), line };
-    if let Some(journal) = &args.suspects {
+    if let Some(journal) = &args.bulk.suspects {
         let suspects = store::suspects(journal)?.into_iter();
         return Ok(suspects.map(|(pair, name)| planned(pair, name, None)).collect());
     }

@@ -87,7 +87,7 @@ fn resolve(typed: VideoArgs) -> Result<Video> {
     let in_flight = args::in_flight(&typed.in_flight)?;
     output_files::ensure_ranges(&typed.format, &typed.output, &params)?;
 
-    if typed.no_sync {
+    if typed.bulk.no_sync {
         disk::leave_to_the_system();
     }
 
@@ -120,14 +120,14 @@ fn resolve(typed: VideoArgs) -> Result<Video> {
         in_flight,
         sink,
         output: typed.output,
-        json: typed.json,
-        quiet: typed.quiet,
+        json: typed.bulk.json,
+        quiet: typed.bulk.quiet,
     })
 }
 
 fn film(args: &VideoArgs, pairs: Vec<(u64, Pair)>, params: &Params, masks: &MaskFiles) -> Result<Sink> {
     ensure!(
-        args.format.is_empty() && !args.resume,
+        args.format.is_empty() && !args.bulk.resume,
         "--format and --resume are for numbered files, but output {:?} is a video; drop them, or give a folder",
         args.output
     );
@@ -150,7 +150,7 @@ fn numbered(
 ) -> Result<Sink> {
     let out = &args.output;
     let formats = output_files::formats(&args.format)?;
-    ensure!(!args.resume, "--resume needs a folder, but output is {out:?}; give a folder, or drop it");
+    ensure!(!args.bulk.resume, "--resume needs a folder, but output is {out:?}; give a folder, or drop it");
     let of_name = encoders::map_format(&pattern.path(0))?;
     let format = match formats[..] {
         [] => of_name,
@@ -183,17 +183,17 @@ fn folder(
         let name = pair.left.file_stem().unwrap_or_default().into();
         planned(pair, name)
     };
-    let planned: Vec<_> = match &args.suspects {
+    let planned: Vec<_> = match &args.bulk.suspects {
         Some(journal) => store::suspects(journal)?.into_iter().map(|(pair, name)| planned(pair, name)).collect(),
         None => pairs.into_iter().map(named).collect(),
     };
     let mode = Mode {
-        resume: args.resume,
-        retry: args.retry,
+        resume: args.bulk.resume,
+        retry: args.bulk.retry,
         video: true,
         input: input.clone(),
         masks,
-        suspects: args.suspects.clone(),
+        suspects: args.bulk.suspects.clone(),
     };
     let advice = format!("give a printf pattern as output, such as {:?}", out.join("%06d.png"));
     let sources = [("left", sides[0].as_path()), ("right", sides[1].as_path())];
