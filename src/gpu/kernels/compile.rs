@@ -17,7 +17,14 @@ pub(crate) struct Compiled {
 }
 
 /// Compiles `text`, a kernel's [`source`].
-pub(crate) fn compile(device: &wgpu::Device, kernel: &Kernel, text: &str, params: &Params, plan: &Plan) -> Compiled {
+pub(crate) fn compile(
+    device: &wgpu::Device,
+    kernel: &Kernel,
+    text: impl Into<Arc<str>>,
+    params: &Params,
+    plan: &Plan,
+) -> Compiled {
+    let text = text.into();
     let label = format!("gpu-stereo.{}", kernel.name);
     let buffer = |ty, has_dynamic_offset| wgpu::BindingType::Buffer { ty, has_dynamic_offset, min_binding_size: None };
     let storage = kernel.storage(params, plan);
@@ -44,7 +51,7 @@ pub(crate) fn compile(device: &wgpu::Device, kernel: &Kernel, text: &str, params
         device.create_bind_group_layout(&wgpu::BindGroupLayoutDescriptor { label: Some(&label), entries: &entries });
     let module = shader_module(
         device,
-        wgpu::ShaderModuleDescriptor { label: Some(&label), source: wgpu::ShaderSource::Wgsl(text.into()) },
+        wgpu::ShaderModuleDescriptor { label: Some(&label), source: wgpu::ShaderSource::Wgsl((&*text).into()) },
         params.shader_checks,
     );
     let pipeline_layout = device.create_pipeline_layout(&wgpu::PipelineLayoutDescriptor {
@@ -64,7 +71,7 @@ pub(crate) fn compile(device: &wgpu::Device, kernel: &Kernel, text: &str, params
         },
         cache: None,
     });
-    Compiled { layout, pipeline, text: text.into() }
+    Compiled { layout, pipeline, text }
 }
 
 /// The kernels run without naga's guards against endless loops and against indices out of range, unless

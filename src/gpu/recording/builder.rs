@@ -1,6 +1,7 @@
 //! Builds the list of steps: buffers, textures, pipelines, bind groups and dispatches.
 
 use std::collections::HashMap;
+use std::sync::Arc;
 
 use crate::gpu::kernels::{self, Compiled, KERNELS};
 use crate::gpu::layout::{Dispatch, ROW_UNIT, Rows, Sizes, TEXELS, TEXTURE_ROW};
@@ -349,11 +350,11 @@ impl<'a> Builder<'a> {
             return compiled.clone();
         }
         let row = &KERNELS[kernel];
-        let key = (kernel, kernels::source(row, &self.params, self.format, &self.plan));
+        let text: Arc<str> = kernels::source(row, &self.params, self.format, &self.plan).into();
+        let key = (kernel, text.clone());
         let compiled = self.used.compiled.get(&key).cloned().unwrap_or_else(|| {
             let known = self.free.compiled.remove(&key);
-            let compiled =
-                known.unwrap_or_else(|| kernels::compile(self.device, row, &key.1, &self.params, &self.plan));
+            let compiled = known.unwrap_or_else(|| kernels::compile(self.device, row, text, &self.params, &self.plan));
             self.used.compiled.insert(key, compiled.clone());
             compiled
         });

@@ -1,6 +1,7 @@
 //! The buffers, textures and kernels that lists of steps are made of.
 
 use std::collections::HashMap;
+use std::sync::Arc;
 
 use crate::gpu::kernels::Compiled;
 
@@ -23,7 +24,7 @@ pub(super) type SizedTexture = Sized<wgpu::Texture, [u32; 2]>;
 pub(crate) struct Pool {
     pub(super) buffers: HashMap<(String, wgpu::BufferUsages), Vec<Sized<wgpu::Buffer, u64>>>,
     pub(super) textures: HashMap<(String, wgpu::TextureFormat), Vec<SizedTexture>>,
-    pub(super) compiled: HashMap<(usize, String), Compiled>,
+    pub(super) compiled: HashMap<(usize, Arc<str>), Compiled>,
 }
 
 impl Pool {

@@ -113,7 +113,7 @@ fn the_limits_that_are_needed_are_those_that_are_checked() {
             ..Default::default()
         });
         let kernels_are_made = differing.iter().all(|(kernel, text, params, plan)| {
-            crate::gpu::scopes::guarded(&device, || compile(&device, kernel, text, params, plan)).is_ok()
+            crate::gpu::scopes::guarded(&device, || compile(&device, kernel, text.as_str(), params, plan)).is_ok()
         });
         kernels_are_made && are_made(&device)
     };

@@ -84,7 +84,7 @@ fn pipelines_and_matchers_are_made_without_a_driver() {
         for (params, format, plan) in specialisations_of(kernel) {
             if seen.insert(source(kernel, &params, format, &plan)) {
                 let made = crate::gpu::scopes::guarded(&device, || {
-                    compile(&device, kernel, &source(kernel, &params, format, &plan), &params, &plan)
+                    compile(&device, kernel, source(kernel, &params, format, &plan), &params, &plan)
                 });
                 assert!(made.is_ok(), "{} with {params:?}, {format:?}: {}", kernel.name, made.unwrap_err());
             }
@@ -108,7 +108,7 @@ fn a_wrong_row_of_the_table_is_refused() {
         let row = Kernel { storage: &kernel.storage[1..], ..*kernel };
         let params = Params::sgm(64);
         let text = source(&row, &params, PixelFormat::Gray8, &PLAN);
-        let made = crate::gpu::scopes::guarded(&device, || compile(&device, &row, &text, &params, &PLAN));
+        let made = crate::gpu::scopes::guarded(&device, || compile(&device, &row, &*text, &params, &PLAN));
         assert!(made.is_err(), "{} was accepted with a binding too few", kernel.name);
     }
 }
