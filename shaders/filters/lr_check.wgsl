@@ -3,7 +3,7 @@
 // left_map, right_map (i16) -> checked (i16)
 // One invocation: four words, eight pixels of a row.
 // Border: a disparity that points outside the right image is invalid.
-// With: common
+// With: check_octet, common
 // Reference: src/reference/filters/lr_check.rs
 
 @group(0) @binding(2) var<storage, read> left_map: array<vec4<u32>>;
@@ -19,10 +19,6 @@ fn check(value: i32, x: i32, row: u32) -> i32 {
     return select(INVALID, value, agrees);
 }
 
-fn check_word(word: u32, x: i32, row: u32) -> u32 {
-    return map_word(check(map_value(word, 0u), x, row), check(map_value(word, 1u), x + 1, row));
-}
-
 @compute @workgroup_size(LANES)
 fn main(@builtin(global_invocation_id) id: vec3<u32>) {
     let stride = frame.map_stride / 4u;
@@ -30,8 +26,5 @@ fn main(@builtin(global_invocation_id) id: vec3<u32>) {
         return;
     }
     let at = id.y * stride + id.x;
-    let words = left_map[at];
-    let x = i32(8u * id.x);
-    checked[at] = vec4(check_word(words.x, x, id.y), check_word(words.y, x + 2, id.y),
-        check_word(words.z, x + 4, id.y), check_word(words.w, x + 6, id.y));
+    checked[at] = check_octet(left_map[at], i32(8u * id.x), id.y);
 }

@@ -3,7 +3,7 @@
 // map (i16), contents (a bit a pixel, rows of whole words; the left view, then the right one) -> valid (i16)
 // One invocation: four words, eight pixels of a row.
 // Border: the content of the border pixels is repeated.
-// With: common
+// With: check_octet, common
 // Reference: src/reference/filters/validity.rs
 
 struct Own {
@@ -28,10 +28,6 @@ fn check(value: i32, x: i32, row: u32) -> i32 {
     return select(INVALID, value, stays);
 }
 
-fn check_word(word: u32, x: i32, row: u32) -> u32 {
-    return map_word(check(map_value(word, 0u), x, row), check(map_value(word, 1u), x + 1, row));
-}
-
 @compute @workgroup_size(LANES)
 fn main(@builtin(global_invocation_id) id: vec3<u32>) {
     let stride = frame.map_stride / 4u;
@@ -39,9 +35,5 @@ fn main(@builtin(global_invocation_id) id: vec3<u32>) {
         return;
     }
     let at = id.y * stride + id.x;
-    let words = map[at];
-    let x = i32(8u * id.x);
-    let row = dispatch.first_row + id.y;
-    valid[at] = vec4(check_word(words.x, x, row), check_word(words.y, x + 2, row),
-        check_word(words.z, x + 4, row), check_word(words.w, x + 6, row));
+    valid[at] = check_octet(map[at], i32(8u * id.x), dispatch.first_row + id.y);
 }
