@@ -79,8 +79,8 @@ fn sequence(left: &Path, right: &Path) -> Result<Vec<Paths>, String> {
 /// The images of a folder by name.
 fn pictures(folder: &Path) -> Result<Vec<PathBuf>, String> {
     let entries = fs::read_dir(folder).map_err(|error| format!("{folder:?} cannot be read: {error}"))?;
-    let ending = |path: &Path| image::ImageFormat::from_path(path).is_ok_and(|format| format.reading_enabled());
-    let mut paths: Vec<_> = entries.flatten().map(|entry| entry.path()).filter(|path| ending(path)).collect();
+    let paths = entries.flatten().map(|entry| entry.path());
+    let mut paths: Vec<_> = paths.filter(|path| images::has_image_ending(path)).collect();
     paths.sort();
     Ok(paths)
 }

@@ -3,7 +3,7 @@
 use super::pair::Pair;
 use crate::terminal::message;
 use anyhow::{Context as _, Result, bail, ensure};
-use image::ImageFormat;
+use gpu_stereo::files::images::has_image_ending;
 use std::collections::{BTreeSet, HashMap};
 use std::fs;
 use std::path::{Path, PathBuf};
@@ -113,8 +113,7 @@ fn images(folder: &Path) -> std::io::Result<Vec<PathBuf>> {
     for entry in fs::read_dir(folder)? {
         let entry = entry?;
         let hidden = entry.file_name().to_string_lossy().starts_with('.');
-        let is_image = ImageFormat::from_path(entry.path()).is_ok_and(|format| format.reading_enabled());
-        if is_image && !hidden && entry.path().is_file() {
+        if has_image_ending(&entry.path()) && !hidden && entry.path().is_file() {
             paths.push(entry.path());
         }
     }

@@ -18,6 +18,13 @@ pub fn orientation(decoder: &mut impl ImageDecoder) -> Orientation {
     decoder.orientation().unwrap_or(Orientation::NoTransforms)
 }
 
+/// Whether a file's name ends as that of an image in a format that is read: to find the images of a folder. Whether it is one,
+/// its content says.
+#[must_use]
+pub fn has_image_ending(path: &Path) -> bool {
+    ImageFormat::from_path(path).is_ok_and(|format| format.reading_enabled())
+}
+
 /// A decoder that has read the header; the size that it declares is known to be allowed.
 pub fn decoder<'a>(path: &Path, bytes: &'a [u8]) -> Result<impl ImageDecoder + use<'a>> {
     let reader = ImageReader::new(Cursor::new(bytes)).with_guessed_format()?;
