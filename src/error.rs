@@ -22,6 +22,9 @@ pub enum Error {
     /// The two images do not form a pair, or one is not what the matcher was made for.
     #[error("{0}")]
     Image(String),
+    /// Weights that are not those of a network, or damaged.
+    #[error("{0}")]
+    Network(String),
     /// The device cannot hold or run what was asked of it.
     #[error("{what} needs {needed} bytes, but the device allows {allowed}; {remedy}")]
     #[non_exhaustive]

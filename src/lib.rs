@@ -94,6 +94,7 @@ pub mod files;
 mod gpu;
 mod image;
 pub mod memory;
+pub mod network;
 mod params;
 pub mod reference;
 
@@ -105,6 +106,7 @@ pub use gpu::matcher::StereoMatcher;
 pub use gpu::reading::Reading;
 pub use gpu::stream::{StereoStream, StreamFrame};
 pub use image::{ConfidenceMap, DepthMap, DisparityMap, Image, Matched, PixelFormat, Pixels, StageTime};
+pub use network::{Architecture, Network};
 pub use params::{
     Camera, Census, Cost, Distortion, Fill, Lens, Masks, Median, Method, ParamOption, Params, Paths, Prefilter, Preset,
     Rectification, RightView, Schedule, Subpixel, Wls,
