@@ -80,6 +80,7 @@ fn settings(params: &Params) -> Vec<(&'static str, String)> {
     ];
     // All other options by their own names.
     let written = ["disp", "min-disp", "wls-lambda", "wls-sigma", "schedule", "shader-checks", "memory-check"];
+    let written = [&written[..], &["align-corners"]].concat(); // of networks, which docs/NETWORKS.md defines
     for option in Params::OPTIONS.iter().filter(|option| !written.contains(&option.name)) {
         let name = option.name.replace('-', "_");
         if settings.iter().all(|(known, _)| *known != name) {

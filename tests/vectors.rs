@@ -276,7 +276,9 @@ fn every_stage_and_every_choice_is_covered() {
     for option in
         Params::OPTIONS.iter().filter(|option| !matches!(option.name, "schedule" | "shader-checks" | "memory-check"))
     {
-        for (value, _) in option.values {
+        // Networks have golden tensors of their own, with a tolerance: docs/NETWORKS.md.
+        let of_networks = |value: &str| option.name == "align-corners" || value == "psmnet";
+        for (value, _) in option.values.iter().filter(|(value, _)| !of_networks(value)) {
             assert!(cases.iter().any(|case| option.get(case) == *value), "no vector has --{} {value}", option.name);
         }
     }

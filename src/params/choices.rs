@@ -75,6 +75,9 @@ pub enum Method {
     Sgm,
     /// Block matching: the disparity of the smallest block cost.
     Bm,
+    /// A network, [`Params::network`](crate::Params::network), in place of all stages from the cost to the winner: Chang and
+    /// Chen, "Pyramid Stereo Matching Network", CVPR 2018. docs/NETWORKS.md defines it.
+    Psmnet,
 }
 
 /// Directions along which semi-global matching aggregates.

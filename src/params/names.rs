@@ -48,6 +48,7 @@ names! {
     Method {
         Sgm "sgm" "semi-global matching",
         Bm "bm" "block matching",
+        Psmnet "psmnet" "a network, whose --weights are given",
     }
     Census {
         Five "5x5" "24 bits",

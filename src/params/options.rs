@@ -42,7 +42,18 @@ impl ParamOption {
 
     /// The other option whose value in `params` makes this one change nothing.
     pub fn idle(&self, params: &Params) -> Option<&'static Self> {
-        (self.idle)(params).and_then(find)
+        let by_network = params.method == Method::Psmnet && self.is_of_costs(params);
+        if by_network { find("method") } else { (self.idle)(params).and_then(find) }
+    }
+
+    /// Whether it is of costs and how a winner is found by them alone: a network has none.
+    fn is_of_costs(&self, params: &Params) -> bool {
+        match self.name {
+            // `texture` reads these two.
+            "block" | "prefilter-cap" => params.texture == 0,
+            "uniqueness" | "subpixel" => true,
+            _ => self.heading == "Matching cost",
+        }
     }
 }
 
@@ -260,7 +271,7 @@ impl Params {
         }
         "Aggregation" {
             "method" "METHOD" Method method
-                "How costs become disparities; bm brings its own cost and block along";
+                "How disparities are found; bm brings its own cost and block along, psmnet no filter but the preset's";
             "paths" "PATHS" Paths paths
                 "sgm: directions along which costs are aggregated"
                 idle by "method" if |params| params.method != Method::Sgm;
@@ -273,6 +284,9 @@ impl Params {
             "adaptive-p2" "on|off" switch adaptive_p2
                 "sgm: lower P2 where the intensity changes along the path"
                 idle by "method" if |params| params.method != Method::Sgm;
+            "align-corners" "on|off" switch align_corners
+                "psmnet: interpolate from corner pixel to corner pixel, as published weights want it"
+                idle by "method" if |params| params.method != Method::Psmnet;
         }
         "After the winner" {
             "texture" "T|off" or_zero texture
@@ -345,7 +359,8 @@ impl Params {
 
     /// Settings as the command makes them of its options, in any order: the preset (`preset`, else the default one),
     /// then `method` and `cost` with what is usual for them, then everything else. Of an option given twice the last
-    /// counts.
+    /// counts. With the method `psmnet` the filters of the map are those of a preset that is given, else none; its network
+    /// is no option: set [`Params::network`] afterwards.
     ///
     /// ```
     /// use gpu_stereo::{Params, Prefilter};
@@ -370,9 +385,12 @@ impl Params {
         let mut params = Self::preset(preset, disparities);
         if let Some(value) = given("method") {
             params.set("method", value)?;
-            if params.method == Method::Bm {
-                params = params.with_bm();
-            }
+            params = match params.method {
+                Method::Sgm => params,
+                Method::Bm => params.with_bm(),
+                Method::Psmnet if given("preset").is_some() => params.with_psmnet(),
+                Method::Psmnet => params.with_psmnet().without_filters(),
+            };
         }
         if let Some(value) = given("cost") {
             let before = params.cost;
@@ -392,7 +410,7 @@ impl Params {
                 params.set(option.name, value)?;
             }
         }
-        match params.validate() {
+        match params.validate_options() {
             // As it was given: a number beyond its type's range was replaced by another that is out of range.
             Err(Error::Parameter { name, given: meant, allowed, remedy }) => {
                 let given = given(name).map_or(meant, Into::into);

@@ -1,5 +1,6 @@
 //! The settings, and those to start from.
 
+use crate::Network;
 use crate::params::{
     Camera, Census, Cost, Fill, Masks, Median, Method, Paths, Prefilter, Rectification, RightView, Schedule, Subpixel,
     Wls,
@@ -50,6 +51,11 @@ pub struct Params {
     pub p2: u32,
     /// Lower P2 where the intensity changes along the path.
     pub adaptive_p2: bool,
+    /// The network of [`Method::Psmnet`], which needs it.
+    pub network: Option<Network>,
+    /// [`Method::Psmnet`]: whether interpolation lays the corner pixels of the smaller image on those of the larger one, as
+    /// published weights want it, or their outer corners.
+    pub align_corners: bool,
     /// Texture that a block needs: the sum over it of the clipped horizontal derivative; 0 switches the test off.
     pub texture: u32,
     /// Uniqueness in per cent, 0 to 99; 0 switches the test off.
@@ -111,6 +117,8 @@ impl Params {
     pub const MAX_TEXTURE: u32 = Self::MAX_BLOCK * Self::MAX_BLOCK * Self::MAX_CAP;
     /// The largest P2: a forward and a backward path without their costs, at most P2 each, sum in a byte.
     pub const MAX_P2: u32 = 127;
+    /// The largest number of disparities of [`Method::Psmnet`].
+    pub const MOST_OF_NETWORK: u32 = 512;
 
     /// The classic chain with semi-global matching over `disparities` disparities from 0.
     #[must_use]
@@ -132,6 +140,8 @@ impl Params {
             p1: 16,
             p2: 96,
             adaptive_p2: false,
+            network: None,
+            align_corners: true,
             texture: 0,
             uniqueness: 10,
             subpixel: Subpixel::Parabola,
@@ -159,5 +169,12 @@ impl Params {
     #[must_use]
     pub fn bm(disparities: u32) -> Self {
         Self { method: Method::Bm, block: 15, uniqueness: 15, ..Self::sgm(disparities) }
+    }
+
+    /// A network over `disparities` disparities from 0, a multiple of 16 from 16 to [`Params::MOST_OF_NETWORK`], without a
+    /// filter.
+    #[must_use]
+    pub fn psmnet(disparities: u32, network: Network) -> Self {
+        Self { network: Some(network), ..Self::sgm(disparities).with_psmnet().without_filters() }
     }
 }

@@ -1,6 +1,6 @@
 //! Settings that go well together.
 
-use crate::params::{Census, Cost, Fill, Method, Params, Paths, Prefilter, Preset, RightView, Subpixel};
+use crate::params::{Census, Cost, Fill, Filter, Method, Params, Paths, Prefilter, Preset, RightView, Subpixel};
 
 impl Params {
     /// A preset over `disparities` disparities from 0.
@@ -47,6 +47,17 @@ impl Params {
     pub(crate) fn with_bm(self) -> Self {
         let Self { method, cost, block, prefilter, uniqueness, .. } = Self::bm(self.disparities);
         Self { method, cost, block, prefilter, uniqueness, ..self }
+    }
+
+    /// The same with a network: the same filters, of which those that read the right view take that of a second match.
+    pub(crate) fn with_psmnet(self) -> Self {
+        Self { method: Method::Psmnet, right_view: RightView::Match, ..self }
+    }
+
+    /// The same without a filter of the map.
+    pub(crate) fn without_filters(mut self) -> Self {
+        Filter::ALL.iter().for_each(|filter| filter.clear(&mut self));
+        self
     }
 
     /// The prefilter and the block that are usual for the cost.

@@ -3,7 +3,7 @@
 use crate::Error;
 use crate::params::check::check;
 use crate::params::names::Named;
-use crate::params::{Camera, Cost, Filter, Method, Params};
+use crate::params::{Camera, Cost, Filter, Method, Params, RightView};
 
 impl Params {
     /// Checks every range, and that the settings go together. Whatever takes settings does so itself.
@@ -17,14 +17,25 @@ impl Params {
     /// ```
     ///
     /// # Errors
-    /// [`Error::Parameter`] for the first parameter outside its range.
+    /// [`Error::Parameter`] for the first parameter outside its range; [`Error::Network`] if the method needs a network and
+    /// has none.
     pub fn validate(&self) -> Result<(), Error> {
+        self.validate_options()?;
+        if self.method == Method::Psmnet && self.network.is_none() {
+            let text = "method psmnet needs a network; give a file of its weights (--weights, Params::network)";
+            return Err(Error::Network(text.into()));
+        }
+        Ok(())
+    }
+
+    /// The same for all that has a name: the network is given in another way.
+    pub(super) fn validate_options(&self) -> Result<(), Error> {
         self.validate_disparities()?;
         self.validate_windows()?;
         self.validate_penalties()?;
         self.validate_filters()?;
         self.depth.as_ref().map_or(Ok(()), Camera::validate)?;
-        self.validate_cost()
+        if self.method == Method::Psmnet { self.validate_psmnet() } else { self.validate_cost() }
     }
 
     fn validate_disparities(&self) -> Result<(), Error> {
@@ -82,6 +93,23 @@ impl Params {
         Filter::ALL.iter().try_for_each(|filter| filter.validate(self))
     }
 
+    /// What is allowed with a network, which has no costs.
+    fn validate_psmnet(&self) -> Result<(), Error> {
+        check(self.min_disparity == 0, "min-disp", self.min_disparity, "0 with method psmnet", "leave it away")?;
+        check(
+            self.disparities.is_multiple_of(16) && self.disparities <= Self::MOST_OF_NETWORK,
+            "disp",
+            self.disparities,
+            format!("a multiple of 16 up to {} with method psmnet", Self::MOST_OF_NETWORK),
+            "take the next larger multiple; 192 is usual",
+        )?;
+        let diagonal = self.right_view == RightView::Diagonal && self.reads_right_view();
+        let (given, remedy) = (self.right_view, "take match, which computes the right view's map by a second run");
+        check(!diagonal, "right-view", given, "match with method psmnet, since a network has no costs", remedy)?;
+        let allowed = "off with method psmnet, since a network has no costs to compare";
+        check(!self.confidence, "confidence", "on", allowed, "switch it off or take method sgm")
+    }
+
     /// What is allowed with this cost.
     fn validate_cost(&self) -> Result<(), Error> {
         for (name, weight) in [("ad-weight", self.ad_weight), ("census-weight", self.census_weight)] {
@@ -98,7 +126,7 @@ impl Params {
             format!("another one with method {method}"),
             match method {
                 Method::Sgm => "take method bm or another cost",
-                Method::Bm => "take method sgm or another cost",
+                Method::Bm | Method::Psmnet => "take method sgm or another cost",
             },
         )?;
         let [least, most] = [row.blocks.start(), row.blocks.end()];

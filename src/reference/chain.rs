@@ -68,6 +68,9 @@ fn follow(
     receiver: Option<Receiver<'_>>,
 ) -> Result<(Matched, Vec<StageTime>), Error> {
     params.validate()?;
+    if params.method == Method::Psmnet {
+        return Err(Error::Misuse("the CPU reference does not compute method psmnet yet; take sgm or bm".into()));
+    }
     check_pair(left, right)?;
     params.accepts(left.width(), left.height())?;
     let content = Content::new(params, left.width(), left.height());
@@ -187,7 +190,8 @@ impl Trace<'_> {
         let columns = self.stage("cost_columns", cost_columns(left, right, table, params));
         self.show("block_sums", || (0..columns.height).map(|y| block_sums(&columns, y, params)).collect::<Vec<_>>());
         match params.method {
-            Method::Bm => {
+            // A network was refused before.
+            Method::Bm | Method::Psmnet => {
                 let statistics =
                     params.correlates().then(|| self.stage("block_statistics", block_statistics(left, right, params)));
                 self.stage("block_match", block_match(&columns, statistics.as_ref(), params))

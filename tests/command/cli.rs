@@ -518,7 +518,15 @@ fn bad_parameters() {
         (&["--disp", "16", "--lr-check", "99999999999999999999"], &["--lr-check is 99999999999999999999,", "4095 px"]),
         (&["--disp", "16", "--paths", "6"], &["--paths is 6,", "3, 4, 5, 8, 16"]),
         (&["--disp", "16", "--median", "4"], &["--median is 4,", "3, 5, off"]),
-        (&["--disp", "16", "--method", "magic"], &["--method is magic,", "sgm, bm"]),
+        (&["--disp", "16", "--method", "magic"], &["--method is magic,", "sgm, bm, psmnet"]),
+        (&["--disp", "16", "--align-corners", "1"], &["--align-corners is 1,", "on, off"]),
+        (&["--disp", "40", "--method", "psmnet"], &["--disp is 40,", "a multiple of 16 up to 512 with method psmnet"]),
+        (&["--disp", "528", "--method", "psmnet"], &["--disp is 528,", "up to 512"]),
+        (&["--disp", "16", "--method", "psmnet", "--min-disp", "8"], &["--min-disp is 8,", "0 with method psmnet"]),
+        (
+            &["--disp", "16", "--method", "psmnet", "--lr-check", "1", "--right-view", "diagonal"],
+            &["--right-view is diagonal,", "match with method psmnet"],
+        ),
         (&["--disp", "16", "--repeat", "0"], &["--repeat is 0,", "from 1"]),
         (&["--disp", "16", "--frobnicate"], &["--frobnicate", "--help"]),
     ];

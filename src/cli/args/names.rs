@@ -35,6 +35,7 @@ pub const FOREIGN: &[(&str, &str)] = &[
     ("method", "algorithm algo alg matcher mode"),
     ("cost", "costfunction costtype matchingcost similarity metric"),
     ("census", "censustype censuswindow censussize"),
+    ("align-corners", "aligncorner"),
     ("fill", "fillholes inpaint interpolate interpolation densify"),
     ("output", "outputdir outputfolder outputpath outputfile outdir outfile outpath out dst dest destination save o"),
     ("color", "colour colormap colourmap colorize visualize vis"),
@@ -62,6 +63,7 @@ pub const FOREIGN: &[(&str, &str)] = &[
 const FOREIGN_VALUES: &[(&str, &str, &str)] = &[
     ("method", "sgm", "sgbm stereosgbm semiglobal semiglobalmatching hh 3way libsgm"),
     ("method", "bm", "stereobm blockmatching block"),
+    ("method", "psmnet", "psm stackhourglass network cnn"),
     ("cost", "bt", "birchfield birchfieldtomasi"),
     ("cost", "mi", "mutualinformation"),
     ("cost", "census", "hamming ct"),

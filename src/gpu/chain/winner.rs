@@ -13,7 +13,8 @@ use crate::gpu::recording::{Builder, Written};
 /// From what the cost compares to the winner of both views.
 pub(super) fn winner(b: &mut Builder<'_>, planes: &mut Planes, views: &ViewMaps) {
     match b.params.method {
-        Method::Bm => block_match(b, planes, views),
+        // A network was refused before.
+        Method::Bm | Method::Psmnet => block_match(b, planes, views),
         Method::Sgm => {
             let across = across_rows(b, planes);
             along_rows(b, &across, views);

@@ -132,7 +132,8 @@ impl Expected {
         if self.views.is_none() {
             let params = &self.params.clone();
             let views = match params.method {
-                Method::Bm => reference::block_match(&self.columns, self.statistics.as_ref(), params),
+                // A network was refused before.
+                Method::Bm | Method::Psmnet => reference::block_match(&self.columns, self.statistics.as_ref(), params),
                 Method::Sgm => {
                     let cost = &self.cost;
                     let mut sum = Volume::<u16>::new(cost.width, cost.height, cost.disparities);

@@ -157,7 +157,7 @@ fn bands(request: &Request<'_>, volume_row: u64, former: Option<Former>) -> Resu
             let rows = most(request, room.min(allowed), slots * volume_row);
             cut(whole, rows.min(side.saturating_mul(64) / (words / 4)))
         }
-        Method::Bm => vec![whole],
+        Method::Bm | Method::Psmnet => vec![whole],
     })
 }
 
@@ -167,6 +167,7 @@ fn sums_small_blocks(request: &Request<'_>, strides: &Strides, former: Option<Fo
     let method = match params.method {
         Method::Sgm => true,
         // Not with the checks, which keep the loops over an invocation's state from being unrolled.
+        Method::Psmnet => false,
         Method::Bm => {
             !plan.per_subgroup
                 && plan.subgroup >= 8
@@ -179,7 +180,7 @@ fn sums_small_blocks(request: &Request<'_>, strides: &Strides, former: Option<Fo
         }
     };
     let kernel = match (params.method, plan.per_subgroup, params.block) {
-        (Method::Bm, ..) => "block_match_small",
+        (Method::Bm | Method::Psmnet, ..) => "block_match_small",
         (Method::Sgm, true, _) => "matching_cost_parallel",
         (Method::Sgm, false, 1) => "matching_cost_pixels",
         (Method::Sgm, false, _) => "matching_cost_small",

@@ -101,7 +101,7 @@ impl Request<'_> {
         }
         let walks: &[&str] = match self.params.method {
             Method::Sgm => &["sgm_aggregate", "winner"],
-            Method::Bm => &["block_match"],
+            Method::Bm | Method::Psmnet => &["block_match"],
         };
         let all_taken = |side: &u32| walks.iter().all(|kernel| self.takes(kernel, *side));
         if !all_taken(&MOST_SIDE) {

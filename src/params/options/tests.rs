@@ -1,4 +1,5 @@
 use super::*;
+use crate::params::Filter;
 
 const PRESETS: &[Preset] = <Preset as Named>::VALUES;
 
@@ -114,6 +115,48 @@ fn presets_are_valid_and_options_override_them_in_any_order() {
     }
     assert_eq!(of(&[]), Params::preset(Preset::default(), 64));
     assert_eq!(of(&[("p2", "70"), ("p2", "80")]).p2, 80);
+}
+
+/// A network has no costs: no filter unless a preset or an option asks for one, and the right view by a second run.
+#[test]
+fn a_network_takes_the_filters_that_are_asked_for() {
+    let of = |options: &[(&'static str, &'static str)]| {
+        let options = options.iter().copied().chain([("method", "psmnet")]);
+        Params::from_options(192, options)
+    };
+    let alone = of(&[]).unwrap();
+    assert!(Filter::ALL.iter().all(|filter| !filter.wanted(&alone)));
+    assert!((alone.network.is_none(), alone.align_corners) == (true, true));
+    let Err(Error::Network(text)) = alone.validate() else { panic!("without a network") };
+    assert!(text.contains("--weights"), "{text}");
+    let checked = of(&[("lr-check", "1"), ("fill", "rays")]).unwrap();
+    assert_eq!((checked.lr_check, checked.right_view, checked.median), (Some(1), RightView::Match, Median::Off));
+    let dense = of(&[("preset", "dense"), ("median", "off")]).unwrap();
+    let preset = Params::preset(Preset::Dense, 192);
+    assert_eq!(dense, Params { method: Method::Psmnet, median: Median::Off, ..preset });
+    assert_eq!(of(&[("preset", "balanced")]).unwrap().right_view, RightView::Match);
+    for (name, value, allowed) in [
+        ("disp", "100", "a multiple of 16 up to 512"),
+        ("disp", "528", "a multiple of 16 up to 512"),
+        ("min-disp", "-16", "0 with method psmnet"),
+    ] {
+        let error = of(&[(name, value)]).unwrap_err().to_string();
+        assert!(error.starts_with(&format!("{name} is {value}, but must be {allowed}")), "{error}");
+    }
+    let error = of(&[("lr-check", "1"), ("right-view", "diagonal")]).unwrap_err().to_string();
+    assert!(error.starts_with("right-view is diagonal, but must be match"), "{error}");
+    let confident = Params { confidence: true, ..alone.clone() };
+    let error = confident.validate().unwrap_err().to_string();
+    assert!(error.starts_with("confidence is on, but must be off with method psmnet"), "{error}");
+    let idle = |name: &str| find(name).unwrap().idle(&alone).map(|other| other.name);
+    for name in ["cost", "block", "prefilter", "prefilter-cap", "uniqueness", "subpixel", "paths", "p2"] {
+        assert_eq!(idle(name), Some("method"), "{name}");
+    }
+    for name in ["align-corners", "median", "lr-check", "texture", "disp"] {
+        assert_eq!(idle(name), None, "{name}");
+    }
+    assert_eq!(find("align-corners").unwrap().idle(&Params::sgm(64)).map(|other| other.name), Some("method"));
+    assert_eq!(find("block").unwrap().idle(&Params { texture: 9, ..alone.clone() }).map(|other| other.name), None);
 }
 
 #[test]
