@@ -175,6 +175,37 @@ pub struct ConfidenceMap {
     pub data: Vec<u8>,
 }
 
+/// The index of each pixel's winner, before any test of it: what a method assigns to every pixel.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Labels {
+    /// Pixels a row.
+    pub width: u32,
+    /// Rows.
+    pub height: u32,
+    /// Row by row from the top, 0 to [`Params::disparities`](crate::Params::disparities) - 1: index d stands for the
+    /// disparity `min_disparity + d`.
+    pub data: Vec<u16>,
+    /// With [`Cost::MutualInformation`](crate::Cost::MutualInformation) what two values cost in the last round, `[left][right]`;
+    /// otherwise empty.
+    pub table: Vec<u8>,
+}
+
+/// What a labelling costs: the smaller, the better it is in the eyes of a Markov random field.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Energy {
+    /// The sum over all pixels of the matching cost of their labels.
+    pub data: u64,
+    /// The sum over all pairs of neighbours in a row or in a column of what the difference of their labels costs.
+    pub smoothness: u64,
+}
+
+impl Energy {
+    /// Both together.
+    pub fn sum(&self) -> u64 {
+        self.data + self.smoothness
+    }
+}
+
 /// The distance of what each pixel shows, along the viewing direction of the cameras.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct DepthMap {
@@ -211,6 +242,8 @@ pub struct Matched {
     pub right: Option<DisparityMap>,
     /// The confidence of `map`, if [`crate::Params::confidence`] asks for it.
     pub confidence: Option<ConfidenceMap>,
+    /// The winners of the left image, if [`crate::Params::labels`] asks for them.
+    pub labels: Option<Labels>,
     /// The depth of `map`, if [`crate::Params::depth`] asks for it.
     pub depth: Option<DepthMap>,
 }

@@ -105,7 +105,9 @@ pub use gpu::interop::{Inputs, Outputs, PixelBuffer, TextureLayer};
 pub use gpu::matcher::StereoMatcher;
 pub use gpu::reading::Reading;
 pub use gpu::stream::{StereoStream, StreamFrame};
-pub use image::{ConfidenceMap, DepthMap, DisparityMap, Image, Matched, PixelFormat, Pixels, StageTime};
+pub use image::{
+    ConfidenceMap, DepthMap, DisparityMap, Energy, Image, Labels, Matched, PixelFormat, Pixels, StageTime,
+};
 pub use network::{Architecture, Network};
 pub use params::{
     Camera, Census, Cost, Distortion, Fill, Lens, Masks, Median, Method, ParamOption, Params, Paths, Prefilter, Preset,

@@ -8,8 +8,9 @@ use std::collections::BTreeSet;
 
 use gpu_stereo::reference::{self, Direction, Volume};
 use gpu_stereo::{
-    Camera, Cost, DepthMap, DisparityMap, Error, Image, Inputs, Matched, Method, Outputs, Params, Paths, PixelFormat,
-    Pixels, StageCheck, StageTime, StereoMatcher, StereoStream, StreamFrame, Wls, wgpu,
+    Camera, Cost, DepthMap, DisparityMap, Error, Image, Inputs, Matched, Median, Method, Outputs, Params, Paths,
+    PixelFormat, Pixels, Prefilter, StageCheck, StageTime, StereoMatcher, StereoStream, StreamFrame, Subpixel, Wls,
+    wgpu,
 };
 
 type Change = fn(&mut Params);
@@ -462,6 +463,42 @@ fn the_confidence_comes_with_the_map() {
         let matcher = StereoMatcher::new(&device, &queue, 61, 23, left.format(), &params).unwrap();
         assert!(matcher.confidence().is_none());
         assert_eq!(matcher.compute_blocking(&left, &right).unwrap().confidence, None);
+    }
+}
+
+/// The labels beside the map: only where they are asked for, the reference's, of every pixel, and the map's own disparities
+/// where nothing but a test comes after the winner.
+#[test]
+fn the_labels_come_with_the_map() {
+    let (left, right) = support::pair(61, 23, 6);
+    for (method, mut params) in (0..).zip([Params::sgm(21), Params::bm(21), Params::sgm(21)]) {
+        (params.min_disparity, params.subpixel, params.median) = (-3, Subpixel::Off, Median::Off);
+        if method == 2 {
+            (params.cost, params.prefilter, params.block) = (Cost::MutualInformation, Prefilter::None, 1);
+        }
+        assert_eq!(reference::compute_all(&left, &right, &params).unwrap().labels, None);
+        params.labels = true;
+        let expected = reference::compute_all(&left, &right, &params).unwrap();
+        assert_eq!(expected.map, reference::compute(&left, &right, &params).unwrap());
+        let labels = expected.labels.as_ref().unwrap();
+        assert_eq!((labels.width, labels.height, labels.data.len()), (61, 23, 61 * 23));
+        assert_eq!(labels.table.len(), if method == 2 { 256 * 256 } else { 0 });
+        let mut valid = 0;
+        for (&label, &value) in labels.data.iter().zip(&expected.map.data) {
+            assert!(u32::from(label) < params.disparities);
+            if value != DisparityMap::INVALID {
+                assert_eq!(16 * (params.min_disparity + i32::from(label)), i32::from(value), "{params:?}, seed 6");
+                valid += 1;
+            }
+        }
+        assert!(valid > 300 && valid < 61 * 23, "{valid} are valid, {params:?}, seed 6");
+
+        let Some((_, device, queue)) = support::device() else { continue };
+        let matcher = StereoMatcher::new(&device, &queue, 61, 23, left.format(), &params).unwrap();
+        assert_eq!(matcher.compute_blocking(&left, &right).unwrap(), expected, "{params:?}, seed 6");
+        params.labels = false;
+        let matcher = StereoMatcher::new(&device, &queue, 61, 23, left.format(), &params).unwrap();
+        assert_eq!(matcher.compute_blocking(&left, &right).unwrap().labels, None);
     }
 }
 

@@ -59,6 +59,7 @@ const UNLISTED: &[(&str, &str)] = &[("schedule", "auto"), ("method", "psmnet"), 
 /// What a case has besides its options.
 const CIRCUMSTANCES: &[(&str, &[&str])] = &[
     ("confidence", &["off", "on"]),
+    ("labels", &["off", "on"]),
     ("format", &["gray8", "gray16", "rgba8", "rgba16"]),
     ("device", &["full", "bare"]),
     ("images", &["made", "motorcycle"]),
@@ -102,6 +103,7 @@ fn params(factors: &[Factor], row: &[usize]) -> Result<Params, gpu_stereo::Error
     let disparities = value(factors, row, "disp").parse().unwrap();
     let mut params = Params::from_options(disparities, given().filter(|(name, _)| is_option(name)))?;
     params.confidence = value(factors, row, "confidence") == "on";
+    params.labels = value(factors, row, "labels") == "on";
     Ok(params)
 }
 
@@ -257,9 +259,9 @@ impl Bench<'_> {
         let matcher = StereoMatcher::new(device, queue, size.0, size.1, left.format(), params)
             .unwrap_or_else(|error| panic!("{error}, case {case}"));
         support::assert_equal(&matcher.check_blocking(&left, &right).unwrap(), adapter, &case);
-        let map = matcher.compute_blocking(&left, &right).unwrap().map;
-        let expected = reference::compute(&left, &right, params).unwrap();
-        assert!(map == expected, "the whole chain differs from the reference, case {case}");
+        let matched = matcher.compute_blocking(&left, &right).unwrap();
+        let expected = reference::compute_all(&left, &right, params).unwrap();
+        assert!(matched == expected, "the whole chain differs from the reference, case {case}");
     }
 }
 

@@ -16,7 +16,7 @@ struct Frame {
     right_stride: u32,    // words a row of the right planes
     map_stride: u32,      // words a row of a disparity map, a multiple of 4
     volume_stride: u32,   // pixels a row of a volume
-    map_words: u32,       // words from the right map to the margins behind it
+    map_words: u32,       // words of a map, from the right one to what lies behind it
     texture: u32,         // the least texture of a block
     speckle_window: u32,
     speckle_range: i32,   // 1/16 px

@@ -33,7 +33,7 @@ fn main(@builtin(global_invocation_id) id: vec3<u32>, @builtin(local_invocation_
     for (var c = 0u; c < reach; c++) {
         enter(&sums, first + (frame.width + c) * QUADS);
     }
-    var kept = RowWriter(INVALID, 0, INVALID);
+    var kept = RowWriter(INVALID, 0, 0, INVALID);
     let steps = row_steps();
     for (var i = 0; i < steps; i++) {
         let x = row_start() - i;

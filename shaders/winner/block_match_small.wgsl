@@ -1,5 +1,5 @@
 // block_match_small: block_match for blocks of up to 15 pixels and values below 128, without column sums in memory.
-// left, right (prefiltered planes as textures, four pixels a texel) -> left_map, right_map (i16)
+// left, right (prefiltered planes as textures, four pixels a texel) -> left_map, right_map (i16), labels (u16, behind right_map)
 // One invocation: STRIP rows and one slice of the disparities, from right to left; PARTS neighbours of a subgroup share
 //   the rows. The right pixels that the disparities are compared with stay in registers and move down by one disparity
 //   a step: those of the column that enters the block, and those of the column that leaves it.
@@ -199,6 +199,7 @@ fn main(@builtin(global_invocation_id) id: vec3<u32>, @builtin(subgroup_invocati
     var high: Pairs;
     var left_unwritten: Unwritten;
     var right_unwritten: Unwritten;
+    var labels_unwritten: Unwritten;
     // Right pixels that no left pixel sees.
     if frame.min_disparity > 0 {
         for (var word = max(width - frame.min_disparity, 0) >> 1u; word <= (width - 1) >> 1u; word++) {
@@ -307,6 +308,9 @@ fn main(@builtin(global_invocation_id) id: vec3<u32>, @builtin(subgroup_invocati
                 }
                 for (var own = 0u; own < OWN; own++) {
                     append(&left_unwritten, own, refined(keys[own], around[own], x));
+                    if LABELS == 1u {
+                        append(&labels_unwritten, own, i32(keys[own] & 0xffffu));
+                    }
                     let seen = 16 * (frame.min_disparity + i32(right_keys[own] & 0xffffu));
                     append(&right_unwritten, own, select(seen, INVALID, right_keys[own] >= KEY_NONE));
                 }
@@ -323,6 +327,9 @@ fn main(@builtin(global_invocation_id) id: vec3<u32>, @builtin(subgroup_invocati
                     let l = left_word + i32(word);
                     if l >= 0 && l < stride {
                         left_map[words + u32(l)] = left_unwritten[own][word];
+                        if LABELS == 1u {
+                            right_map[frame.map_words + words + u32(l)] = labels_unwritten[own][word];
+                        }
                     }
                     let r = right_word + i32(word);
                     if r >= 0 && r < stride {

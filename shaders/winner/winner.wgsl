@@ -30,7 +30,7 @@ fn main(@builtin(global_invocation_id) id: vec3<u32>, @builtin(local_invocation_
     var state: State;
     var costs: Costs;
     var diagonal = no_costs(COST_NONE << 12u);
-    var kept = RowWriter(INVALID, 0, INVALID);
+    var kept = RowWriter(INVALID, 0, 0, INVALID);
     let steps = row_steps();
     var known = penalties_from(i32(frame.width), strip_row);
     for (var i = 0; i < steps; i++) {

@@ -1,7 +1,7 @@
 //! From the bytes of the device's buffers to maps.
 
 use crate::gpu::layout::{Frame, Sizes};
-use crate::{ConfidenceMap, DepthMap, DisparityMap, Matched, Params};
+use crate::{ConfidenceMap, DepthMap, DisparityMap, Labels, Matched, Params};
 
 /// The bytes of the maps of a frame, in the order in which they lie in the buffer that is read back.
 #[derive(Clone, Debug)]
@@ -13,6 +13,8 @@ pub(crate) struct MapBytes {
     right: bool,
     /// Bytes of the confidence, if there is one.
     pub(crate) confidence: Option<u64>,
+    /// Bytes of the labels, if there are any: of a map, and of what pairs of values cost, if the cost is looked up.
+    pub(crate) labels: Option<[u64; 2]>,
     /// Bytes of the depth, if there is one.
     pub(crate) depth: Option<u64>,
 }
@@ -21,25 +23,39 @@ impl MapBytes {
     pub(crate) fn new(params: &Params, sizes: &Sizes) -> Self {
         let confidence = params.confidence.then_some(sizes.confidence);
         let depth = params.depth.is_some().then_some(sizes.regions);
-        Self { frame: sizes.frame, map: sizes.map, right: params.right_map, confidence, depth }
+        let table = if params.has_table() { 256 * 256 } else { 0 };
+        let labels = params.labels.then_some([sizes.map, table]);
+        Self { frame: sizes.frame, map: sizes.map, right: params.right_map, confidence, labels, depth }
     }
 
     pub(crate) fn bytes(&self) -> u64 {
-        self.map + if self.right { self.map } else { 0 } + self.confidence.unwrap_or(0) + self.depth.unwrap_or(0)
+        let right = if self.right { self.map } else { 0 };
+        let labels: u64 = self.labels.iter().flatten().sum();
+        self.map + right + self.confidence.unwrap_or(0) + labels + self.depth.unwrap_or(0)
     }
 
     pub(crate) fn matched(&self, bytes: &[u8]) -> Matched {
         let map = self.map as usize;
         let (left, rest) = bytes.split_at(map);
         let (right, rest) = rest.split_at(if self.right { map } else { 0 });
-        let (confidence, depth) = rest.split_at(self.confidence.unwrap_or(0) as usize);
+        let (confidence, rest) = rest.split_at(self.confidence.unwrap_or(0) as usize);
+        let [labels, table] = self.labels.unwrap_or_default().map(|bytes| bytes as usize);
+        let (labels, rest) = rest.split_at(labels);
+        let (table, depth) = rest.split_at(table);
         Matched {
             map: map_of(&self.frame, left),
             right: self.right.then(|| map_of(&self.frame, right)),
             confidence: self.confidence.map(|_| confidence_of(&self.frame, confidence)),
+            labels: self.labels.map(|_| labels_of(&self.frame, labels, table)),
             depth: self.depth.map(|_| depth_of(&self.frame, depth)),
         }
     }
+}
+
+/// Labels from the bytes of their buffers.
+pub(crate) fn labels_of(frame: &Frame, bytes: &[u8], table: &[u8]) -> Labels {
+    let DisparityMap { width, height, data } = map_of(frame, bytes);
+    Labels { width, height, data: data.into_iter().map(|label| label as u16).collect(), table: table.to_vec() }
 }
 
 /// A disparity map from the bytes of its buffer.

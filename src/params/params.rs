@@ -82,6 +82,8 @@ pub struct Params {
     pub wls: Option<Wls>,
     /// Compute a confidence for each pixel, too.
     pub confidence: bool,
+    /// Give the labels, too: the index of each winner, before any test of it.
+    pub labels: bool,
     /// Give the right view's map, too: as [`Params::right_view`] makes it, in whole pixels, before any check or filter but
     /// `validity`.
     pub right_map: bool,
@@ -155,6 +157,7 @@ impl Params {
             weighted_median_sigma: 20,
             wls: None,
             confidence: false,
+            labels: false,
             right_map: false,
             depth: None,
             rectify: None,

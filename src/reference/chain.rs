@@ -8,7 +8,7 @@ use crate::reference::{
     cost_columns, depth, filtered, gray, halve, images, lr_check, matching_cost, mi_histogram, mi_table, mirror,
     mirrored, penalties, rectify, rounds, sgm_aggregate, validity, winner,
 };
-use crate::{DisparityMap, Error, Image, Matched, Method, Params, Prefilter, StageTime};
+use crate::{DisparityMap, Error, Image, Labels, Matched, Method, Params, Prefilter, StageTime};
 
 /// The whole chain on the CPU: what [`crate::StereoMatcher`] computes, from the definition.
 ///
@@ -92,12 +92,12 @@ fn follow(
             let content = content.map(Content::mirrored);
             let [left, right] = [mirrored(right)?, mirrored(left)?];
             let luma = gray(&left, Channel::Luma);
-            Some(views(&left, &right, &luma, content.as_ref(), &second, &mut trace).left)
+            Some(views(&left, &right, &luma, content.as_ref(), &second, &mut trace).0.left)
         }
         None => None,
     };
     let luma = gray(left, Channel::Luma);
-    let Views { left, mut right, margins } = views(left, right, &luma, content, params, &mut trace);
+    let (Views { left, mut right, margins, labels }, table) = views(left, right, &luma, content, params, &mut trace);
     if let Some(matched) = matched {
         right = trace.stage("mirror", mirror(&matched));
     }
@@ -114,10 +114,12 @@ fn follow(
     }
     let confidence = params.confidence.then(|| trace.stage("confidence", confidence(&map, &margins)));
     let depth = params.depth.as_ref().map(|camera| trace.stage("depth", depth(&map, camera)));
-    Ok((Matched { map, right: params.right_map.then_some(right), confidence, depth }, trace.times))
+    let labels = params.labels.then(|| Labels { width: map.width, height: map.height, data: labels, table });
+    let right = params.right_map.then_some(right);
+    Ok((Matched { map, right, confidence, labels, depth }, trace.times))
 }
 
-/// From the images, of which `luma` is that of the left one, to the winner of both views.
+/// From the images, of which `luma` is that of the left one, to the winner of both views; and [`cost_table`].
 fn views(
     left: &Image,
     right: &Image,
@@ -125,7 +127,7 @@ fn views(
     content: Option<&Content>,
     params: &Params,
     trace: &mut Trace<'_>,
-) -> Views {
+) -> (Views, Vec<u8>) {
     let adaptive = params.adaptive_p2 && params.method == Method::Sgm;
     let ([left, right], _) = trace.stage("gray", ([left, right].map(|image| images(image, params)), luma));
     let penalties = adaptive.then(|| trace.stage("penalties", penalties(luma, params)));
@@ -138,7 +140,7 @@ fn views(
     }
     let sides = trace.stage("descriptors", [left.descriptors(params), right.descriptors(params)]);
     let table = trace.table(&sides, content, params);
-    trace.winner(&sides, &table, penalties.as_ref(), params)
+    (trace.winner(&sides, &table, penalties.as_ref(), params), table)
 }
 
 /// What matches cost in the last round of [`rounds`], for a cost that has a table; else nothing. `content`: where the pair

@@ -1,5 +1,5 @@
 // Appended to the kernels that walk a row from right to left and choose the winner: uniqueness, subpixel, its margin for
-// the confidence (u16, as a map behind the right one) and the right view. The walk starts or ends outside the image where a
+// the confidence and its label (u16, each as a map behind the right one, in this order) and the right view. The walk starts or ends outside the image where a
 // minimum disparity other than 0 shifts the right view.
 // Reference: src/reference/winner/winner.rs
 //
@@ -22,6 +22,7 @@ fn no_costs(value: u32) -> Costs {
 struct RowWriter {
     left_kept: i32,
     margin_kept: i32,
+    label_kept: i32,
     right_kept: i32,
 }
 
@@ -29,6 +30,7 @@ struct RowWriter {
 struct Winner {
     value: i32,     // disparity in 1/16 px
     margin: i32,    // over its best rival, 0 to 255
+    label: i32,     // its index, whether it is valid or not
 }
 
 fn row_steps() -> i32 {
@@ -69,9 +71,13 @@ fn choose(costs: ptr<function, Costs>, diagonal: ptr<function, Costs>,
             if CONFIDENCE == 1u {
                 right_map[frame.map_words + at] = map_word(best.margin, (*kept).margin_kept);
             }
+            if LABELS == 1u {
+                right_map[(1u + CONFIDENCE) * frame.map_words + at] = map_word(best.label, (*kept).label_kept);
+            }
         }
         (*kept).left_kept = best.value;
         (*kept).margin_kept = best.margin;
+        (*kept).label_kept = best.label;
     }
     let seen = x - frame.min_disparity;
     if inside_row(seen) {
@@ -137,7 +143,7 @@ fn winner(costs: ptr<function, Costs>, least: u32, x: i32) -> Winner {
     if CONFIDENCE == 1u && known.z < COST_NONE {
         margin = margin_over(cost, known.z);
     }
-    return Winner(value, i32(margin));
+    return Winner(value, i32(margin), i32(best));
 }
 
 // The right view: diagonal[d] is the smallest key so far of the right pixel that disparity d sees from this column;

@@ -14,8 +14,19 @@ pub(crate) struct Ends {
     pub(crate) right: Option<wgpu::Buffer>,
     /// The confidence of the map, if it is wanted.
     pub(crate) confidence: Option<wgpu::Buffer>,
+    /// The labels, if they are wanted.
+    pub(crate) labels: Option<LabelEnds>,
     /// The depth of the map, if it is wanted.
     pub(crate) depth: Option<wgpu::Buffer>,
+}
+
+/// The buffers of the labels.
+#[derive(Debug)]
+pub(crate) struct LabelEnds {
+    /// Ends with the labels, laid out like a map.
+    pub(crate) right_map: wgpu::Buffer,
+    /// What pairs of values cost, if the cost is looked up.
+    pub(crate) table: Option<wgpu::Buffer>,
 }
 
 impl Ends {
@@ -29,6 +40,9 @@ impl Ends {
             if let Some(other) = other {
                 queue.write_buffer(other, 0, &vec![0; bytes as usize]);
             }
+        }
+        if let Some(LabelEnds { right_map, .. }) = &self.labels {
+            queue.write_buffer(right_map, sizes.right_map - sizes.map, &vec![0; sizes.map as usize]);
         }
     }
 }

@@ -15,7 +15,7 @@ mod winner;
 
 use crate::gpu::recording::Builder;
 use content::ContentBits;
-pub(crate) use ends::Ends;
+pub(crate) use ends::{Ends, LabelEnds};
 use filters::filtered::{confidence, depth, filtered};
 use planes::Planes;
 use view_maps::ViewMaps;
@@ -48,7 +48,9 @@ pub(crate) fn chain(b: &mut Builder<'_>) -> Ends {
     let confidence = b.params.confidence.then(|| confidence(b, &views, &output));
     let depth = b.params.depth.is_some().then(|| depth(b, &output));
     let right = b.params.right_map.then_some(compared.right);
-    Ends { sources, output, right, confidence, depth }
+    let labels =
+        b.params.labels.then(|| LabelEnds { right_map: views.right.clone(), table: planes.table_bytes.clone() });
+    Ends { sources, output, right, confidence, labels, depth }
 }
 
 /// From the images to the winner of both views. Returns the planes.

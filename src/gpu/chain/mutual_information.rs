@@ -22,7 +22,7 @@ pub(super) fn planes(b: &mut Builder<'_>, sources: &[wgpu::TextureView; 2], cont
     let scratch = Scratch::new(b);
     b.enter(0);
     let mut planes = planes_of(b, &pyramid[b.levels[0].halvings as usize], &grays);
-    planes.table = Some(scratch.table(b, &pyramid, None));
+    scratch.table(b, &mut planes, &pyramid, None);
     for level in 1..b.levels.len() {
         let mut views = ViewMaps::new(b);
         winner::winner(b, &mut planes, &views);
@@ -35,7 +35,7 @@ pub(super) fn planes(b: &mut Builder<'_>, sources: &[wgpu::TextureView; 2], cont
         if before != here {
             planes = planes_of(b, &pyramid[here as usize], &grays);
         }
-        planes.table = Some(scratch.table(b, &pyramid, Some(&map)));
+        scratch.table(b, &mut planes, &pyramid, Some(&map));
     }
     planes
 }
@@ -66,13 +66,14 @@ impl Scratch {
         }
     }
 
-    /// Stages `mi_histogram`, by the map of the level before, and `mi_table`.
+    /// Stages `mi_histogram`, by the map of the level before, and `mi_table`, whose table goes to the planes.
     fn table(
         &self,
         b: &mut Builder<'_>,
+        planes: &mut Planes,
         pyramid: &[[wgpu::TextureView; 2]],
         map: Option<&wgpu::Buffer>,
-    ) -> wgpu::TextureView {
+    ) {
         let Frame { width, height, .. } = b.sizes.frame;
         let Level { halvings, .. } = b.levels[b.level];
         let [left, right] = &pyramid[halvings as usize];
@@ -107,7 +108,8 @@ impl Scratch {
         let table = b.buffer("mi_table", TABLE_BYTES / 4);
         let storage = [Buffer(joint), Buffer(marginals), Buffer(&self.range), Buffer(&table)];
         b.step("mi_table", &storage, Dispatch::default(), 256 * 64, 1, Written::Table);
-        b.copy_to_texture([64, 256], 256, wgpu::TextureFormat::R32Uint)
+        planes.table = Some(b.copy_to_texture([64, 256], 256, wgpu::TextureFormat::R32Uint));
+        planes.table_bytes = Some(table);
     }
 }
 

@@ -22,6 +22,8 @@ pub(super) struct Planes {
     pub(super) grays: Vec<wgpu::TextureView>,
     /// What pairs of values cost, if the cost is looked up.
     pub(super) table: Option<wgpu::TextureView>,
+    /// The same as bytes.
+    pub(super) table_bytes: Option<wgpu::Buffer>,
 }
 
 impl Planes {
@@ -31,8 +33,17 @@ impl Planes {
         let in_textures = b.sizes.small_block && !b.plan.per_subgroup;
         let texture = |stride: u32| b.texture("planes", [stride, rows], rows, wgpu::TextureFormat::R32Uint);
         let textures = if in_textures { strides.map(texture).to_vec() } else { Vec::new() };
-        let mut planes =
-            Self { buffers, textures, views: Vec::new(), pictures, scratch, held: None, grays, table: None };
+        let mut planes = Self {
+            buffers,
+            textures,
+            views: Vec::new(),
+            pictures,
+            scratch,
+            held: None,
+            grays,
+            table: None,
+            table_bytes: None,
+        };
         let first = b.sizes.pieces[0][0].clone();
         planes.hold(b, &first);
         planes

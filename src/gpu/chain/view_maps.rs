@@ -3,8 +3,8 @@
 use crate::gpu::layout::{ROW_UNIT, Rows};
 use crate::gpu::recording::{Bound, Builder};
 
-/// The maps of both views. The right one is followed, if a confidence is wanted, by the margins of the left one's winners:
-/// `winner` has no binding left for one more buffer.
+/// The maps of both views. The right one is followed, if a confidence is wanted, by the margins of the left one's winners, and, if
+/// they are wanted, by their labels: `winner` has no binding left for one more buffer.
 pub(super) struct ViewMaps {
     pub(super) left: wgpu::Buffer,
     pub(super) right: wgpu::Buffer,

@@ -4,7 +4,7 @@ use crate::PixelFormat;
 use crate::gpu::check::expected::Expected;
 use crate::gpu::check::report::StageCheck;
 use crate::gpu::layout::Rows;
-use crate::gpu::maps::{confidence_of, depth_of, map_of};
+use crate::gpu::maps::{confidence_of, depth_of, labels_of, map_of};
 use crate::gpu::recording::{Level, Written};
 use crate::params::Filter;
 use crate::reference::{self, Direction, Volume};
@@ -222,13 +222,18 @@ impl Comparison<'_> {
 
     fn views(&mut self) {
         let Self { level, bytes, right, expected, stage, .. } = self;
-        let (frame, wanted) = (&level.sizes.frame, expected.params.confidence);
+        let (frame, sizes) = (&level.sizes.frame, &level.sizes);
+        let [wanted, labelled] = [expected.params.confidence, expected.params.labels];
         let views = expected.views();
         compare_maps(stage, &views.left, &map_of(frame, bytes));
         compare_maps(stage, &views.right, &map_of(frame, right));
         if wanted {
-            let margins = map_of(frame, &right[level.sizes.map as usize..]);
+            let margins = map_of(frame, &right[sizes.map as usize..]);
             compare_each(stage, frame.width as usize, &views.margins.data, &margins.data);
+        }
+        if labelled {
+            let labels = labels_of(frame, &right[(sizes.right_map - sizes.map) as usize..], &[]);
+            compare_each(stage, frame.width as usize, &views.labels, &labels.data);
         }
         expected.checked = Some(views.left.clone());
     }

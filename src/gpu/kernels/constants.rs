@@ -117,6 +117,7 @@ fn winner(kernel: &Kernel, params: &Params) -> Vec<Constant> {
         number("SUBPIXEL_EQUIANGULAR", Subpixel::Equiangular as u32),
         number("UNIQUENESS", params.uniqueness),
         number("CONFIDENCE", params.confidence),
+        number("LABELS", params.labels),
     ]
 }
 

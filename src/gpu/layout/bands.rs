@@ -73,7 +73,7 @@ pub(super) struct Former {
 }
 
 impl Division {
-    /// `right_map`: bytes of the right view's map and of the margins that follow it.
+    /// `right_map`: bytes of the right view's map and of what follows it.
     pub(super) fn new(
         request: &Request<'_>,
         strides: &Strides,

@@ -26,7 +26,7 @@ pub(crate) struct Sizes {
     pub(crate) map: u64,
     /// Bytes of the penalties of a direction.
     pub(crate) penalties: u64,
-    /// Bytes of the right view's map, followed by the margins if a confidence is wanted.
+    /// Bytes of the right view's map, followed by the margins if a confidence is wanted, and by the labels if those are.
     pub(crate) right_map: u64,
     /// Bytes of the confidence.
     pub(crate) confidence: u64,
@@ -178,10 +178,10 @@ impl PixelSizes {
             let what = "a disparity map for the histogram of mutual information";
             request.fits(what, map, "make the images smaller or take another cost")?;
         }
-        let right_map = if params.confidence { 2 * map } else { map };
-        if params.confidence {
-            let what = "a disparity map with its confidence";
-            request.fits(what, right_map, "make the images smaller or switch the confidence off")?;
+        let right_map = map * (1 + u64::from(params.confidence) + u64::from(params.labels));
+        if right_map > map {
+            let what = "a disparity map with its confidence or its labels";
+            request.fits(what, right_map, "make the images smaller or switch those off")?;
         }
         if params.wls.is_some() {
             request.rows_fit("rows of two numbers a pixel", 8 * u64::from(strides.volume), SMALLER)?;

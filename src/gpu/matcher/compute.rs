@@ -2,6 +2,7 @@
 
 use std::sync::atomic::Ordering;
 
+use crate::gpu::chain::Ends;
 use crate::gpu::maps::MapBytes;
 use crate::gpu::matcher::stereo_matcher::StereoMatcher;
 use crate::gpu::readback::Mapping;
@@ -76,15 +77,20 @@ impl StereoMatcher {
             let mut encoder = self.device.create_command_encoder(&wgpu::CommandEncoderDescriptor::default());
             record(&mut encoder);
             let buffer = self.readback_buffer();
+            let Ends { output, right, confidence, labels, depth, .. } = &self.ends;
+            let [label_bytes, table_bytes] = maps.labels.unwrap_or_default();
+            let before_labels = self.sizes.right_map - self.sizes.map;
             let mut at = 0;
-            for (from, bytes) in [
-                (Some(&self.ends.output), maps.map),
-                (self.ends.right.as_ref(), maps.map),
-                (self.ends.confidence.as_ref(), maps.confidence.unwrap_or(0)),
-                (self.ends.depth.as_ref(), maps.depth.unwrap_or(0)),
+            for (from, first, bytes) in [
+                (Some(output), 0, maps.map),
+                (right.as_ref(), 0, maps.map),
+                (confidence.as_ref(), 0, maps.confidence.unwrap_or(0)),
+                (labels.as_ref().map(|labels| &labels.right_map), before_labels, label_bytes),
+                (labels.as_ref().and_then(|labels| labels.table.as_ref()), 0, table_bytes),
+                (depth.as_ref(), 0, maps.depth.unwrap_or(0)),
             ] {
                 if let Some(from) = from {
-                    encoder.copy_buffer_to_buffer(from, 0, &buffer, at, bytes);
+                    encoder.copy_buffer_to_buffer(from, first, &buffer, at, bytes);
                     at += bytes;
                 }
             }

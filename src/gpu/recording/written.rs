@@ -68,7 +68,7 @@ pub(crate) enum Written {
         first: bool,
         last: bool,
     },
-    /// Both views; the right one, and the margins, are in `right`.
+    /// Both views; the right one, the margins and the labels are in `right`.
     Views {
         right: wgpu::Buffer,
         last: bool,

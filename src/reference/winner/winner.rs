@@ -11,18 +11,20 @@ pub struct Views {
     pub right: DisparityMap,
     /// By how much each winner of the left map is ahead of its best rival ([`margin`]), whether it is valid or not.
     pub margins: ConfidenceMap,
+    /// The index of each winner of the left map, whether it is valid or not.
+    pub labels: Vec<u16>,
 }
 
 /// One row of [`Views`].
-pub(crate) type RowOfViews = (Vec<i16>, Vec<i16>, Vec<u8>);
+pub(crate) type RowOfViews = (Vec<i16>, Vec<i16>, Vec<u8>, Vec<u16>);
 
 impl Views {
     pub(crate) fn from_rows(rows: Vec<RowOfViews>) -> Self {
         let (width, height) = (rows.first().map_or(0, |row| row.0.len()) as u32, rows.len() as u32);
-        let (left, right, margins): (Vec<_>, Vec<_>, Vec<_>) = rows.into_iter().collect();
+        let (left, right, margins, labels): (Vec<_>, Vec<_>, Vec<_>, Vec<_>) = rows.into_iter().collect();
         let map = |rows: Vec<Vec<i16>>| DisparityMap { width, height, data: rows.concat() };
         let margins = ConfidenceMap { width, height, data: margins.concat() };
-        Self { left: map(left), right: map(right), margins }
+        Self { left: map(left), right: map(right), margins, labels: labels.concat() }
     }
 }
 
@@ -66,9 +68,9 @@ pub(crate) fn winner_of_row(costs: &[u32], params: &Params) -> RowOfViews {
             value += (16 * (before as i32 - after as i32) + k - 1).div_euclid(2 * k);
         }
         let valid = unique && points_inside(x as i64, value as i16, width);
-        (if valid { value as i16 } else { DisparityMap::INVALID }, margin(cost(x, best), rival))
+        ((if valid { value as i16 } else { DisparityMap::INVALID }, margin(cost(x, best), rival)), best as u16)
     });
-    let (left, margins) = left.unzip();
+    let ((left, margins), labels) = left.unzip();
 
     // Right pixel x sees left pixel x + disparity: the costs along a diagonal of the same row.
     let right = (0..width).map(|x| {
@@ -77,5 +79,5 @@ pub(crate) fn winner_of_row(costs: &[u32], params: &Params) -> RowOfViews {
         let best = candidates.min_by_key(|&d| (cost(seen_from(d) as usize, d), d));
         best.map_or(DisparityMap::INVALID, |d| 16 * disparity(d) as i16)
     });
-    (left, right.collect(), margins)
+    (left, right.collect(), margins, labels)
 }

@@ -103,10 +103,10 @@ fn no_kernel_takes_more_rounds_than_are_counted() {
     let (Some(full), Some(bare)) = (support::device(), support::bare_device()) else { return };
     let mut wrong = Vec::new();
     for (i, (on_bare, params)) in cases().into_iter().enumerate() {
-        let confidence = i % 3 == 0;
+        let (confidence, labels) = (i % 3 == 0, i % 2 == 0);
         let subpixel = [Subpixel::Equiangular, Subpixel::Parabola][i % 2];
         for shader_checks in [false, true] {
-            let params = Params { shader_checks, confidence, subpixel, ..params.clone() };
+            let params = Params { shader_checks, confidence, labels, subpixel, ..params.clone() };
             let size = [[97, 5], [131, 3], [61, 9]][i % 3];
             let found = mismatches(if on_bare { &bare } else { &full }, size, i as u32 % 4, &params, None);
             if !found.is_empty() {

@@ -103,6 +103,10 @@ pub(crate) fn confidence(params: &mut Params) {
     params.confidence = true;
 }
 
+pub(crate) fn labels(params: &mut Params) {
+    params.labels = true;
+}
+
 /// Holes of many sizes, most of them mismatches.
 pub(crate) fn rays(params: &mut Params) {
     (params.p1, params.p2, params.fill) = (2, 9, Fill::Rays);

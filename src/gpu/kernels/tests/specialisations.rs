@@ -37,7 +37,9 @@ pub(crate) fn specialisations() -> Vec<(Params, PixelFormat, Plan)> {
                         }
                         let confidence = subpixel == Subpixel::Equiangular;
                         let adaptive_p2 = prefilter == Prefilter::None && base.method == crate::Method::Sgm;
-                        let params = Params { paths, prefilter, subpixel, confidence, adaptive_p2, ..base.clone() };
+                        let labels = subpixel == Subpixel::Off;
+                        let params =
+                            Params { paths, prefilter, subpixel, confidence, labels, adaptive_p2, ..base.clone() };
                         let params = Params { block: if subpixel == Subpixel::Off { 21 } else { 5 }, ..params };
                         // A filter of each kind, and every spacing of the weighted median.
                         let params = Params {

@@ -140,6 +140,14 @@ pub(super) const MUTANTS: &[Mutant] = &[
     mutant("winner", "neighbours_and_rival(vec3(", "(vec3(", per_subgroup),
     mutant("winner", "255u * (rival - here)", "256u * (rival - here)", confidence),
     mutant("winner", "is_before | is_after", "is_before", confidence),
+    mutant("winner", "i32(best));", "i32(best & 6u));", |params| {
+        per_subgroup(params);
+        labels(params);
+    }),
+    mutant("winner", "(1u + CONFIDENCE)", "1u", |params| {
+        confidence(params);
+        labels(params);
+    }),
     mutant("winner", "frame.p1", "frame.p2", |_| ()),
     mutant("winner", "PATHS *", "(PATHS - 1u) *", |_| ()),
     mutant("winner", "k - 1u", "k", |_| ()),
@@ -176,6 +184,10 @@ pub(super) const MUTANTS: &[Mutant] = &[
     mutant("block_match_small", "max(before, after)", "after", |params| {
         bm(params);
         equiangular(params);
+    }),
+    mutant("block_match_small", "i32(keys[own] & 0xffffu)", "i32(keys[own] & 0x7u)", |params| {
+        bm(params);
+        labels(params);
     }),
     mutant("block_match_small", "0x7f7f7f7fu", "0x7f7f7f7eu", bm),
     mutant("texture_columns", "weight * (here &", "(here &", texture),
