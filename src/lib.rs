@@ -111,6 +111,6 @@ pub use image::{
 pub use network::{Architecture, Network};
 pub use params::{
     Camera, Census, Cost, Distortion, Fill, Lens, Masks, Median, Method, ParamOption, Params, Paths, Prefilter, Preset,
-    Rectification, RightView, Schedule, Subpixel, Wls,
+    Rectification, RightView, Schedule, Smoothness, Subpixel, Wls,
 };
 pub use wgpu;

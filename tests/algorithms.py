@@ -402,14 +402,15 @@ class Chain:
         for i, h in enumerate(rounds):
             size, left, right = pyramid[h]
             smallest, largest = self.smallest >> h, -(-last >> h)
-            chain = Chain(dict(size.case, min_disparity=smallest, disparities=largest - smallest + 1, lr_check=1))
+            changed = dict(disparities=largest - smallest + 1, lr_check=1, smoothness_edge="off")
+            chain = Chain(dict(size.case, min_disparity=smallest, **changed))
             chain.contents = size.contents
             counts = chain.mi_histogram(left, right, before, rounds[i - 1] - h if i > 0 else 0)
             yield "mi_histogram", [("I", counts)]
             chain.table = chain.mi_table(counts)
             yield "mi_table", [("B", chain.table)]
             if i + 1 < len(rounds):
-                view, other, _ = yield from chain.winner_stages(left, right, None)
+                view, other, _ = yield from chain.winner_stages(left, right, None, None)
                 other = yield from chain.valid(other, 1)
                 view = yield from chain.valid(view, 0)
                 before = chain.lr_check(view, other)
@@ -506,6 +507,71 @@ class Chain:
     def sgm_aggregate(self, cost, penalties):
         paths = [self.path_costs(cost, penalties, dx, dy) for dx, dy in PATHS[self.case["paths"]]]
         return self.over_pixels(lambda x, y: [sum(values) for values in zip(*(path[y][x] for path in paths))])
+
+    def coarse_cost(self, cost):
+        """The data terms of all levels but the first."""
+        levels = [cost]
+        while len(levels) < self.case["bp_levels"] and (len(levels[-1]) > 1 or len(levels[-1][0]) > 1):
+            finer = levels[-1]
+            height, width = len(finer), len(finer[0])
+
+            def terms(x, y):
+                lines = [finer[j] for j in (2 * y, 2 * y + 1) if j < height]
+                sums = [sum(v) for v in zip(*(line[i] for line in lines for i in (2 * x, 2 * x + 1) if i < width))]
+                return [min(2047, v - min(sums)) for v in sums]
+
+            levels.append([[terms(x, y) for x in range((width + 1) // 2)] for y in range((height + 1) // 2)])
+        return levels[1:]
+
+    def smoothness(self, k, halved):
+        a, b = self.case["smoothness_weight"] >> halved, self.case["smoothness_truncation"] >> halved
+        kind = self.case["smoothness"]
+        if kind == "potts":
+            return b if k > 0 else 0
+        return min(a * k if kind == "linear" else a * k * k, b)
+
+    def message(self, belief, received, f, halved):
+        h = [((f * v) >> 4) - m for v, m in zip(belief, received)]
+        most = self.case["smoothness_truncation"] >> halved
+        values = [min(v - min(h), most) for v in h]  # V is at most `most`
+        sent = values[:]
+        for e, value in enumerate(values):
+            for way in (-1, 1):
+                k = 1
+                while 0 <= e + way * k < self.count and value + self.smoothness(k, halved) < most:
+                    d = e + way * k
+                    sent[d] = min(sent[d], value + self.smoothness(k, halved))
+                    k += 1
+        return sent
+
+    def messages(self, levels, g):
+        """What the pixels of each level have received, from the coarsest to the finest: lists [from][y][x][d]."""
+        rounds, share = self.case["bp_iterations"], self.case["bp_reweighting"]
+        ways = ((-1, 0), (1, 0), (0, -1), (0, 1))
+        found = []
+        for k in reversed(range(len(levels))):
+            terms = levels[k]
+            height, width = len(terms), len(terms[0])
+            if found:
+                here = [[[coarse[y >> 1][x >> 1] for x in range(width)] for y in range(height)] for coarse in found[-1]]
+            else:
+                here = [[[[0] * self.count for _ in range(width)] for _ in range(height)] for _ in ways]
+            for i in range(rounds):
+                f = share
+                if k == 0 and i >= rounds >> 1:
+                    since = i - (rounds >> 1)
+                    f = share + (16 - share) * (since + 1) // ((rounds >> 2) + 1) if since < rounds >> 2 else 16
+                for x, y in ((x, y) for y in range(height) for x in range(width) if (x + y + i) % 2 == 0):
+                    belief = [sum(v) for v in zip(terms[y][x], *(volume[y][x] for volume in here))]
+                    for w, (dx, dy) in enumerate(ways):
+                        u, v = x + dx, y + dy
+                        if not (0 <= u < width and 0 <= v < height):
+                            continue
+                        edge = self.case["smoothness_edge"]
+                        halved = int(k == 0 and edge != "off" and abs(g[y][x] - g[v][u]) >= edge)
+                        here[w ^ 1][v][u] = self.message(belief, here[w][y][x], f, halved)
+            found.append(here)
+        return found
 
     def winner(self, cost):
         last, ratio = self.count - 1, self.case["uniqueness"]
@@ -775,9 +841,9 @@ class Chain:
         yield "descriptors", [("B", side) for side in sides]
         if case["cost"] == "mi":
             self.table = yield from self.last_table(*sides)
-        return (yield from self.winner_stages(sides[0], sides[1], penalties))
+        return (yield from self.winner_stages(sides[0], sides[1], penalties, gray))
 
-    def winner_stages(self, left, right, penalties):
+    def winner_stages(self, left, right, penalties, gray):
         """The stages from the descriptors to the winner; returns both views and the margins."""
         columns = self.cost_columns(left, right)
         yield "cost_columns", [("I", columns)]
@@ -788,6 +854,16 @@ class Chain:
             yield "matching_cost", [("B", cost)]
             cost = self.sgm_aggregate(cost, penalties)
             yield "sgm_aggregate", [("H", cost)]
+        elif self.case["method"] == "bp":
+            name, cost = "winner", self.matching_cost(cost)
+            yield "matching_cost", [("B", cost)]
+            coarse = self.coarse_cost(cost)
+            if coarse:
+                yield "coarse_cost", [("H", terms) for terms in coarse]
+            found = self.messages([cost] + coarse, gray)
+            yield "messages", [("B", volume) for level in found for volume in level]
+            cost = self.over_pixels(lambda x, y: [sum(v) for v in zip(cost[y][x], *(m[y][x] for m in found[-1]))])
+            yield "beliefs", [("H", cost)]
         else:
             name = "block_match"
             if self.case["cost"] == "ncc":

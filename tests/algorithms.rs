@@ -5,8 +5,8 @@
 mod support;
 
 use gpu_stereo::{
-    Cost, DisparityMap, Distortion, Image, Median, Method, Params, Paths, PixelFormat, Pixels, Prefilter, Preset,
-    Rectification, reference,
+    Cost, DisparityMap, Distortion, Image, Median, Params, Paths, PixelFormat, Pixels, Prefilter, Preset,
+    Rectification, RightView, reference,
 };
 use rand::{Rng, SeedableRng};
 use rand_chacha::ChaCha8Rng;
@@ -51,7 +51,7 @@ fn settings(params: &Params) -> Vec<(&'static str, String)> {
     let mut settings = vec![
         ("min_disparity", params.min_disparity.to_string()),
         ("disparities", number(params.disparities)),
-        ("method", if params.method == Method::Sgm { "sgm" } else { "bm" }.into()),
+        ("method", params.get("method")),
         ("cost", params.get("cost")),
         ("census", params.get("census")),
         ("ad_weight", number(params.ad_weight)),
@@ -65,6 +65,13 @@ fn settings(params: &Params) -> Vec<(&'static str, String)> {
         ("p1", number(params.p1)),
         ("p2", number(params.p2)),
         ("adaptive_p2", if params.adaptive_p2 { "on" } else { "off" }.into()),
+        ("smoothness", params.get("smoothness")),
+        ("smoothness_weight", number(params.smoothness_weight)),
+        ("smoothness_truncation", number(params.smoothness_truncation)),
+        ("smoothness_edge", params.smoothness_edge.map_or("off".into(), number)),
+        ("bp_levels", number(params.bp_levels)),
+        ("bp_iterations", number(params.bp_iterations)),
+        ("bp_reweighting", number(params.bp_reweighting)),
         ("texture", number(params.texture)),
         ("uniqueness", number(params.uniqueness)),
         ("lr_check", params.lr_check.map_or("off".into(), number)),
@@ -347,6 +354,28 @@ fn cases() -> Vec<Case> {
         params.masks = Some(support::masks(width, height, seed));
         let (left, right) = support::pair(width, height, seed);
         let [left, right] = [left, right].map(|image| support::as_format(&image, seed as u32 % 4));
+        cases.push(Case { left, right, params });
+    }
+    // Belief propagation: every smoothness, edges, levels down to a single pixel, ties, the ends of the ranges.
+    for seed in 700..724 {
+        let mut random = ChaCha8Rng::seed_from_u64(seed);
+        let mut params = Params::bp(random.random_range(1..12));
+        params.set("smoothness", ["linear", "quadratic", "potts"][seed as usize % 3]).unwrap();
+        params.smoothness_truncation = *[0, 40, 127, 20].get(random.random_range(0..4)).unwrap();
+        params.smoothness_weight = *[0, 1, 8, 127].get(random.random_range(0..4)).unwrap();
+        params.smoothness_edge = if random.random() { None } else { Some(random.random_range(1..=255)) };
+        (params.bp_levels, params.bp_iterations) = (random.random_range(1..=10), random.random_range(1..=7));
+        params.bp_reweighting = random.random_range(4..=16);
+        params.block = 2 * random.random_range(0..2) + 1;
+        params.min_disparity = random.random_range(-4..3);
+        if seed % 4 == 0 {
+            params.right_view = RightView::Match;
+        }
+        let (width, height) = (random.random_range(1..24), random.random_range(1..12));
+        let (left, right) = match seed % 2 {
+            0 => support::pair(width, height, seed),
+            _ => (few_levels(width, height, 0, &mut random), few_levels(width, height, 0, &mut random)),
+        };
         cases.push(Case { left, right, params });
     }
     // Luma exactly half way between two levels.

@@ -42,6 +42,12 @@ const NUMBERS: &[(&str, &[&str])] = &[
     ("prefilter-window", &["9", "5"]),
     ("p1", &["16", "3"]),
     ("p2", &["96", "40"]),
+    ("smoothness-weight", &["8", "3"]),
+    ("smoothness-truncation", &["40", "90"]),
+    ("smoothness-edge", &["off", "15"]),
+    ("bp-levels", &["3", "6"]),
+    ("bp-iterations", &["5", "2"]),
+    ("bp-reweighting", &["8", "16"]),
     ("texture", &["off", "150"]),
     ("uniqueness", &["10", "off"]),
     ("speckle-window", &["off", "12"]),
@@ -290,7 +296,8 @@ type NamedPair = [(&'static str, &'static str); 2];
 
 /// What [`Params::validate`] refuses of the values here.
 fn refusals() -> BTreeSet<NamedPair> {
-    let with_ncc = [[("block", "1"), ("cost", "ncc")], [("cost", "ncc"), ("method", "sgm")]];
+    let with_ncc =
+        [[("block", "1"), ("cost", "ncc")], [("cost", "ncc"), ("method", "sgm")], [("cost", "ncc"), ("method", "bp")]];
     let costs = Params::OPTIONS.iter().find(|option| option.name == "cost").unwrap().values;
     let gray = costs.iter().map(|(name, _)| *name).filter(|name| !["sad", "bt"].contains(name));
     let colours = gray.map(|cost| [("color-cost", "on"), ("cost", cost)]);

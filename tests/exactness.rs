@@ -5,7 +5,7 @@ mod support;
 
 use gpu_stereo::{
     Camera, Cost, Error, Fill, Image, Median, Params, Paths, Prefilter, Preset, Rectification, RightView, Schedule,
-    StereoMatcher, Wls, reference, wgpu,
+    Smoothness, StereoMatcher, Wls, reference, wgpu,
 };
 use rand::{Rng, SeedableRng};
 use rand_chacha::ChaCha8Rng;
@@ -70,6 +70,53 @@ fn shared_disparities() {
             (params.schedule, params.block, params.min_disparity) = (schedule, block, -70);
             check(setup, &left, &right, &params, seed);
         }
+    }
+}
+
+/// Belief propagation: every smoothness, levels down to a single pixel, shared disparities, bands, both schedules.
+#[test]
+fn belief_propagation() {
+    let small = support::device_with(|_, limits| limits.max_storage_buffer_binding_size = 96 << 10);
+    let (Some(full), Some(bare), Some(small)) = (support::device(), support::bare_device(), small) else { return };
+    let kinds = [Smoothness::Linear, Smoothness::Quadratic, Smoothness::Potts];
+    for (seed, (width, height)) in (0..).zip(SIZES) {
+        let (left, right) = support::pair(width, height, seed);
+        let nth = seed as usize;
+        for (i, setup, schedule) in [(0, &full, Schedule::PerThread), (1, &bare, Schedule::PerSubgroup)] {
+            let mut params = Params::bp([40, 17, 1, 97][(nth + i) % 4]);
+            (params.schedule, params.smoothness) = (schedule, kinds[(nth + i) % 3]);
+            (params.bp_levels, params.bp_iterations) = (1 + (3 * nth + i) as u32 % 10, 1 + nth as u32 % 5);
+            (params.smoothness_weight, params.smoothness_truncation) = [(8, 40), (3, 127), (1, 20)][nth % 3];
+            params.smoothness_edge = [None, Some(12)][(nth + i) % 2];
+            params.bp_reweighting = [8, 16, 5][nth / 3 % 3];
+            params.min_disparity = [0, -7, 3][nth / 2 % 3];
+            params.confidence = nth % 4 == 1;
+            check(setup, &left, &right, &params, seed);
+        }
+    }
+    // Bands of a few rows, whose pixels send into each other.
+    for (seed, (width, height), levels) in [(30, (31, 75), 3), (31, (18, 60), 4), (32, (45, 23), 1)] {
+        let (left, right) = support::pair(width, height, seed);
+        let mut params = Params::bp(21);
+        (params.bp_levels, params.bp_iterations, params.smoothness_edge) = (levels, 6, Some(20));
+        params.schedule = [Schedule::PerThread, Schedule::PerSubgroup][seed as usize % 2];
+        check(&small, &left, &right, &params, seed);
+    }
+    // The extremes: the longest reach, no smoothness at all, and so many disparities that members share them in each way.
+    let (left, right) = support::pair(39, 12, 40);
+    for (setup, schedule, disparities, kind, weight, truncation) in [
+        (&full, Schedule::PerSubgroup, 130, Smoothness::Linear, 1, 127),
+        (&full, Schedule::PerThread, 300, Smoothness::Linear, 2, 127),
+        (&full, Schedule::PerThread, 130, Smoothness::Quadratic, 1, 127),
+        (&bare, Schedule::PerSubgroup, 60, Smoothness::Linear, 127, 127),
+        (&full, Schedule::PerThread, 20, Smoothness::Quadratic, 0, 90),
+        (&full, Schedule::PerThread, 20, Smoothness::Linear, 5, 0),
+    ] {
+        let mut params = Params::bp(disparities);
+        (params.schedule, params.smoothness, params.bp_iterations) = (schedule, kind, 4);
+        (params.smoothness_weight, params.smoothness_truncation) = (weight, truncation);
+        params.shader_checks = disparities == 60;
+        check(setup, &left, &right, &params, 40);
     }
 }
 

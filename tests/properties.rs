@@ -6,7 +6,7 @@ mod support;
 
 use gpu_stereo::reference::{self, points_inside};
 use gpu_stereo::{
-    DisparityMap, Image, Median, Method, Params, Paths, Pixels, Prefilter, StereoMatcher, Subpixel, wgpu,
+    DisparityMap, Image, Median, Method, Params, Paths, Pixels, Prefilter, Smoothness, StereoMatcher, Subpixel, wgpu,
 };
 use rand::{Rng, SeedableRng};
 use rand_chacha::ChaCha8Rng;
@@ -225,6 +225,83 @@ fn mirrored_the_disparities_change_their_sign() {
                 alone += 1;
             }
             assert!(width < 20 || alone > 400, "only {alone} pixels without a tie, {params:?}, seed {seed}");
+        }
+    }
+}
+
+/// Belief propagation without smoothness takes the smallest cost of each pixel; with it, it finds a labelling of less energy than
+/// that, and than semi-global matching does.
+#[test]
+fn beliefs_have_less_energy_than_costs_and_paths() {
+    let (width, height) = (62, 37);
+    let (left, right) = support::pair(width, height, 9);
+    for (smoothness, weight, truncation) in
+        [(Smoothness::Linear, 8, 40), (Smoothness::Quadratic, 4, 50), (Smoothness::Potts, 0, 20)]
+    {
+        let mut params = whole_pixels(&Params::bp(14));
+        params.block = 1;
+        (params.smoothness, params.smoothness_weight, params.smoothness_truncation) = (smoothness, weight, truncation);
+        let columns = column_sums(&left, &right, &params);
+        let cost = reference::matching_cost(&columns, &params);
+        let labels = |volume: &reference::Volume<u16>| -> Vec<usize> {
+            let best = |costs: &[u16]| (0..costs.len()).min_by_key(|&d| (costs[d], d)).unwrap();
+            volume.data.chunks_exact(14).map(best).collect()
+        };
+        let v = |a: usize, b: usize| {
+            let k = a.abs_diff(b) as u32;
+            match smoothness {
+                Smoothness::Linear => truncation.min(weight * k),
+                Smoothness::Quadratic => truncation.min(weight * k * k),
+                _ => truncation * k.min(1),
+            }
+        };
+        let energy = |labels: &[usize]| -> u32 {
+            let data: u32 = labels.iter().zip(cost.data.chunks_exact(14)).map(|(&d, costs)| u32::from(costs[d])).sum();
+            let w = width as usize;
+            let across = (0..labels.len()).filter(|i| (i + 1) % w > 0).map(|i| v(labels[i], labels[i + 1]));
+            let down = (w..labels.len()).map(|i| v(labels[i], labels[i - w]));
+            data + across.chain(down).sum::<u32>()
+        };
+        let beliefs = |params: &Params| {
+            let coarse = reference::coarse_cost(&cost, params);
+            let messages = reference::messages(&cost, &coarse, None, params);
+            reference::beliefs(&cost, messages.last().unwrap())
+        };
+        let alone = reference::Volume { data: cost.data.iter().map(|&c| c.into()).collect(), ..cost_shape(&cost) };
+        let found = energy(&labels(&beliefs(&params)));
+        let [plain, paths] =
+            [alone.clone(), reference::sgm_aggregate(&cost, None, &params)].map(|s| energy(&labels(&s)));
+        assert!(found < plain && found < paths, "{found}, {plain} of costs, {paths} of paths, {smoothness:?}");
+        // More iterations gain little.
+        let mut more = params.clone();
+        more.bp_iterations = 200;
+        let longer = energy(&labels(&beliefs(&more)));
+        assert!(found <= longer + longer / 50, "{found} after 60 iterations, {longer} after 200, {smoothness:?}");
+        params.smoothness_truncation = 0;
+        assert_eq!(beliefs(&params), alone, "{smoothness:?}");
+    }
+}
+
+fn cost_shape(cost: &reference::Volume<u8>) -> reference::Volume<u16> {
+    reference::Volume { width: cost.width, height: cost.height, disparities: cost.disparities, data: Vec::new() }
+}
+
+/// Upside down, the map of belief propagation on one level is upside down, where the colours of the chessboard stay the same.
+#[test]
+fn upside_down_beliefs_are_upside_down() {
+    let setup = support::device();
+    for (seed, (width, height)) in (0..).zip([(40, 21), (33, 9)]) {
+        let (left, right) = support::pair(width, height, seed);
+        let mut params = Params::bp(14);
+        (params.bp_levels, params.bp_iterations) = (1, 9);
+        let map = compute(&setup, &left, &right, &params);
+        let turned = compute(&setup, &upside_down(&left), &upside_down(&right), &params);
+        for (x, y, v) in values(&map) {
+            assert_eq!(
+                v,
+                value(&turned, x, i64::from(height) - 1 - y),
+                "at ({x}, {y}) of {width}x{height}, seed {seed}"
+            );
         }
     }
 }

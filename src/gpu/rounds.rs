@@ -92,6 +92,7 @@ pub(crate) fn rounds(kernel: &str, params: &Params, [width, height]: [u32; 2], p
         }
         "sgm_aggregate" => repeated(width.max(height), over_path(params, plan)),
         "winner" => repeated(width + shift, state),
+        "winner_beliefs" => repeated(width + shift, over_row(params, plan, true) + checks * (8 * plan.own_quads + 4)),
         "block_match" => repeated(reach, state) + repeated(width + shift, state),
         // Not with checks. Before the walk all of the first block's columns enter; then pixels of the right view are written that
         // no left one sees.

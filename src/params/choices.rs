@@ -75,9 +75,34 @@ pub enum Method {
     Sgm,
     /// Block matching: the disparity of the smallest block cost.
     Bm,
+    /// Belief propagation on the Markov random field of all pixels: Felzenszwalb and Huttenlocher, "Efficient Belief Propagation for
+    /// Early Vision", International Journal of Computer Vision 70(1), 2006.
+    Bp,
     /// A network, [`Params::network`](crate::Params::network), in place of all stages from the cost to the winner: Chang and
     /// Chen, "Pyramid Stereo Matching Network", CVPR 2018. docs/NETWORKS.md defines it.
     Psmnet,
+}
+
+impl Method {
+    /// Whether it starts from the quantised cost of each pixel and disparity.
+    pub(crate) fn quantises(self) -> bool {
+        match self {
+            Self::Sgm | Self::Bp => true,
+            Self::Bm | Self::Psmnet => false,
+        }
+    }
+}
+
+/// How the smoothness grows with the difference between the disparities of two neighbours.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+#[non_exhaustive]
+pub enum Smoothness {
+    /// In proportion to the difference.
+    Linear,
+    /// With its square.
+    Quadratic,
+    /// The same for every difference: the Potts model.
+    Potts,
 }
 
 /// Directions along which semi-global matching aggregates.

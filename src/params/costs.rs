@@ -129,7 +129,7 @@ const TOP: u32 = 59 * 1550;
 const ANY_BLOCK: RangeInclusive<u32> = 1..=51;
 const ANY_CAP: fn(&Ranges) -> u32 = |_| 127;
 
-const BOTH: &[Method] = &[Method::Sgm, Method::Bm];
+const ALL: &[Method] = &[Method::Sgm, Method::Bm, Method::Bp];
 
 macro_rules! wgsl {
     ($($file:literal),+) => { &[$(include_str!(concat!("../../shaders/cost/parts/", $file, ".wgsl"))),+] };
@@ -170,7 +170,7 @@ costs! {
     /// Absolute differences.
     Sad {
         name: "sad", help: "absolute differences",
-        prefilter: Prefilter::XSobel, block: 5, methods: BOTH, blocks: ANY_BLOCK, color: true, weighted: false,
+        prefilter: Prefilter::XSobel, block: 5, methods: ALL, blocks: ANY_BLOCK, color: true, weighted: false,
         descriptors: &[Descriptor::Value], kind: Kind::Difference,
         pixel_max: |of| of.value, largest_cap: ANY_CAP, top: |_| TOP,
         fragments: wgsl!("pixel_sad"), small_match: true,
@@ -178,7 +178,7 @@ costs! {
     /// Squared differences.
     Ssd {
         name: "ssd", help: "squared differences",
-        prefilter: Prefilter::XSobel, block: 5, methods: BOTH, blocks: ANY_BLOCK, color: false, weighted: false,
+        prefilter: Prefilter::XSobel, block: 5, methods: ALL, blocks: ANY_BLOCK, color: false, weighted: false,
         descriptors: &[Descriptor::Value], kind: Kind::Product,
         pixel_max: |of| of.value * of.value, largest_cap: ANY_CAP, top: |_| TOP,
         fragments: wgsl!("pixel_ssd"), small_match: false,
@@ -186,7 +186,7 @@ costs! {
     /// Absolute differences after the mean of the block around each pixel is subtracted from it.
     ZeroMeanSad {
         name: "zsad", help: "absolute differences less the block's mean",
-        prefilter: Prefilter::None, block: 5, methods: BOTH, blocks: ANY_BLOCK, color: false, weighted: false,
+        prefilter: Prefilter::None, block: 5, methods: ALL, blocks: ANY_BLOCK, color: false, weighted: false,
         descriptors: &[Descriptor::Excess], kind: Kind::Difference,
         pixel_max: |of| (2 * of.value).min(254), largest_cap: ANY_CAP, top: |_| TOP,
         fragments: wgsl!("pixel_sad"), small_match: false,
@@ -195,7 +195,7 @@ costs! {
     /// Insensitive to Image Sampling", IEEE TPAMI 20(4), 1998.
     BirchfieldTomasi {
         name: "bt", help: "Birchfield-Tomasi: the same between two pixels as on them",
-        prefilter: Prefilter::XSobel, block: 5, methods: BOTH, blocks: ANY_BLOCK, color: true, weighted: false,
+        prefilter: Prefilter::XSobel, block: 5, methods: ALL, blocks: ANY_BLOCK, color: true, weighted: false,
         descriptors: &[Descriptor::Interval], kind: Kind::Difference,
         pixel_max: |of| of.value, largest_cap: ANY_CAP, top: |_| TOP,
         fragments: wgsl!("pixel_bt"), small_match: false,
@@ -203,7 +203,7 @@ costs! {
     /// Absolute differences of the horizontal and of the vertical Sobel derivative.
     SadXy {
         name: "sad-xy", help: "absolute differences of both Sobel derivatives",
-        prefilter: Prefilter::None, block: 5, methods: BOTH, blocks: ANY_BLOCK, color: false, weighted: false,
+        prefilter: Prefilter::None, block: 5, methods: ALL, blocks: ANY_BLOCK, color: false, weighted: false,
         descriptors: &[Descriptor::Gradients], kind: Kind::Difference,
         pixel_max: |of| 4 * of.cap, largest_cap: |_| 255 / 4, top: |_| TOP,
         fragments: wgsl!("pixel_sad"), small_match: false,
@@ -212,7 +212,7 @@ costs! {
     /// Computing Visual Correspondence", ECCV 1994.
     Census {
         name: "census", help: "differing bits of census strings",
-        prefilter: Prefilter::None, block: 1, methods: BOTH, blocks: ANY_BLOCK, color: false, weighted: false,
+        prefilter: Prefilter::None, block: 1, methods: ALL, blocks: ANY_BLOCK, color: false, weighted: false,
         descriptors: &[Descriptor::Census], kind: Kind::Difference,
         pixel_max: |of| of.census_bits, largest_cap: ANY_CAP, top: |_| TOP,
         fragments: wgsl!("pixel_census", "pixel_bits"), small_match: false,
@@ -220,7 +220,7 @@ costs! {
     /// Twice the Hamming distance of census strings, and the absolute differences of both Sobel derivatives.
     CensusSobel {
         name: "census-sobel", help: "census and sad-xy together",
-        prefilter: Prefilter::None, block: 1, methods: BOTH, blocks: ANY_BLOCK, color: false, weighted: false,
+        prefilter: Prefilter::None, block: 1, methods: ALL, blocks: ANY_BLOCK, color: false, weighted: false,
         descriptors: &[Descriptor::Census, Descriptor::Gradients], kind: Kind::Difference,
         pixel_max: |of| 2 * of.census_bits + 4 * of.cap, largest_cap: |of| (255 - 2 * of.census_bits) / 4,
         top: |pixel_max| 128 * pixel_max,
@@ -229,7 +229,7 @@ costs! {
     /// Absolute differences and the Hamming distance of census strings, each with a weight.
     AdCensus {
         name: "ad-census", help: "absolute differences and census, each with a weight",
-        prefilter: Prefilter::None, block: 1, methods: BOTH, blocks: ANY_BLOCK, color: false, weighted: true,
+        prefilter: Prefilter::None, block: 1, methods: ALL, blocks: ANY_BLOCK, color: false, weighted: true,
         descriptors: &[Descriptor::Census, Descriptor::Value], kind: Kind::Difference,
         pixel_max: |of| ((of.ad_weight * of.value + of.census_weight * of.census_bits + 8) >> 4).clamp(1, 255),
         largest_cap: ANY_CAP, top: |_| TOP,
@@ -247,7 +247,7 @@ costs! {
     /// Information", CVPR 2005.
     MutualInformation {
         name: "mi", help: "mutual information",
-        prefilter: Prefilter::None, block: 1, methods: BOTH, blocks: ANY_BLOCK, color: false, weighted: false,
+        prefilter: Prefilter::None, block: 1, methods: ALL, blocks: ANY_BLOCK, color: false, weighted: false,
         descriptors: &[Descriptor::Value], kind: Kind::Table,
         pixel_max: |_| 255, largest_cap: ANY_CAP, top: |_| 64 * 1024,
         fragments: wgsl!("pixel_mi"), small_match: false,

@@ -20,6 +20,7 @@ impl Params {
             min_disparity: from,
             disparities: (to - from + 1) as u32,
             adaptive_p2: false,
+            smoothness_edge: None,
             right_view: RightView::Diagonal,
             confidence: false,
             labels: false,
@@ -78,6 +79,11 @@ impl Params {
             Prefilter::XSobel | Prefilter::Sobel | Prefilter::Normalized => 2 * self.bounded_cap(),
             Prefilter::None => 255,
         }
+    }
+
+    /// Levels of belief propagation: as many as asked for, but none after one of a single pixel.
+    pub(crate) fn levels(&self, width: u32, height: u32) -> u32 {
+        self.bp_levels.min(width.max(height).next_power_of_two().ilog2() + 1)
     }
 
     /// Images that are prefiltered: luma, or three colours.

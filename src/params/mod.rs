@@ -17,7 +17,9 @@ mod rectification;
 mod validate;
 
 pub use camera::Camera;
-pub use choices::{Census, Fill, Median, Method, Paths, Prefilter, Preset, RightView, Schedule, Subpixel, Wls};
+pub use choices::{
+    Census, Fill, Median, Method, Paths, Prefilter, Preset, RightView, Schedule, Smoothness, Subpixel, Wls,
+};
 pub use costs::Cost;
 pub(crate) use costs::Descriptor;
 pub(crate) use filters::{Filter, Steps};

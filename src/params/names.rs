@@ -1,6 +1,8 @@
 //! The names of the values of enumerations; those of the costs stand in their table.
 
-use crate::params::choices::{Census, Fill, Median, Method, Paths, Prefilter, Preset, RightView, Schedule, Subpixel};
+use crate::params::choices::{
+    Census, Fill, Median, Method, Paths, Prefilter, Preset, RightView, Schedule, Smoothness, Subpixel,
+};
 
 /// An enumeration whose values have names.
 pub(crate) trait Named: Copy + 'static {
@@ -48,7 +50,13 @@ names! {
     Method {
         Sgm "sgm" "semi-global matching",
         Bm "bm" "block matching",
+        Bp "bp" "belief propagation",
         Psmnet "psmnet" "a network, whose --weights are given",
+    }
+    Smoothness {
+        Linear "linear" "in proportion to the difference",
+        Quadratic "quadratic" "with its square",
+        Potts "potts" "the same for every difference",
     }
     Census {
         Five "5x5" "24 bits",

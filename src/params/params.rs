@@ -2,11 +2,11 @@
 
 use crate::Network;
 use crate::params::{
-    Camera, Census, Cost, Fill, Masks, Median, Method, Paths, Prefilter, Rectification, RightView, Schedule, Subpixel,
-    Wls,
+    Camera, Census, Cost, Fill, Masks, Median, Method, Paths, Prefilter, Rectification, RightView, Schedule,
+    Smoothness, Subpixel, Wls,
 };
 
-/// What a user may ask for. Start from [`Params::preset`], [`Params::sgm`] or [`Params::bm`] and change what differs, or
+/// What a user may ask for. Start from [`Params::preset`], [`Params::sgm`], [`Params::bm`] or [`Params::bp`] and change what differs, or
 /// set it by name ([`Params::set`], [`Params::from_options`]).
 ///
 /// ```
@@ -51,6 +51,21 @@ pub struct Params {
     pub p2: u32,
     /// Lower P2 where the intensity changes along the path.
     pub adaptive_p2: bool,
+    /// How the smoothness term of [`Method::Bp`] grows with the difference between the disparities of two neighbours.
+    pub smoothness: Smoothness,
+    /// The smoothness of a difference of 1, in units of the quantised cost (0 to 89), 0 to 127; of no effect with
+    /// [`Smoothness::Potts`].
+    pub smoothness_weight: u32,
+    /// The largest smoothness of two neighbours, in the same units, 0 to 127.
+    pub smoothness_truncation: u32,
+    /// Intensity step between two neighbours, 1 to 255, from which on their smoothness is half; `None` for nowhere.
+    pub smoothness_edge: Option<u32>,
+    /// Levels on which [`Method::Bp`] passes messages, each of half the size of the one before, 1 to 10.
+    pub bp_levels: u32,
+    /// How often messages are passed on each level, 1 to 1000.
+    pub bp_iterations: u32,
+    /// The share of a pixel's belief in what it sends, in sixteenths, 4 to 16: 8 of tree-reweighted messages, 16 of plain ones.
+    pub bp_reweighting: u32,
     /// The network of [`Method::Psmnet`], which needs it.
     pub network: Option<Network>,
     /// [`Method::Psmnet`]: whether interpolation lays the corner pixels of the smaller image on those of the larger one, as
@@ -117,6 +132,8 @@ impl Params {
     pub const MAX_WEIGHT: u32 = 64;
     /// The largest texture: every pixel of the largest block at the largest clip.
     pub const MAX_TEXTURE: u32 = Self::MAX_BLOCK * Self::MAX_BLOCK * Self::MAX_CAP;
+    /// The largest smoothness of two neighbours: a message fits a byte with a sign.
+    pub const MAX_SMOOTHNESS: u32 = 127;
     /// The largest P2: a forward and a backward path without their costs, at most P2 each, sum in a byte.
     pub const MAX_P2: u32 = 127;
     /// The largest number of disparities of [`Method::Psmnet`].
@@ -142,6 +159,13 @@ impl Params {
             p1: 16,
             p2: 96,
             adaptive_p2: false,
+            smoothness: Smoothness::Linear,
+            smoothness_weight: 8,
+            smoothness_truncation: 40,
+            smoothness_edge: None,
+            bp_levels: 5,
+            bp_iterations: 60,
+            bp_reweighting: 8,
             network: None,
             align_corners: true,
             texture: 0,
@@ -172,6 +196,12 @@ impl Params {
     #[must_use]
     pub fn bm(disparities: u32) -> Self {
         Self { method: Method::Bm, block: 15, uniqueness: 15, ..Self::sgm(disparities) }
+    }
+
+    /// The classic chain with belief propagation over `disparities` disparities from 0.
+    #[must_use]
+    pub fn bp(disparities: u32) -> Self {
+        Self { method: Method::Bp, ..Self::sgm(disparities) }
     }
 
     /// A network over `disparities` disparities from 0, a multiple of 16 from 16 to [`Params::MOST_OF_NETWORK`], without a

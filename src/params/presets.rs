@@ -64,7 +64,7 @@ impl Params {
     pub(crate) fn take_usual(&mut self) {
         let row = self.cost.row();
         self.prefilter = row.prefilter;
-        if self.method == Method::Sgm {
+        if self.method.quantises() {
             self.block = row.block;
         }
     }

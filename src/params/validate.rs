@@ -33,6 +33,7 @@ impl Params {
         self.validate_disparities()?;
         self.validate_windows()?;
         self.validate_penalties()?;
+        self.validate_smoothness()?;
         self.validate_filters()?;
         self.depth.as_ref().map_or(Ok(()), Camera::validate)?;
         if self.method == Method::Psmnet { self.validate_psmnet() } else { self.validate_cost() }
@@ -85,6 +86,24 @@ impl Params {
         check(self.p1 <= self.p2, "p1", self.p1, format!("from 0 to p2, which is {}", self.p2), "lower p1 or raise p2")
     }
 
+    fn validate_smoothness(&self) -> Result<(), Error> {
+        let most = Self::MAX_SMOOTHNESS;
+        let units = format!("from 0 to {most}, in units of the quantised cost (0 to 89)");
+        check(self.smoothness_weight <= most, "smoothness-weight", self.smoothness_weight, &units, "8 is usual")?;
+        let truncation = self.smoothness_truncation;
+        check(truncation <= most, "smoothness-truncation", truncation, units, "4 to 8 times the weight is usual")?;
+        let edge = self.smoothness_edge.unwrap_or(1);
+        check((1..=255).contains(&edge), "smoothness-edge", edge, "off or from 1 to 255 gray levels", "10 is usual")?;
+        for (name, value, least, most, remedy) in [
+            ("bp-levels", self.bp_levels, 1, 10, "5 is usual"),
+            ("bp-iterations", self.bp_iterations, 1, 1000, "60 is usual"),
+            ("bp-reweighting", self.bp_reweighting, 4, 16, "8 is usual, and 16 plain belief propagation"),
+        ] {
+            check((least..=most).contains(&value), name, value, format!("from {least} to {most}"), remedy)?;
+        }
+        Ok(())
+    }
+
     /// The ranges of the filters are in their rows.
     fn validate_filters(&self) -> Result<(), Error> {
         check(self.uniqueness <= 99, "uniqueness", self.uniqueness, "from 0 (off) to 99 per cent", "10 is usual")?;
@@ -125,7 +144,7 @@ impl Params {
             cost,
             format!("another one with method {method}"),
             match method {
-                Method::Sgm => "take method bm or another cost",
+                Method::Sgm | Method::Bp => "take method bm or another cost",
                 Method::Bm | Method::Psmnet => "take method sgm or another cost",
             },
         )?;

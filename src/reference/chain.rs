@@ -4,9 +4,9 @@ use crate::image::check_pair;
 use crate::params::{Descriptor, Filter};
 use crate::reference::trace::{Receiver, Trace};
 use crate::reference::{
-    Channel, Content, Descriptors, Plane, Views, Volume, block_match, block_statistics, block_sums, confidence,
-    cost_columns, depth, filtered, gray, halve, images, lr_check, matching_cost, mi_histogram, mi_table, mirror,
-    mirrored, penalties, rectify, rounds, sgm_aggregate, validity, winner,
+    Channel, Content, Descriptors, Plane, Views, Volume, beliefs, block_match, block_statistics, block_sums,
+    coarse_cost, confidence, cost_columns, depth, filtered, gray, halve, images, lr_check, matching_cost, messages,
+    mi_histogram, mi_table, mirror, mirrored, penalties, rectify, rounds, sgm_aggregate, validity, winner,
 };
 use crate::{DisparityMap, Error, Image, Labels, Matched, Method, Params, Prefilter, StageTime};
 
@@ -140,7 +140,7 @@ fn views(
     }
     let sides = trace.stage("descriptors", [left.descriptors(params), right.descriptors(params)]);
     let table = trace.table(&sides, content, params);
-    (trace.winner(&sides, &table, penalties.as_ref(), params), table)
+    (trace.winner(&sides, &table, penalties.as_ref(), Some(luma), params), table)
 }
 
 /// What matches cost in the last round of [`rounds`], for a cost that has a table; else nothing. `content`: where the pair
@@ -163,7 +163,7 @@ impl Trace<'_> {
         }
         let mut table = self.round(&pyramid[rounds[0].halvings as usize], None, 0);
         for (before, here) in rounds.iter().zip(&rounds[1..]) {
-            let views = self.winner(&pyramid[before.halvings as usize], &table, None, &before.params);
+            let views = self.winner(&pyramid[before.halvings as usize], &table, None, None, &before.params);
             let content = content.map(|content| content.halved(before.halvings));
             let right = self.valid(views.right, content.as_ref(), 1);
             let mut map = self.valid(views.left, content.as_ref(), 0);
@@ -187,6 +187,7 @@ impl Trace<'_> {
         [left, right]: &[Descriptors; 2],
         table: &[u8],
         penalties: Option<&Volume<u8>>,
+        luma: Option<&Plane<u8>>,
         params: &Params,
     ) -> Views {
         let columns = self.stage("cost_columns", cost_columns(left, right, table, params));
@@ -203,6 +204,18 @@ impl Trace<'_> {
                 drop(columns);
                 let sum = self.stage("sgm_aggregate", sgm_aggregate(&cost, penalties, params));
                 self.stage("winner", winner(&sum, params))
+            }
+            Method::Bp => {
+                let cost = self.stage("matching_cost", matching_cost(&columns, params));
+                drop(columns);
+                let mut coarse = coarse_cost(&cost, params);
+                if !coarse.is_empty() {
+                    coarse = self.stage("coarse_cost", coarse);
+                }
+                let messages = self.stage("messages", messages(&cost, &coarse, luma, params));
+                let beliefs = beliefs(&cost, &messages[messages.len() - 1]);
+                self.show("beliefs", || &beliefs);
+                self.stage("winner", winner(&beliefs, params))
             }
         }
     }

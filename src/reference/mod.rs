@@ -20,6 +20,7 @@
 //! # Ok::<(), gpu_stereo::Error>(())
 //! ```
 
+mod beliefs;
 mod chain;
 mod channels;
 mod cost;
@@ -30,6 +31,8 @@ mod plane;
 mod trace;
 mod winner;
 
+pub use beliefs::coarse_cost::{LARGEST_TERM, coarse_cost};
+pub use beliefs::messages::{Messages, beliefs, messages, shares};
 pub use chain::{compute, compute_all, compute_timed, compute_traced, cost_table};
 pub use channels::{Images, images};
 pub use cost::cost_columns::{cost_columns, pixel_cost};

@@ -1,4 +1,4 @@
-use crate::reference::{BlockStatistics, Content, Descriptors, Images, Plane, Views, Volume};
+use crate::reference::{BlockStatistics, Content, Descriptors, Images, Messages, Plane, Views, Volume};
 use crate::{ConfidenceMap, DepthMap, DisparityMap, Image, Pixels, StageTime};
 #[cfg(not(all(target_family = "wasm", target_os = "unknown")))]
 use std::time::Instant;
@@ -115,6 +115,7 @@ fields! {
     [] DisparityMap: data;
     [] ConfidenceMap: data;
     [] DepthMap: data;
+    [] Messages: received;
     [] Views: left right margins;
 }
 

@@ -168,6 +168,16 @@ pub fn random_params(random: &mut ChaCha8Rng) -> Params {
         (params.cost, params.color_cost) = (Cost::Ncc, false);
         params.block = 2 * random.random_range(1..10) + 1;
     }
+    if params.method == gpu_stereo::Method::Sgm && random.random_bool(0.25) {
+        use gpu_stereo::Smoothness;
+        params.method = gpu_stereo::Method::Bp;
+        params.smoothness = [Smoothness::Linear, Smoothness::Quadratic, Smoothness::Potts][random.random_range(0..3)];
+        (params.smoothness_weight, params.smoothness_truncation) =
+            (random.random_range(0..40), random.random_range(0..=127));
+        params.smoothness_edge = if random.random() { None } else { Some(random.random_range(1..80)) };
+        (params.bp_levels, params.bp_iterations) = (random.random_range(1..=6), random.random_range(1..5));
+        params.bp_reweighting = random.random_range(4..=16);
+    }
     params.right_map = random.random_bool(0.2);
     if random.random_bool(0.5) {
         let focal = *[1.0, 994.978, 1e6].get(random.random_range(0..3)).unwrap();

@@ -4,6 +4,9 @@
 // Above every value that is compared, with room for a penalty.
 const NONE: u32 = 0xffffff00u;
 
+// Above every value of 15 bits, with room for penalties of many steps.
+const FAR: u32 = 0xffffu;
+
 // Of the disparities of all members: the smallest value, and the values next to a member's own, NONE at the ends.
 struct Surroundings {
     least: u32,

@@ -29,3 +29,20 @@ fn neighbours_and_rival(own: vec3<u32>) -> vec3<u32> {
     }
     return all;
 }
+
+// What the values at the ends of other members are, seen from a member's own ends, if each member between them adds `step`: the
+// smallest of the last values of those below, and of the first values of those above.
+fn beside(first: u32, last: u32, step: u32) -> vec2<u32> {
+    var below = last;
+    var above = first;
+    for (var bit = 0u; bit < MEMBER_BITS; bit++) {
+        let far = 1u << bit;
+        let lower = select(subgroupShuffleUp(below, far), subgroupShuffleDown(below, far), BACKWARDS);
+        let upper = select(subgroupShuffleDown(above, far), subgroupShuffleUp(above, far), BACKWARDS);
+        below = min(below, select(FAR, lower + far * step, member >= far));
+        above = min(above, select(FAR, upper + far * step, member + far < MEMBERS));
+    }
+    let lower = select(subgroupShuffleUp(below, 1u), subgroupShuffleDown(below, 1u), BACKWARDS);
+    let upper = select(subgroupShuffleDown(above, 1u), subgroupShuffleUp(above, 1u), BACKWARDS);
+    return vec2(select(lower, FAR, member == 0u), select(upper, FAR, member + 1u == MEMBERS));
+}

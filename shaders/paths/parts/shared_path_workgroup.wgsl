@@ -47,3 +47,21 @@ fn neighbours_and_rival(own: vec3<u32>) -> vec3<u32> {
     }
     return all;
 }
+
+// As in shared_path_subgroup.wgsl.
+fn beside(first: u32, last: u32, step: u32) -> vec2<u32> {
+    let start = deposit(vec3(first, last, 0u));
+    var below = FAR;
+    var above = FAR;
+    for (var i = 0u; i < MEMBERS; i++) {
+        let other = member_of(i);
+        let ends = places[start + i];
+        if other < member {
+            below = min(below, ends.y + (member - 1u - other) * step);
+        }
+        if other > member {
+            above = min(above, ends.x + (other - 1u - member) * step);
+        }
+    }
+    return vec2(below, above);
+}

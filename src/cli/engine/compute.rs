@@ -176,8 +176,12 @@ impl Engine {
     /// Compares each stage with the reference.
     pub fn check(&self, left: &Image, right: &Image, params: &Params) -> Result<Vec<StageCheck>> {
         // Column sums of four bytes, the cost, every direction, and an aggregate of two bytes.
-        let directions = if params.method == Method::Sgm { params.paths.count().into() } else { 0 };
-        ensure_memory("the reference that --check compares with", params, left, 7 + directions)?;
+        let more = match params.method {
+            Method::Sgm => params.paths.count().into(),
+            Method::Bp => BELIEF_BYTES,
+            _ => 0,
+        };
+        ensure_memory("the reference that --check compares with", params, left, 7 + more)?;
         match self {
             Self::Adapter(on) => {
                 let OnAdapter { opened, matcher } = on.as_ref();
@@ -224,8 +228,12 @@ impl Engine {
 /// Refuses images for which the reference has too little memory, and images of another size than their masks.
 pub fn ensure_reference(params: &Params, image: &Image) -> Result<()> {
     params.accepts(image.width(), image.height())?;
-    // At the peak: column sums of four bytes, and with sgm the costs of one that are made of them.
-    let bytes = if params.method == Method::Sgm { 5 } else { 4 };
+    // At the peak: column sums of four bytes, and with sgm the costs of one that are made of them; with bp messages.
+    let bytes = match params.method {
+        Method::Sgm => 5,
+        Method::Bp => BELIEF_BYTES,
+        _ => 4,
+    };
     ensure_memory("the CPU reference", params, image, bytes)
 }
 
@@ -243,6 +251,10 @@ fn ensure_memory(what: &str, params: &Params, image: &Image, bytes: u64) -> Resu
     memory::ensure(&what, needed)?;
     Ok(())
 }
+
+/// About the bytes per pixel and disparity that belief propagation takes in the reference: the cost, four messages of each level,
+/// data terms of two bytes of the coarse ones, and what half of the pixels send at a time.
+const BELIEF_BYTES: u64 = 12;
 
 /// About the bytes per pixel that the images, planes and maps of the reference take.
 const PIXEL_BYTES: u64 = 36;

@@ -1,5 +1,6 @@
 //! The order of the stages: which kernel runs on what.
 
+mod beliefs;
 mod content;
 mod cost;
 mod ends;

@@ -1,6 +1,7 @@
 //! From what the cost compares to the winner of both views.
 
 use crate::Method;
+use crate::gpu::chain::beliefs::{beliefs, own_of};
 use crate::gpu::chain::cost::{Columns, Statistics};
 use crate::gpu::chain::paths::{AcrossRows, across_rows};
 use crate::gpu::chain::planes::Planes;
@@ -19,6 +20,22 @@ pub(super) fn winner(b: &mut Builder<'_>, planes: &mut Planes, views: &ViewMaps)
             let across = across_rows(b, planes);
             along_rows(b, &across, views);
         }
+        Method::Bp => winner_beliefs(b, planes, views),
+    }
+}
+
+/// Belief propagation, and its winner, a strip of rows at a time.
+fn winner_beliefs(b: &mut Builder<'_>, planes: &mut Planes, views: &ViewMaps) {
+    let beliefs = beliefs(b, planes);
+    let Frame { height, .. } = b.sizes.frame;
+    for (band, &rows) in b.sizes.bands.iter().enumerate() {
+        let (maps, map_row) = views.bound(b, rows);
+        let storage = [&beliefs.bound(band)[..], &maps].concat();
+        let own = own_of(&b.sizes.scales[0], band);
+        let dispatch =
+            Dispatch { first_row: rows.first, rows: rows.count, map_row, own: own.into(), ..Dispatch::default() };
+        let written = Written::Views { right: views.right.clone(), last: rows.end() == height };
+        b.step("winner_beliefs", &storage, dispatch, rows.count, 1, written);
     }
 }
 

@@ -51,6 +51,8 @@ impl Comparison<'_> {
             Written::Penalties { direction } => self.penalties(*direction),
             Written::Cost { chunk, volume_row } => self.cost(*chunk, *volume_row),
             Written::Paths { directions, band, volume_row, .. } => self.paths(directions, *band, *volume_row),
+            Written::CoarseCost { level, band } => self.coarse_cost(*level, *band),
+            Written::Messages { level, band, .. } => self.messages(*level, *band),
             Written::Views { .. } => self.views(),
             Written::Mirrored => {
                 let matched = reference::mirror(&self.expected.views().left);
@@ -138,8 +140,7 @@ impl Comparison<'_> {
             for (c, values) in row.chunks_exact(sum_bytes * padded).enumerate() {
                 let expected = &columns.data[(y * columns.width + c) * disparities..][..disparities];
                 for (d, &expected) in expected.iter().enumerate() {
-                    // Two a word: of disparities 4k .. 4k + 3 the even two, then the odd two.
-                    let at = 2 * (d / 4 * 4 + d % 2 * 2 + d / 2 % 2);
+                    let at = pair_place(d);
                     let got = match wide {
                         true => bytemuck::pod_read_unaligned::<u32>(&values[4 * d..][..4]),
                         false => u16::from_le_bytes([values[at], values[at + 1]]).into(),
@@ -220,6 +221,46 @@ impl Comparison<'_> {
         });
     }
 
+    fn coarse_cost(&mut self, level: usize, band: usize) {
+        let (scale, quads) = (&self.level.sizes.scales[level], self.params().quads());
+        let (rows, stride) = (scale.bands[band], 32 * u64::from(quads) * u64::from(scale.stride));
+        let expected = &self.expected.coarse[level - 1];
+        for (y, row) in each_row(rows, &self.bytes, stride) {
+            for (x, values) in row.chunks_exact(32 * quads as usize).take(expected.width).enumerate() {
+                for d in 0..expected.disparities {
+                    let at = pair_place(d);
+                    let got = u16::from_le_bytes([values[at], values[at + 1]]);
+                    let expected = expected.data[(y * expected.width + x) * expected.disparities + d];
+                    self.stage.compare(x, y, Some(d), expected.into(), got.into());
+                }
+            }
+        }
+    }
+
+    fn messages(&mut self, level: usize, band: usize) {
+        let (scale, quads) = (&self.level.sizes.scales[level], self.params().quads());
+        let (rows, stride) = (scale.bands[band], 16 * u64::from(quads) * u64::from(scale.stride));
+        let volumes = self.bytes.chunks_exact(scale.volume(band, quads) as usize);
+        // The device has what pixels send up, down, left and right, the reference what they receive.
+        let received = self.expected.messages[level].received.iter().rev();
+        for ((expected, bytes), (dx, dy)) in received.zip(volumes).zip([(0, -1), (0, 1), (-1, 0), (1, 0)]) {
+            for (y, row) in each_row(rows, bytes, stride) {
+                for (x, values) in row.chunks_exact(16 * quads as usize).take(expected.width).enumerate() {
+                    let (u, v) = (x.wrapping_add_signed(dx), y.wrapping_add_signed(dy));
+                    // A pixel alone sends nothing, and there is nothing.
+                    let alone = expected.width * expected.height == 1;
+                    let (u, v) = if alone { (x, y) } else { (u, v) };
+                    if u < expected.width && v < expected.height {
+                        let expected = &expected.data[(v * expected.width + u) * expected.disparities..];
+                        for (d, &got) in values[..self.params().disparities as usize].iter().enumerate() {
+                            self.stage.compare(x, y, Some(d), expected[d].into(), got.into());
+                        }
+                    }
+                }
+            }
+        }
+    }
+
     fn views(&mut self) {
         let Self { level, bytes, right, expected, stage, .. } = self;
         let (frame, sizes) = (&level.sizes.frame, &level.sizes);
@@ -284,6 +325,11 @@ impl Level {
             }
         }
     }
+}
+
+/// Where a value of 16 bits lies, two of which are in a word: of disparities 4k .. 4k + 3 the even two, then the odd two.
+fn pair_place(d: usize) -> usize {
+    2 * (d / 4 * 4 + d % 2 * 2 + d / 2 % 2)
 }
 
 /// The rows of a buffer with `stride` bytes a row.

@@ -2,7 +2,7 @@
 
 use crate::params::Filter;
 use crate::reference::{
-    self, BlockStatistics, Channel, Content, Descriptors, Direction, Images, Plane, Round, Views, Volume,
+    self, BlockStatistics, Channel, Content, Descriptors, Direction, Images, Messages, Plane, Round, Views, Volume,
 };
 use crate::{DisparityMap, Image, Method, Params};
 
@@ -32,6 +32,9 @@ pub(super) struct Expected {
     pub(super) statistics: Option<[BlockStatistics; 2]>,
     pub(super) cost: Volume<u8>,
     pub(super) paths: Vec<(Direction, Volume<u8>)>,
+    /// The data terms and the messages of the levels of belief propagation, the finest first.
+    pub(super) coarse: Vec<Volume<u16>>,
+    pub(super) messages: Vec<Messages>,
     pub(super) views: Option<Views>,
     /// The map of the last stage that left one.
     pub(super) checked: Option<DisparityMap>,
@@ -66,6 +69,8 @@ impl Expected {
             statistics: None,
             cost: Volume::new(0, 0, 0),
             paths: Vec::new(),
+            coarse: Vec::new(),
+            messages: Vec::new(),
             views: None,
             checked: None,
         }
@@ -89,8 +94,13 @@ impl Expected {
         self.columns = reference::cost_columns(left, right, &self.table, &params);
         let correlates = params.correlates();
         self.statistics = correlates.then(|| reference::block_statistics(left, right, &params));
-        if params.method == Method::Sgm {
+        if params.method.quantises() {
             self.cost = reference::matching_cost(&self.columns, &params);
+        }
+        if params.method == Method::Bp {
+            self.coarse = reference::coarse_cost(&self.cost, &params);
+            self.messages = reference::messages(&self.cost, &self.coarse, Some(&self.luma[0]), &params);
+            self.messages.reverse();
         }
         (self.paths, self.views, self.params) = (Vec::new(), None, params);
         (self.checked, self.right) = (None, None);
@@ -145,6 +155,7 @@ impl Expected {
                     self.paths = Vec::new();
                     reference::winner(&sum, params)
                 }
+                Method::Bp => reference::winner(&reference::beliefs(&self.cost, &self.messages[0]), params),
             };
             self.views = Some(views);
         }

@@ -59,6 +59,7 @@ impl<'a> Checked<'a> {
             Written::Cost { volume_row, .. } => *volume_row == 0,
             Written::BlockStatistics { side, .. } => *side == 0,
             Written::Part => false,
+            Written::Messages { rounds, .. } => *rounds == 0,
             Written::Descriptors { first, .. } => *first == 0,
             _ => true,
         };

@@ -7,6 +7,7 @@ use crate::PixelFormat;
 use crate::gpu::layout::{NO_OWN, TEXELS};
 use crate::gpu::plan::{Plan, paired, parts_and_strip, segment, span, vectors};
 use crate::params::{Census, Descriptor, Params, Prefilter, Subpixel};
+use crate::reference::LARGEST_TERM;
 
 /// A constant: its name, its type and its value.
 type Constant = (&'static str, &'static str, String);
@@ -121,6 +122,20 @@ fn winner(kernel: &Kernel, params: &Params) -> Vec<Constant> {
     ]
 }
 
+/// Belief propagation.
+fn beliefs(params: &Params) -> Vec<Constant> {
+    // No difference that costs less than the truncation takes more steps of one, not even where both are half.
+    let [weight, truncation] = [params.smoothness_weight, params.smoothness_truncation];
+    let steps = |shift: u32| ((truncation >> shift) / (weight >> shift).max(1)).isqrt();
+    vec![
+        number("LARGEST_TERM", LARGEST_TERM),
+        number("SMOOTHNESS_WEIGHT", weight),
+        number("SMOOTHNESS_TRUNCATION", truncation),
+        ("SMOOTHNESS_EDGE", "i32", format!("{}", params.smoothness_edge.unwrap_or(0))),
+        number("QUADRATIC_STEPS", steps(0).max(steps(1))),
+    ]
+}
+
 /// The parts that the trees of the speckle filter lie in.
 fn speckle_parts(plan: &Plan) -> Vec<Constant> {
     vec![number("PART_BITS", plan.part_bits.unwrap_or(0)), number("FILTERED", 3 + plan.parts())]
@@ -149,6 +164,7 @@ pub(super) fn constants(
         cost(params),
         census(params),
         winner(kernel, params),
+        beliefs(params),
         speckle_parts(plan),
         SETTINGS.iter().map(|&(name, value)| number(name, value(params))).collect(),
     ]

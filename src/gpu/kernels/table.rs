@@ -1,7 +1,7 @@
 //! The table: a row a kernel, with its files and what it is bound to.
 
 use crate::gpu::plan::{Exchange, GROUP_LANES, Plan, STRIP_LANES};
-use crate::params::Params;
+use crate::params::{Params, Smoothness};
 use crate::reference::{median_decay, median_spacing, wls_bits};
 
 /// What a kernel does with a storage resource.
@@ -17,20 +17,28 @@ pub(crate) enum Access {
     Table,
     /// The penalties of the pixels, where the plan has them.
     Penalties,
+    /// The gray image, where the smoothness depends on its edges.
+    Edges,
     /// The trees of the speckle filter, written: one binding, or its parts.
     Trees,
 }
-use Access::{Costs, Penalties, Read, Table, Texels, Trees, Write};
+use Access::{Costs, Edges, Penalties, Read, Table, Texels, Trees, Write};
 
 /// Fragments of which the plan or the settings choose some.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Choice {
     /// How invocations share the disparities of a pixel.
     SharedPath,
-    /// How many disparities a load or store moves, and where the cost is read.
+    /// How many disparities a load or store moves.
     Volumes,
+    /// Where the cost is read.
+    Cost,
     /// Where P2 comes from.
     Penalty,
+    /// How the smoothness grows with the difference of disparities.
+    Smoothness,
+    /// Where the smoothness between two neighbours comes from.
+    Edges,
     /// How pixels are compared, as bytes.
     PixelCosts,
     /// How pixels are compared, as values of 16 bits.
@@ -68,7 +76,7 @@ macro_rules! wgsl {
     ($($file:literal),+) => { &[$(include_str!(concat!("../../../shaders/", $file, ".wgsl"))),+] };
 }
 
-const PATHS: &[Choice] = &[Choice::SharedPath, Choice::Volumes, Choice::Penalty];
+const PATHS: &[Choice] = &[Choice::SharedPath, Choice::Volumes, Choice::Cost, Choice::Penalty];
 
 #[rustfmt::skip]
 pub(crate) const KERNELS: &[Kernel] = &[
@@ -79,6 +87,11 @@ pub(crate) const KERNELS: &[Kernel] = &[
     Kernel { name: "window_sums", stage: "window_sums", lanes: 64, sources: wgsl!("images/window_sums", "shared/common"), choices: &[], storage: &[Read, Write] },
     Kernel { name: "prefilter", stage: "prefilter", lanes: 64, sources: wgsl!("images/prefilter", "shared/root", "images/parts/gray_pixels", "images/parts/plane_layout", "shared/bytes", "shared/common"), choices: &[], storage: &[QUAD, Read, Write] },
     Kernel { name: "descriptors", stage: "descriptors", lanes: 64, sources: wgsl!("cost/descriptors", "images/parts/gray_pixels", "images/parts/plane_layout", "shared/bytes", "shared/common"), choices: &[], storage: &[QUAD, Read, Write] },
+    Kernel { name: "coarse_cost", stage: "coarse_cost", lanes: STRIP_LANES, sources: wgsl!("beliefs/coarse_cost", "beliefs/parts/sum_terms", "beliefs/parts/data_cost", "winner/parts/costs", "shared/common"), choices: &[Choice::SharedPath, Choice::Volumes, Choice::Cost], storage: &[Costs, Write] },
+    Kernel { name: "coarse_cost_sums", stage: "coarse_cost", lanes: STRIP_LANES, sources: wgsl!("beliefs/coarse_cost_sums", "beliefs/parts/sum_terms", "beliefs/parts/data_coarse", "winner/parts/costs", "shared/common"), choices: &[Choice::SharedPath, Choice::Volumes], storage: &[Read, Write] },
+    Kernel { name: "messages_start", stage: "messages", lanes: 128, sources: wgsl!("beliefs/messages_start", "shared/common"), choices: &[Choice::Volumes], storage: &[Read, Read, Read, Write] },
+    Kernel { name: "messages", stage: "messages", lanes: STRIP_LANES, sources: wgsl!("beliefs/messages", "beliefs/parts/send", "beliefs/parts/received", "beliefs/parts/data_cost", "winner/parts/costs", "shared/common"), choices: &[Choice::SharedPath, Choice::Volumes, Choice::Cost, Choice::Smoothness, Choice::Edges], storage: &[Costs, Write, Read, Read, Edges] },
+    Kernel { name: "messages_coarse", stage: "messages", lanes: STRIP_LANES, sources: wgsl!("beliefs/messages_coarse", "beliefs/parts/send", "beliefs/parts/received", "beliefs/parts/data_coarse", "beliefs/parts/edges_fixed", "winner/parts/costs", "shared/common"), choices: &[Choice::SharedPath, Choice::Volumes, Choice::Smoothness], storage: &[Read, Write, Read, Read] },
     Kernel { name: "penalties", stage: "penalties", lanes: 64, sources: wgsl!("paths/penalties", "paths/parts/intensity_steps", "shared/common"), choices: &[], storage: &[QUAD, Write] },
     Kernel { name: "penalties_lines", stage: "penalties", lanes: 64, sources: wgsl!("paths/penalties_lines", "paths/parts/intensity_steps", "shared/common"), choices: &[], storage: &[QUAD, Write] },
     Kernel { name: "halve", stage: "halve", lanes: 64, sources: wgsl!("images/halve", "images/parts/values", "shared/common"), choices: &[], storage: &[QUAD, Write] },
@@ -97,6 +110,7 @@ pub(crate) const KERNELS: &[Kernel] = &[
     Kernel { name: "block_statistics", stage: "block_statistics", lanes: 32, sources: wgsl!("winner/block_statistics", "shared/root", "shared/common"), choices: &[], storage: &[Read, Write] },
     Kernel { name: "block_match", stage: "block_match", lanes: 32, sources: wgsl!("winner/block_match", "cost/parts/column_sums", "winner/parts/costs", "winner/parts/winner_row", "winner/parts/refinement", "shared/common"), choices: &[Choice::SharedPath, Choice::Sums, Choice::BlockCosts], storage: &[Read, Write, Write, Read] },
     Kernel { name: "block_match_small", stage: "block_match", lanes: 8, sources: wgsl!("winner/block_match_small", "winner/parts/refinement", "shared/common"), choices: &[], storage: &[WORD, WORD, Write, Write] },
+    Kernel { name: "winner_beliefs", stage: "winner", lanes: STRIP_LANES, sources: wgsl!("winner/winner_beliefs", "beliefs/parts/received", "winner/parts/winner_row", "winner/parts/refinement", "winner/parts/costs", "shared/common"), choices: &[Choice::SharedPath, Choice::Volumes, Choice::Cost], storage: &[Costs, Read, Read, Read, Write, Write] },
     Kernel { name: "texture_columns", stage: "texture", lanes: 32, sources: wgsl!("filters/texture_columns", "shared/common"), choices: &[], storage: &[QUAD, Write] },
     Kernel { name: "texture", stage: "texture", lanes: 64, sources: wgsl!("filters/texture", "shared/common"), choices: &[], storage: &[Read, Read, Write] },
     Kernel { name: "mirror", stage: "mirror", lanes: 32, sources: wgsl!("winner/mirror", "shared/common"), choices: &[], storage: &[Read, Write] },
@@ -149,7 +163,8 @@ impl Kernel {
             Costs => vec![if plan.per_subgroup { Read } else { QUAD }],
             Table if params.has_table() => vec![WORD],
             Penalties if plan.adaptive => vec![Read],
-            Table | Penalties => vec![],
+            Edges if params.smoothness_edge.is_some() => vec![QUAD],
+            Table | Penalties | Edges => vec![],
             Trees => vec![Trees; plan.parts() as usize],
             access => vec![access],
         };
@@ -167,13 +182,19 @@ impl Kernel {
                     Exchange::Subgroup => wgsl!("paths/parts/shared_path_subgroup", "paths/parts/shared_path"),
                     Exchange::Workgroup => wgsl!("paths/parts/shared_path_workgroup", "paths/parts/shared_path"),
                 },
-                Choice::Volumes => match (plan.per_subgroup, plan.width) {
-                    (true, _) => wgsl!("paths/parts/volume16", "paths/parts/cost_buffer"),
-                    (false, 1) => wgsl!("paths/parts/volume16", "paths/parts/cost_texels"),
-                    (false, _) => wgsl!("paths/parts/volume32", "paths/parts/cost_texels"),
-                },
+                Choice::Volumes if plan.width == 1 => wgsl!("paths/parts/volume16"),
+                Choice::Volumes => wgsl!("paths/parts/volume32"),
+                Choice::Cost if plan.per_subgroup => wgsl!("paths/parts/cost_buffer"),
+                Choice::Cost => wgsl!("paths/parts/cost_texels"),
                 Choice::Penalty if plan.adaptive => wgsl!("paths/parts/penalty_lines"),
                 Choice::Penalty => wgsl!("paths/parts/penalty_fixed"),
+                Choice::Smoothness => match params.smoothness {
+                    Smoothness::Linear => wgsl!("beliefs/parts/smoothness_linear"),
+                    Smoothness::Quadratic => wgsl!("beliefs/parts/smoothness_quadratic"),
+                    Smoothness::Potts => wgsl!("beliefs/parts/smoothness_potts"),
+                },
+                Choice::Edges if params.smoothness_edge.is_some() => wgsl!("beliefs/parts/edges_lowered"),
+                Choice::Edges => wgsl!("beliefs/parts/edges_fixed"),
                 Choice::PixelCosts => pixel_costs,
                 Choice::PixelPairs => {
                     fragments.extend(pixel_costs);

@@ -1,6 +1,8 @@
 //! How volumes are cut: into bands of rows, bands into pieces, pieces into chunks.
 
 use crate::gpu::layout::request::{FEWER, ROW_UNIT, Request, Strides};
+use crate::gpu::layout::rows::{Rows, cut, cut_to};
+use crate::gpu::layout::scales::{WAYS, band_unit};
 use crate::gpu::layout::uniforms::TEXTURE_ROW;
 use crate::gpu::plan::paired;
 use crate::gpu::rounds::MOST_SIDE;
@@ -16,20 +18,6 @@ pub(crate) const PAIR_BUFFERS: usize = 3;
 /// The most disparities that `block_match_small` takes: 32 for each of 8 slices.
 const MOST_SLICED: u32 = 256;
 
-/// Neighbouring rows that are worked on together.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(crate) struct Rows {
-    pub(crate) first: u32,
-    pub(crate) count: u32,
-}
-
-impl Rows {
-    /// The row after the last one.
-    pub(crate) fn end(self) -> u32 {
-        self.first + self.count
-    }
-}
-
 /// Rows of a band whose cost is computed from planes that are held at one time.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub(crate) struct Piece {
@@ -39,15 +27,6 @@ pub(crate) struct Piece {
     pub(crate) planes: Rows,
     /// The rows whose column sums are held at one time; none if `small_block`.
     pub(crate) chunks: Vec<Rows>,
-}
-
-/// Cuts `rows` into the fewest pieces of at most `most` rows, as even as can be.
-pub(crate) fn cut(rows: Rows, most: u32) -> Vec<Rows> {
-    let pieces = rows.count.div_ceil(most);
-    let count = rows.count.div_ceil(pieces);
-    let firsts = (0..pieces).map(|i| rows.first + i * count);
-    let end = rows.first + rows.count;
-    firsts.filter(|&first| first < end).map(|first| Rows { first, count: count.min(end - first) }).collect()
 }
 
 /// How everything with a value for each disparity is cut.
@@ -138,9 +117,18 @@ fn bands(request: &Request<'_>, volume_row: u64, former: Option<Former>) -> Resu
     // What is copied into a texture is made of whole rows of it.
     let allowed = (request.binding() / TEXTURE_ROW).min(limits.max_texture_dimension_2d.into()) * TEXTURE_ROW;
     // A buffer holds as many volumes, one after the other.
-    let slots = u64::from(paired(params.paths)).div_ceil(PAIR_BUFFERS as u64);
-    let needed = (slots * volume_row).next_multiple_of(TEXTURE_ROW);
-    if params.method == Method::Sgm && needed > allowed {
+    let slots = match params.method {
+        Method::Bp => u64::from(WAYS),
+        Method::Sgm | Method::Bm | Method::Psmnet => u64::from(paired(params.paths)).div_ceil(PAIR_BUFFERS as u64),
+    };
+    let unit = band_unit(params, width, height);
+    let needed = (u64::from(unit.min(height)) * slots * volume_row).next_multiple_of(TEXTURE_ROW);
+    if params.method == Method::Bp && needed > allowed {
+        let (what, remedy) =
+            ("a pass of messages over a few rows".into(), "use fewer disparities, narrower images or fewer levels");
+        return Err(Error::TooLarge { what, needed, allowed, remedy });
+    }
+    if params.method.quantises() && needed > allowed {
         return Err(Error::TooLarge { what: "a row of the matching cost".into(), needed, allowed, remedy: FEWER });
     }
     // An invocation a column and 16 disparities, 128 a workgroup.
@@ -152,10 +140,11 @@ fn bands(request: &Request<'_>, volume_row: u64, former: Option<Former>) -> Resu
     let whole = Rows { first: 0, count: height };
     Ok(match params.method {
         // `matching_cost_small` has an invocation for two rows and 16 disparities, 32 a workgroup.
-        Method::Sgm => {
+        Method::Sgm | Method::Bp => {
             let room = former.map_or(allowed, |former| slots * former.band_bytes);
             let rows = most(request, room.min(allowed), slots * volume_row);
-            cut(whole, rows.min(side.saturating_mul(64) / (words / 4)))
+            let rows = rows.min(side.saturating_mul(64) / (words / 4));
+            if rows >= height { vec![whole] } else { cut_to(whole, rows.max(unit), unit) }
         }
         Method::Bm | Method::Psmnet => vec![whole],
     })
@@ -165,7 +154,7 @@ fn bands(request: &Request<'_>, volume_row: u64, former: Option<Former>) -> Resu
 fn sums_small_blocks(request: &Request<'_>, strides: &Strides, former: Option<Former>) -> bool {
     let Request { params, limits, plan, .. } = *request;
     let method = match params.method {
-        Method::Sgm => true,
+        Method::Sgm | Method::Bp => true,
         // Not with the checks, which keep the loops over an invocation's state from being unrolled.
         Method::Psmnet => false,
         Method::Bm => {
@@ -181,35 +170,13 @@ fn sums_small_blocks(request: &Request<'_>, strides: &Strides, former: Option<Fo
     };
     let kernel = match (params.method, plan.per_subgroup, params.block) {
         (Method::Bm | Method::Psmnet, ..) => "block_match_small",
-        (Method::Sgm, true, _) => "matching_cost_parallel",
-        (Method::Sgm, false, 1) => "matching_cost_pixels",
-        (Method::Sgm, false, _) => "matching_cost_small",
+        (Method::Sgm | Method::Bp, true, _) => "matching_cost_parallel",
+        (Method::Sgm | Method::Bp, false, 1) => "matching_cost_pixels",
+        (Method::Sgm | Method::Bp, false, _) => "matching_cost_small",
     };
     method
         && former.is_none_or(|former| former.small_block)
         && params.sums_small_blocks()
         && request.takes(kernel, MOST_SIDE)
         && strides.left.max(strides.right) <= limits.max_texture_dimension_2d
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn pieces_cover_all_rows_once() {
-        for count in 1..40 {
-            for most in 1..45 {
-                let pieces = cut(Rows { first: 3, count }, most);
-                let mut next = 3;
-                for piece in &pieces {
-                    assert_eq!(piece.first, next);
-                    assert!(piece.count >= 1 && piece.count <= most);
-                    next += piece.count;
-                }
-                assert_eq!(next, 3 + count);
-                assert_eq!(pieces.len() as u32, count.div_ceil(most), "{count} rows in pieces of {most}");
-            }
-        }
-    }
 }

@@ -2,15 +2,21 @@
 
 mod bands;
 mod request;
+mod rows;
+mod scales;
 mod sizes;
 mod uniforms;
 
-pub(crate) use bands::{PAIR_BUFFERS, Piece, Rows, cut};
+pub(crate) use bands::{PAIR_BUFFERS, Piece};
 pub(crate) use request::{ROW_UNIT, source_layout};
+#[cfg(test)]
+pub(crate) use rows::cut_to;
+pub(crate) use rows::{Rows, cut};
+pub(crate) use scales::{Scale, WAYS};
 pub(crate) use sizes::Sizes;
 #[cfg(test)]
 pub(crate) use uniforms::Own;
 pub(crate) use uniforms::{
-    Dispatch, FillOwn, Frame, GrayOwn, HistogramOwn, NO_OWN, PathOwn, PlaneOwn, SmoothOwn, TEXELS, TEXTURE_ROW,
-    ValidityOwn, WindowOwn,
+    BeliefOwn, CoarseOwn, Dispatch, FillOwn, Frame, GrayOwn, HistogramOwn, NO_OWN, PathOwn, PlaneOwn, SmoothOwn,
+    StartOwn, TEXELS, TEXTURE_ROW, ValidityOwn, WindowOwn,
 };

@@ -1,7 +1,9 @@
 //! The sizes and strides of every buffer, computed before anything is created.
 
-use crate::gpu::layout::bands::{Division, Former, Piece, Rows};
+use crate::gpu::layout::bands::{Division, Former, Piece};
 use crate::gpu::layout::request::{Request, SMALLER, Strides, source_layout};
+use crate::gpu::layout::rows::Rows;
+use crate::gpu::layout::scales::{Scale, scales};
 use crate::gpu::layout::uniforms::{Frame, TEXTURE_ROW};
 use crate::gpu::plan::{MOST_PARTS, Plan};
 use crate::{Error, Fill, Params, PixelFormat, reference};
@@ -41,6 +43,8 @@ pub(crate) struct Sizes {
     /// Bytes of a row of the statistics of blocks.
     pub(crate) statistics_row: u64,
     pub(crate) bands: Vec<Rows>,
+    /// The levels of belief propagation, the finest first.
+    pub(crate) scales: Vec<Scale>,
     /// The most bytes that column sums, or the statistics of blocks, take here or in a smaller image.
     pub(crate) columns_room: u64,
     /// Whether `matching_cost_small` or `block_match_small` is used, from planes in textures and without column sums.
@@ -116,6 +120,7 @@ impl Sizes {
             volume_row: division.volume_row,
             columns_row: division.columns_row,
             statistics_row: division.statistics_row,
+            scales: scales(params, width, height, strides.volume, &division.bands),
             bands: division.bands,
             columns_room: division.columns_room,
             small_block: division.small_block,

@@ -108,6 +108,30 @@ own! {
         penalties_step: u32,
         place: i32
     }
+    /// Of `coarse_cost` and `coarse_cost_sums`.
+    CoarseOwn { width: u32, rows: u32, stride: u32, coarse_stride: u32 }
+    /// Of `messages_start`.
+    StartOwn {
+        rows: u32,
+        stride: u32,
+        coarse_width: u32,
+        coarse_height: u32,
+        coarse_stride: u32,
+        coarse_first: u32,
+        coarse_rows: u32,
+        above: u32
+    }
+    /// Of `messages`, `messages_coarse` and `winner_beliefs`.
+    BeliefOwn {
+        width: u32,
+        height: u32,
+        stride: u32,
+        first: u32,
+        rows: u32,
+        above: u32,
+        odd: u32,
+        share: u32
+    }
     /// Of `validity`.
     ValidityOwn { side: u32 }
     /// Of `fill_between` and `fill_rays`.

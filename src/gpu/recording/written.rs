@@ -68,6 +68,18 @@ pub(crate) enum Written {
         first: bool,
         last: bool,
     },
+    /// The sums of costs of a level of belief propagation.
+    CoarseCost {
+        level: usize,
+        band: usize,
+    },
+    /// The messages of a level after some rounds.
+    Messages {
+        level: usize,
+        band: usize,
+        rounds: usize,
+        last: bool,
+    },
     /// Both views; the right one, the margins and the labels are in `right`.
     Views {
         right: wgpu::Buffer,
@@ -88,7 +100,13 @@ pub(crate) enum Written {
 impl Written {
     /// Whether the step completes what is compared.
     pub(crate) fn is_whole(&self) -> bool {
-        !matches!(self, Self::Part | Self::Views { last: false, .. } | Self::Paths { last: false, .. })
+        !matches!(
+            self,
+            Self::Part
+                | Self::Views { last: false, .. }
+                | Self::Paths { last: false, .. }
+                | Self::Messages { last: false, .. }
+        )
     }
 
     /// Whether it is made of the images alone, before the first round of mutual information begins.

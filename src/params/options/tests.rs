@@ -1,5 +1,6 @@
 use super::*;
 use crate::params::Filter;
+use crate::params::{Cost, Median, Prefilter, RightView, Wls};
 
 const PRESETS: &[Preset] = <Preset as Named>::VALUES;
 

@@ -7,7 +7,8 @@ use wgpu::naga;
 use super::specialisations::{PLAN, parse, specialisations_of};
 use crate::gpu::kernels::{Access, KERNELS, source};
 use crate::gpu::layout::{
-    Dispatch, FillOwn, Frame, GrayOwn, HistogramOwn, Own, PathOwn, PlaneOwn, SmoothOwn, ValidityOwn, WindowOwn,
+    BeliefOwn, CoarseOwn, Dispatch, FillOwn, Frame, GrayOwn, HistogramOwn, Own, PathOwn, PlaneOwn, SmoothOwn, StartOwn,
+    ValidityOwn, WindowOwn,
 };
 use crate::{Params, PixelFormat};
 
@@ -102,6 +103,20 @@ fn own_layout(kernel: &str) -> Option<StructLayout> {
         "mi_smooth" => layout!(SmoothOwn { narrowing, prior, logarithms }),
         "sgm_aggregate" | "winner" => {
             layout!(PathOwn { accumulate, carry_from, carry_to, penalties_from, penalties_line, penalties_step, place })
+        }
+        "coarse_cost" | "coarse_cost_sums" => layout!(CoarseOwn { width, rows, stride, coarse_stride }),
+        "messages_start" => layout!(StartOwn {
+            rows,
+            stride,
+            coarse_width,
+            coarse_height,
+            coarse_stride,
+            coarse_first,
+            coarse_rows,
+            above
+        }),
+        "messages" | "messages_coarse" | "winner_beliefs" => {
+            layout!(BeliefOwn { width, height, stride, first, rows, above, odd, share })
         }
         "validity" => layout!(ValidityOwn { side }),
         "fill_between" | "fill_rays" => layout!(FillOwn { occlusions }),

@@ -92,6 +92,10 @@ fn cases() -> Vec<(bool, Params)> {
     cases.push((false, filtered));
     cases.push((false, Params { fill: Fill::Hirschmuller, block: 51, prefilter: Prefilter::Normalized, ..sgm(20) }));
     cases.push((false, Params { block: 1, ..sgm(64) }));
+    for (i, disparities) in (0..).zip([8, 40, 96, 130]) {
+        let schedule = [Schedule::PerThread, Schedule::PerSubgroup][i / 2 % 2];
+        cases.push((i % 2 == 1, Params { bp_levels: 2, bp_iterations: 2, schedule, ..Params::bp(disparities) }));
+    }
     cases.push((false, Params { cost: Cost::Census, block: 7, prefilter: Prefilter::None, ..sgm(64) }));
     cases.push((true, Params { cost: Cost::Ncc, block: 19, prefilter: Prefilter::None, ..Params::bm(96) }));
     cases.push((false, Params { cost: Cost::Ncc, block: 3, prefilter: Prefilter::None, ..Params::bm(33) }));

@@ -1,13 +1,38 @@
 //! Settings that show what a changed kernel breaks.
 
 use super::support;
-use crate::{Cost, Fill, Median, Params, Paths, Prefilter, RightView, Schedule, Subpixel, Wls};
+use crate::{Cost, Fill, Median, Params, Paths, Prefilter, RightView, Schedule, Smoothness, Subpixel, Wls};
 
 /// An adapter, its device and its queue.
 pub(crate) type Setup = (wgpu::Adapter, wgpu::Device, wgpu::Queue);
 
 pub(crate) fn bm(params: &mut Params) {
     *params = Params { min_disparity: params.min_disparity, ..Params::bm(params.disparities) };
+}
+
+/// Belief propagation on three levels.
+pub(crate) fn bp(params: &mut Params) {
+    let Params { min_disparity, disparities, schedule, .. } = *params;
+    *params = Params { min_disparity, schedule, bp_levels: 3, bp_iterations: 5, ..Params::bp(disparities) };
+}
+
+/// The same, where the gray image has edges.
+pub(crate) fn bp_edges(params: &mut Params) {
+    bp(params);
+    params.smoothness_edge = Some(9);
+}
+
+/// The same with the square of the differences.
+pub(crate) fn bp_quadratic(params: &mut Params) {
+    bp(params);
+    (params.smoothness, params.smoothness_weight, params.smoothness_truncation) = (Smoothness::Quadratic, 3, 60);
+}
+
+/// The same for invocations that share a pixel's disparities.
+pub(crate) fn bp_shared(params: &mut Params) {
+    per_subgroup(params);
+    bp(params);
+    (params.smoothness_weight, params.smoothness_truncation) = (1, 127);
 }
 
 /// Block matching with the column sums kept in memory.

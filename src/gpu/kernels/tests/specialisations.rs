@@ -9,7 +9,7 @@ use crate::gpu::kernels::table::Kernel;
 use crate::gpu::kernels::{KERNELS, source};
 use crate::gpu::plan::{Exchange, Plan};
 use crate::params::Named;
-use crate::{Census, Cost, Median, Method, Params, Paths, PixelFormat, Prefilter, Subpixel, Wls};
+use crate::{Census, Cost, Median, Method, Params, Paths, PixelFormat, Prefilter, Smoothness, Subpixel, Wls};
 
 /// Plans for devices with and without subgroups and 64-bit integers.
 pub(crate) fn plans(params: &Params) -> BTreeSet<Plan> {
@@ -57,6 +57,15 @@ pub(crate) fn specialisations() -> Vec<(Params, PixelFormat, Plan)> {
             }
         }
     }
+    for disparities in [1, 17, 64, 65, 256] {
+        for (i, &smoothness) in Smoothness::VALUES.iter().enumerate() {
+            for (smoothness_edge, subpixel) in [(None, Subpixel::Off), (Some(10), Subpixel::Parabola)] {
+                let confidence = i == 1;
+                let params = Params { smoothness, smoothness_edge, subpixel, confidence, ..Params::bp(disparities) };
+                all.extend(plans(&params).into_iter().map(|plan| (params.clone(), formats[0], plan)));
+            }
+        }
+    }
     for &cost in Cost::VALUES {
         for (block, census, color_cost) in [
             (1, Census::NineBySeven, false),
@@ -84,6 +93,9 @@ pub(crate) fn specialisations_of(kernel: &Kernel) -> impl Iterator<Item = (Param
         "block_match_small" => params.block <= Params::SMALL_BLOCK && params.cost.row().small_match,
         "matching_cost_pixels" => params.sums_small_blocks() && params.block == 1,
         "matching_cost_small" | "matching_cost_parallel" => params.sums_small_blocks(),
+        "coarse_cost" | "coarse_cost_sums" | "messages_start" | "messages" | "messages_coarse" | "winner_beliefs" => {
+            params.method == Method::Bp
+        }
         _ => true,
     })
 }

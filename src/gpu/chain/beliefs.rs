@@ -1,0 +1,176 @@
+//! Belief propagation: from the matching cost to the messages at the full size.
+
+use crate::gpu::chain::cost::{CostVolume, matching_cost};
+use crate::gpu::chain::planes::Planes;
+use crate::gpu::layout::{BeliefOwn, CoarseOwn, Dispatch, Scale, StartOwn, TEXTURE_ROW, WAYS};
+use crate::gpu::recording::Bound::{self, Buffer, Texture};
+use crate::gpu::recording::{Builder, Written};
+use crate::reference::shares;
+
+/// What the winner is chosen from.
+pub(super) struct Beliefs {
+    /// The cost of each band.
+    pub(super) costs: Vec<CostVolume>,
+    /// What the pixels of each band send.
+    messages: Vec<wgpu::Buffer>,
+    /// Bound in place of the messages of a band beyond the image.
+    none: wgpu::Buffer,
+}
+
+/// Stages `matching_cost`, `coarse_cost` and `messages`.
+pub(super) fn beliefs(b: &mut Builder<'_>, planes: &mut Planes) -> Beliefs {
+    let scales = &b.sizes.scales;
+    let none = b.buffer("messages.none", 32);
+    let finest = message_buffers(b, &scales[0]);
+    // On `per-thread` the cost is copied into a texture before there are messages at the full size.
+    let computed = if b.plan.per_subgroup { b.volumes("matching_cost", 1) } else { finest.clone() };
+    let costs = matching_cost(b, planes, &computed);
+    let sums = coarse_costs(b, scales, &costs);
+    let mut beliefs = Beliefs { costs, messages: Vec::new(), none };
+    for (level, scale) in scales.iter().enumerate().rev() {
+        let to = if level == 0 { finest.clone() } else { message_buffers(b, scale) };
+        beliefs.start(b, scale, scales.get(level + 1), level, to);
+        let shares = shares(&b.params, level == 0);
+        for (nth, &share) in shares.iter().enumerate() {
+            let round = Round { level, nth, share, last: nth + 1 == shares.len() };
+            beliefs.send(b, scale, level.checked_sub(1).map(|before| &sums[before]), &planes.grays[0], round);
+        }
+    }
+    beliefs
+}
+
+/// A buffer a band for the messages of a level, in which the cost of a band has room, too.
+fn message_buffers(b: &mut Builder<'_>, scale: &Scale) -> Vec<wgpu::Buffer> {
+    let quads = b.params.quads();
+    let bytes = |band: usize| u64::from(WAYS) * scale.volume(band, quads);
+    (0..scale.bands.len()).map(|band| b.buffer("messages", bytes(band).next_multiple_of(TEXTURE_ROW))).collect()
+}
+
+/// Stage `coarse_cost`: the sums of each level but the first, a buffer a band.
+fn coarse_costs(b: &mut Builder<'_>, scales: &[Scale], costs: &[CostVolume]) -> Vec<Vec<wgpu::Buffer>> {
+    let quads = b.params.quads();
+    let mut sums: Vec<Vec<wgpu::Buffer>> = Vec::new();
+    for (level, pair) in scales.windows(2).enumerate() {
+        let [finer, coarser] = pair else { unreachable!("windows of two") };
+        let bands = (0..coarser.bands.len()).map(|band| {
+            let buffer = b.buffer("coarse_cost", 2 * coarser.volume(band, quads));
+            let (rows, to) = (coarser.bands[band], &buffer);
+            let own = CoarseOwn {
+                width: finer.width,
+                rows: finer.bands[band].count,
+                stride: finer.stride,
+                coarse_stride: coarser.stride,
+            };
+            let written = Written::CoarseCost { level: level + 1, band };
+            let lines = coarser.width;
+            let dispatch = Dispatch { lines, own: own.into(), ..Dispatch::default() };
+            match level {
+                0 => b.step("coarse_cost", &[costs[band].bound(), Buffer(to)], dispatch, lines, rows.count, written),
+                _ => {
+                    let storage = [Buffer(&sums[level - 1][band]), Buffer(to)];
+                    b.step("coarse_cost_sums", &storage, dispatch, lines, rows.count, written);
+                }
+            }
+            buffer
+        });
+        let bands = bands.collect();
+        sums.push(bands);
+    }
+    sums
+}
+
+/// One time that all pixels of a colour send.
+#[derive(Clone, Copy)]
+struct Round {
+    level: usize,
+    /// How often others sent before, at this level.
+    nth: usize,
+    share: u32,
+    last: bool,
+}
+
+impl Beliefs {
+    /// The messages with which a level begins, which take the place of those of the level before.
+    fn start(
+        &mut self,
+        b: &mut Builder<'_>,
+        scale: &Scale,
+        coarser: Option<&Scale>,
+        level: usize,
+        to: Vec<wgpu::Buffer>,
+    ) {
+        for (band, buffer) in to.iter().enumerate() {
+            let rows = scale.bands[band].count;
+            let own = StartOwn {
+                rows,
+                stride: scale.stride,
+                ..coarser.map_or_else(StartOwn::default, |of| start_of(of, band))
+            };
+            let from = self.messages.get(band).unwrap_or(&self.none);
+            let [above, below] = self.beside(band);
+            let lines = scale.width * (b.params.quads() / b.plan.width);
+            let dispatch = Dispatch { lines, own: own.into(), ..Dispatch::default() };
+            let written = Written::Messages { level, band, rounds: 0, last: false };
+            b.step("messages_start", &[Buffer(from), above, below, Buffer(buffer)], dispatch, lines, rows, written);
+        }
+        self.messages = to;
+    }
+
+    /// Stage `messages`: one round, from the sums of a level, or from the cost.
+    fn send(
+        &self,
+        b: &mut Builder<'_>,
+        scale: &Scale,
+        sums: Option<&Vec<wgpu::Buffer>>,
+        gray: &wgpu::TextureView,
+        Round { level, nth, share, last }: Round,
+    ) {
+        for (band, rows) in scale.bands.iter().enumerate() {
+            let [above, below] = self.beside(band);
+            let data = sums.map_or_else(|| self.costs[band].bound(), |sums| Buffer(&sums[band]));
+            let mut storage = vec![data, Buffer(&self.messages[band]), above, below];
+            if level == 0 && b.params.smoothness_edge.is_some() {
+                storage.push(Texture(gray));
+            }
+            let own = BeliefOwn { odd: nth as u32 % 2, share, ..own_of(scale, band) };
+            let dispatch = Dispatch { own: own.into(), ..Dispatch::default() };
+            let written = Written::Messages { level, band, rounds: nth + 1, last };
+            let kernel = if sums.is_some() { "messages_coarse" } else { "messages" };
+            b.step(kernel, &storage, dispatch, scale.width.div_ceil(2), rows.count, written);
+        }
+    }
+
+    /// The messages of the bands above and below one.
+    fn beside(&self, band: usize) -> [Bound<'_>; 2] {
+        let of = |band: Option<usize>| Buffer(band.and_then(|band| self.messages.get(band)).unwrap_or(&self.none));
+        [of(band.checked_sub(1)), of(Some(band + 1))]
+    }
+
+    /// What `winner_beliefs` is bound to of a band, but the maps.
+    pub(super) fn bound(&self, band: usize) -> [Bound<'_>; 4] {
+        let [above, below] = self.beside(band);
+        [self.costs[band].bound(), Buffer(&self.messages[band]), above, below]
+    }
+}
+
+/// What kernels know of a band of a level.
+pub(super) fn own_of(scale: &Scale, band: usize) -> BeliefOwn {
+    let rows = scale.bands[band];
+    let above = band.checked_sub(1).map_or(0, |above| (2 * scale.bands[above].count - 1) * scale.stride);
+    let Scale { width, height, stride, .. } = *scale;
+    BeliefOwn { width, height, stride, first: rows.first, rows: rows.count, above, ..BeliefOwn::default() }
+}
+
+/// What the first messages of a band are made of.
+fn start_of(coarser: &Scale, band: usize) -> StartOwn {
+    let BeliefOwn { width, height, stride, first, rows, above, .. } = own_of(coarser, band);
+    StartOwn {
+        coarse_width: width,
+        coarse_height: height,
+        coarse_stride: stride,
+        coarse_first: first,
+        coarse_rows: rows,
+        above,
+        ..StartOwn::default()
+    }
+}

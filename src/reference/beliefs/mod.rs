@@ -1,0 +1,4 @@
+//! Belief propagation.
+
+pub(crate) mod coarse_cost;
+pub(crate) mod messages;
