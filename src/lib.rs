@@ -13,6 +13,7 @@
 //!    0..=89.
 //! 5. `penalties`, `sgm_aggregate`: semi-global matching along 3 to 16 directions ([`Paths`]).
 //! 6. `winner`: the disparity of the smallest aggregate, the uniqueness test, 1/16 px ([`Subpixel`]), the right view.
+//!    With [`Method::Bp`], `coarse_cost` and `messages` are in place of 5: belief propagation ([`Smoothness`]).
 //!    With [`Method::Bm`], `block_match` does this on the block sums, in place of `matching_cost`, 5 and 6.
 //!    `validity`: what is outside the image that was rectified, or masked ([`Masks`]), has no disparity; here, and again
 //!    after each filter that gives one.

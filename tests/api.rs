@@ -31,6 +31,16 @@ const REFUSED: &[(Change, &str, &str, &str)] = &[
     (|p| p.prefilter_cap = 128, "prefilter-cap", "128", "1 to 127"),
     (|p| p.p2 = 128, "p2", "128", "p1 to 127"),
     (|p| (p.p1, p.p2) = (8, 7), "p1", "8", "0 to p2, which is 7"),
+    (|p| p.smoothness_weight = 128, "smoothness-weight", "128", "0 to 127"),
+    (|p| p.smoothness_truncation = 128, "smoothness-truncation", "128", "0 to 127"),
+    (|p| p.smoothness_edge = Some(0), "smoothness-edge", "0", "off or from 1 to 255"),
+    (|p| p.smoothness_edge = Some(256), "smoothness-edge", "256", "off or from 1 to 255"),
+    (|p| p.bp_levels = 0, "bp-levels", "0", "1 to 10"),
+    (|p| p.bp_levels = 11, "bp-levels", "11", "1 to 10"),
+    (|p| p.bp_iterations = 0, "bp-iterations", "0", "1 to 1000"),
+    (|p| p.bp_iterations = 1001, "bp-iterations", "1001", "1 to 1000"),
+    (|p| p.bp_reweighting = 3, "bp-reweighting", "3", "4 to 16"),
+    (|p| p.bp_reweighting = 17, "bp-reweighting", "17", "4 to 16"),
     (|p| p.uniqueness = 100, "uniqueness", "100", "0 (off) to 99"),
     (|p| p.lr_check = Some(4096), "lr-check", "4096", "0 to 4095"),
     (|p| p.prefilter_window = 1, "prefilter-window", "1", "odd and from 3 to 51"),
@@ -49,6 +59,7 @@ const REFUSED: &[(Change, &str, &str, &str)] = &[
     (|p| p.wls = Some(Wls::new(1.0, f32::INFINITY)), "wls-sigma", "inf", "0.1 to 1000"),
     (|p| p.wls = Some(Wls::new(1.0, -1.0)), "wls-sigma", "-1", "0.1 to 1000"),
     (|p| (p.method, p.cost) = (Method::Sgm, Cost::Ncc), "cost", "ncc", "another one with method sgm"),
+    (|p| (p.method, p.cost) = (Method::Bp, Cost::Ncc), "cost", "ncc", "another one with method bp"),
     (|p| (p.method, p.cost, p.block) = (Method::Bm, Cost::Ncc, 1), "block", "1", "3 to 19 with cost ncc"),
     (|p| (p.method, p.cost, p.block) = (Method::Bm, Cost::Ncc, 21), "block", "21", "3 to 19 with cost ncc"),
     (|p| (p.color_cost, p.cost) = (true, Cost::Census), "color-cost", "on", "off with cost census"),
@@ -181,6 +192,7 @@ fn what_does_not_fit_the_device_is_told_in_bytes() {
         (200, 200, PixelFormat::Gray8, Params::sgm(1), 64 * 400, 24 << 10), // 64 rows of a map
         (100, 100, PixelFormat::Rgba8, confident, 64 << 10, 24 << 10), // two maps of 208 * 100, both in units of 16 KiB
         (100, 2, PixelFormat::Gray8, Params::sgm(500), 64 << 10, 16 << 10), // 100 * 512, both in units of 16 KiB
+        (40, 20, PixelFormat::Gray8, Params::bp(16), 48 << 10, 16 << 10), // four volumes of 16 rows of 41 * 16, the same
     ];
     for (width, height, format, params, bytes, most) in cases {
         let error = StereoMatcher::new(&device, &queue, width, height, format, &params).unwrap_err();

@@ -2,7 +2,7 @@
 // cost (u8, [y][x][d]) -> sums (u16, [y][x][d], two a word: of four disparities the even ones, then the odd ones)
 // MEMBERS invocations: a pixel.
 // Border: what lies outside the image counts nothing.
-// With: sum_terms, data_cost, costs, common
+// With: sum_terms, data_cost, pairs, common
 // Chosen: shared_path*, volume*, cost_*
 // Reference: src/reference/beliefs/coarse_cost.rs
 

@@ -2,7 +2,7 @@
 // terms (u16, [y][x][d], two a word: of four disparities the even ones, then the odd ones) -> sums, laid out alike
 // MEMBERS invocations: a pixel.
 // Border: what lies outside the image counts nothing.
-// With: sum_terms, data_coarse, costs, common
+// With: sum_terms, data_coarse, pairs, common
 // Chosen: shared_path*, volume*
 // Reference: src/reference/beliefs/coarse_cost.rs
 

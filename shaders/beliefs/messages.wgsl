@@ -3,7 +3,7 @@
 //   above, below: the messages of the bands next to this one.
 // MEMBERS invocations: a pixel. They read what pixels of the other colour sent and write what theirs sends: in place.
 // Border: nothing is sent beyond the image, and nothing comes from there.
-// With: send, received, data_cost, costs, common
+// With: send, received, data_cost, pairs, costs, common
 // Chosen: shared_path*, volume*, cost_*, smoothness_*, edges_*
 // Reference: src/reference/beliefs/messages.rs
 

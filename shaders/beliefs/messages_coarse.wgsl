@@ -2,7 +2,7 @@
 // terms (u16, [y][x][d], two a word: of four disparities the even ones, then the odd ones), what others sent -> messages
 // MEMBERS invocations: a pixel.
 // Border: as in messages.
-// With: send, received, data_coarse, edges_fixed, costs, common
+// With: send, received, data_coarse, edges_fixed, pairs, costs, common
 // Chosen: shared_path*, volume*, smoothness_*
 // Reference: src/reference/beliefs/messages.rs
 

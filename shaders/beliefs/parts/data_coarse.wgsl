@@ -5,11 +5,9 @@
 fn data_at(slice: u32) -> Data {
     var data: Data;
     for (var w = 0u; w < WIDTH; w++) {
-        for (var i = 0u; i < 2u; i++) {
-            let words = terms[2u * (slice * WIDTH + w) + i];
-            data[w][2u * i] = unpack_pairs(words.x, words.y);
-            data[w][2u * i + 1u] = unpack_pairs(words.z, words.w);
-        }
+        let low = terms[2u * (slice * WIDTH + w)];
+        let high = terms[2u * (slice * WIDTH + w) + 1u];
+        data[w] = Pairs(vec4(low.xz, high.xz), vec4(low.yw, high.yw));
     }
     return data;
 }

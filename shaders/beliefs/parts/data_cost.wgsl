@@ -4,9 +4,7 @@ fn data_at(slice: u32) -> Data {
     let packed = costs_at(slice);
     var data: Data;
     for (var w = 0u; w < WIDTH; w++) {
-        for (var i = 0u; i < 4u; i++) {
-            data[w][i] = unpack(packed[w][i]);
-        }
+        data[w] = pairs_of(packed[w]);
     }
     return data;
 }

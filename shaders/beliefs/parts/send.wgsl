@@ -7,8 +7,8 @@ const OWN: u32 = 16u * OWN_QUADS;
 
 alias Message = array<Slice, SLICES>;
 
-// The data terms of a slice.
-alias Data = array<array<vec4<u32>, 4>, WIDTH>;
+// Shares of a pixel's belief, of a member.
+alias Belief = array<Pairs, OWN_QUADS>;
 
 fn send(x: u32, row: u32, writes: bool) {
     let pixel = row * dispatch.own.stride + x;
@@ -16,7 +16,7 @@ fn send(x: u32, row: u32, writes: bool) {
     var down: Message;
     var left: Message;
     var right: Message;
-    var belief: Costs;
+    var belief: Belief;
     for (var s = 0u; s < SLICES; s++) {
         var data = Data();
         if in_volume(s * WIDTH) {
@@ -27,17 +27,14 @@ fn send(x: u32, row: u32, writes: bool) {
             right[s] = from_right(x, row, s);
         }
         for (var w = 0u; w < WIDTH; w++) {
-            let q = s * WIDTH + w;
-            for (var i = 0u; i < 4u; i++) {
-                let sum = data[w][i] + unpack(up[s][w][i]) + unpack(down[s][w][i]) + unpack(left[s][w][i]) + unpack(right[s][w][i]);
-                // 128 keep what is sent from being negative.
-                let part = ((sum * dispatch.own.share) >> vec4(4u)) + vec4(128u);
-                belief[q][i] = select(part, vec4(FAR), unpack(beyond(q)[i]) != vec4(0u));
-            }
+            let vertical = sum_of(pairs_of(up[s][w]), pairs_of(down[s][w]));
+            let horizontal = sum_of(pairs_of(left[s][w]), pairs_of(right[s][w]));
+            let sums = sum_of(data[w], sum_of(vertical, horizontal));
+            let outside = pairs_of(beyond(s * WIDTH + w));
+            belief[s * WIDTH + w] = Pairs(share_of(sums.even) | (outside.even * 0x101u), share_of(sums.odd) | (outside.odd * 0x101u));
         }
     }
-    let y = dispatch.own.first + row;
-    let edges = edges_at(x, y);
+    let edges = edges_at(x, dispatch.own.first + row);
     let to_up = message(&belief, up, edges.x);
     let to_down = message(&belief, down, edges.y);
     let to_left = message(&belief, left, edges.z);
@@ -47,30 +44,33 @@ fn send(x: u32, row: u32, writes: bool) {
     }
     for (var s = 0u; s < SLICES; s++) {
         if in_volume(s * WIDTH) {
-            if y > 0u {
-                messages[sent_at(UP, pixel, s)] = stored_terms(to_up[s]);
-            }
-            if y + 1u < dispatch.own.height {
-                messages[sent_at(DOWN, pixel, s)] = stored_terms(to_down[s]);
-            }
-            if x > 0u {
-                messages[sent_at(LEFT, pixel, s)] = stored_terms(to_left[s]);
-            }
-            if x + 1u < dispatch.own.width {
-                messages[sent_at(RIGHT, pixel, s)] = stored_terms(to_right[s]);
-            }
+            // What is sent beyond the image nobody reads.
+            messages[sent_at(UP, pixel, s)] = stored_messages(to_up[s]);
+            messages[sent_at(DOWN, pixel, s)] = stored_messages(to_down[s]);
+            messages[sent_at(LEFT, pixel, s)] = stored_messages(to_left[s]);
+            messages[sent_at(RIGHT, pixel, s)] = stored_messages(to_right[s]);
         }
     }
 }
 
-fn message(belief: ptr<function, Costs>, received: Message, edge: u32) -> Message {
+// Of two sums of at most 2555: times 16 they do not meet. 128 keep what is sent from being negative; what is beyond the range of
+// disparities becomes the largest.
+fn share_of(sums: vec4<u32>) -> vec4<u32> {
+    return (((sums * dispatch.own.share) >> vec4(4u)) & vec4(0xfff0fffu)) + vec4(0x800080u);
+}
+
+fn message(belief: ptr<function, Belief>, received: Message, edge: u32) -> Message {
     var values: Costs;
     var least = vec4(FAR);
     for (var s = 0u; s < SLICES; s++) {
         for (var w = 0u; w < WIDTH; w++) {
+            let q = s * WIDTH + w;
+            let other = pairs_of(received[s][w]);
+            let even = (*belief)[q].even - other.even;
+            let odd = (*belief)[q].odd - other.odd;
             for (var i = 0u; i < 4u; i++) {
-                let v = (*belief)[s * WIDTH + w][i] - unpack(received[s][w][i]);
-                values[s * WIDTH + w][i] = v;
+                let v = unpack_pairs(even[i], odd[i]);
+                values[q][i] = v;
                 least = min(least, v);
             }
         }

@@ -13,3 +13,7 @@ fn stored_of(slice: Slice) -> Stored {
 fn stored_terms(terms: Slice) -> Stored {
     return min(stored_of(terms), vec4(0xfefefefeu)); // as in volume32.wgsl
 }
+
+fn stored_messages(messages: Slice) -> Stored {
+    return min(stored_of(messages), vec4(~frame.width)); // as in volume32.wgsl
+}

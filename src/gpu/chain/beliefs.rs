@@ -29,8 +29,10 @@ pub(super) fn beliefs(b: &mut Builder<'_>, planes: &mut Planes) -> Beliefs {
     let mut beliefs = Beliefs { costs, messages: Vec::new(), none };
     for (level, scale) in scales.iter().enumerate().rev() {
         let to = if level == 0 { finest.clone() } else { message_buffers(b, scale) };
-        beliefs.start(b, scale, scales.get(level + 1), level, to);
-        let shares = shares(&b.params, level == 0);
+        // A pixel alone has nobody to send to.
+        let alone = scale.width * scale.height == 1;
+        beliefs.start(b, scale, scales.get(level + 1), Start { level, alone }, to);
+        let shares = if alone { Vec::new() } else { shares(&b.params, level == 0) };
         for (nth, &share) in shares.iter().enumerate() {
             let round = Round { level, nth, share, last: nth + 1 == shares.len() };
             beliefs.send(b, scale, level.checked_sub(1).map(|before| &sums[before]), &planes.grays[0], round);
@@ -79,6 +81,14 @@ fn coarse_costs(b: &mut Builder<'_>, scales: &[Scale], costs: &[CostVolume]) -> 
     sums
 }
 
+/// The beginning of a level.
+#[derive(Clone, Copy)]
+struct Start {
+    level: usize,
+    /// Whether it has a single pixel.
+    alone: bool,
+}
+
 /// One time that all pixels of a colour send.
 #[derive(Clone, Copy)]
 struct Round {
@@ -96,7 +106,7 @@ impl Beliefs {
         b: &mut Builder<'_>,
         scale: &Scale,
         coarser: Option<&Scale>,
-        level: usize,
+        Start { level, alone }: Start,
         to: Vec<wgpu::Buffer>,
     ) {
         for (band, buffer) in to.iter().enumerate() {
@@ -110,7 +120,7 @@ impl Beliefs {
             let [above, below] = self.beside(band);
             let lines = scale.width * (b.params.quads() / b.plan.width);
             let dispatch = Dispatch { lines, own: own.into(), ..Dispatch::default() };
-            let written = Written::Messages { level, band, rounds: 0, last: false };
+            let written = Written::Messages { level, band, rounds: 0, last: alone };
             b.step("messages_start", &[Buffer(from), above, below, Buffer(buffer)], dispatch, lines, rows, written);
         }
         self.messages = to;
