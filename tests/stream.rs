@@ -68,7 +68,10 @@ fn bands_of_a_smaller_pair_fit_those_of_a_larger_one() {
     let small = support::device_with(|_, limits| limits.max_storage_buffer_binding_size = 48 << 10);
     let Some((_, device, queue)) = small else { return };
     let mut random = ChaCha8Rng::seed_from_u64(5);
-    for (params, width, height) in [(Params::sgm(33), 61, 97), (Params::bm(16), 40, 60), (Params::sgm(16), 300, 41)] {
+    let beliefs = with(Params::bp(33), |p| (p.bp_levels, p.bp_iterations) = (3, 3));
+    for (params, width, height) in
+        [(Params::sgm(33), 61, 97), (Params::bm(16), 40, 60), (Params::sgm(16), 300, 41), (beliefs, 61, 97)]
+    {
         let mut matcher = StereoMatcher::new(&device, &queue, width, height, PixelFormat::Gray8, &params).unwrap();
         let bytes = matcher.device_bytes();
         for _ in 0..12 {

@@ -21,14 +21,14 @@ pub(super) struct Beliefs {
 pub(super) fn beliefs(b: &mut Builder<'_>, planes: &mut Planes) -> Beliefs {
     let scales = &b.sizes.scales;
     let none = b.buffer("messages.none", 32);
-    let finest = message_buffers(b, &scales[0]);
+    let finest = message_buffers(b, 0);
     // On `per-thread` the cost is copied into a texture before there are messages at the full size.
     let computed = if b.plan.per_subgroup { b.volumes("matching_cost", 1) } else { finest.clone() };
     let costs = matching_cost(b, planes, &computed);
     let sums = coarse_costs(b, scales, &costs);
     let mut beliefs = Beliefs { costs, messages: Vec::new(), none };
     for (level, scale) in scales.iter().enumerate().rev() {
-        let to = if level == 0 { finest.clone() } else { message_buffers(b, scale) };
+        let to = if level == 0 { finest.clone() } else { message_buffers(b, level) };
         // A pixel alone has nobody to send to.
         let alone = scale.width * scale.height == 1;
         beliefs.start(b, scale, scales.get(level + 1), Start { level, alone }, to);
@@ -42,10 +42,23 @@ pub(super) fn beliefs(b: &mut Builder<'_>, planes: &mut Planes) -> Beliefs {
 }
 
 /// A buffer a band for the messages of a level, in which the cost of a band has room, too.
-fn message_buffers(b: &mut Builder<'_>, scale: &Scale) -> Vec<wgpu::Buffer> {
-    let quads = b.params.quads();
-    let bytes = |band: usize| u64::from(WAYS) * scale.volume(band, quads);
-    (0..scale.bands.len()).map(|band| b.buffer("messages", bytes(band).next_multiple_of(TEXTURE_ROW))).collect()
+fn message_buffers(b: &mut Builder<'_>, level: usize) -> Vec<wgpu::Buffer> {
+    let (scale, quads, room) = (&b.sizes.scales[level], b.params.quads(), room(b, level));
+    let bytes = |volume: u64| (u64::from(WAYS) * volume).next_multiple_of(TEXTURE_ROW);
+    let buffer = |band| b.buffer_of("messages", bytes(scale.volume(band, quads)), bytes(room));
+    (0..scale.bands.len()).map(buffer).collect()
+}
+
+/// The most bytes of a volume of a band at a level, here or in a smaller image, whose bands may have more rows.
+fn room(b: &Builder<'_>, level: usize) -> u64 {
+    let Scale { width, height, stride, bands } = &b.sizes.scales[0];
+    if bands.len() == 1 || level == 0 {
+        return 0;
+    }
+    // Of r rows of c pixels there are no more than (r / 2^level + 1) (c / 2^level + 2).
+    let [area, sides] = [stride * bands[0].count, width + 2 * height].map(u64::from);
+    let pixels = (area >> (2 * level)) + (sides >> level) + 4;
+    16 * u64::from(b.params.quads()) * pixels
 }
 
 /// Stage `coarse_cost`: the sums of each level but the first, a buffer a band.
@@ -55,7 +68,7 @@ fn coarse_costs(b: &mut Builder<'_>, scales: &[Scale], costs: &[CostVolume]) -> 
     for (level, pair) in scales.windows(2).enumerate() {
         let [finer, coarser] = pair else { unreachable!("windows of two") };
         let bands = (0..coarser.bands.len()).map(|band| {
-            let buffer = b.buffer("coarse_cost", 2 * coarser.volume(band, quads));
+            let buffer = b.buffer_of("coarse_cost", 2 * coarser.volume(band, quads), 2 * room(b, level + 1));
             let (rows, to) = (coarser.bands[band], &buffer);
             let own = CoarseOwn {
                 width: finer.width,
