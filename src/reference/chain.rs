@@ -114,7 +114,7 @@ fn follow(
     }
     let confidence = params.confidence.then(|| trace.stage("confidence", confidence(&map, &margins)));
     let depth = params.depth.as_ref().map(|camera| trace.stage("depth", depth(&map, camera)));
-    let labels = params.labels.then(|| Labels { width: map.width, height: map.height, data: labels, table });
+    let labels = params.labels.then_some(Labels { width: map.width, height: map.height, data: labels, table });
     let right = params.right_map.then_some(right);
     Ok((Matched { map, right, confidence, labels, depth }, trace.times))
 }
