@@ -231,8 +231,19 @@ impl DepthMap {
     }
 }
 
+/// The disparities of the left image as a network gives them.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Unrounded {
+    /// Pixels a row.
+    pub width: u32,
+    /// Rows.
+    pub height: u32,
+    /// Pixels, row by row from the top.
+    pub data: Vec<f32>,
+}
+
 /// Everything that matching a pair returns.
-#[derive(Clone, Debug, PartialEq, Eq)]
+#[derive(Clone, Debug, PartialEq)]
 #[non_exhaustive]
 pub struct Matched {
     /// The disparities of the left image.
@@ -244,6 +255,9 @@ pub struct Matched {
     pub confidence: Option<ConfidenceMap>,
     /// The winners of the left image, if [`crate::Params::labels`] asks for them.
     pub labels: Option<Labels>,
+    /// What the map was rounded from, if [`crate::Params::unrounded`] asks for it and the method is
+    /// [`crate::Method::Psmnet`].
+    pub unrounded: Option<Unrounded>,
     /// The depth of `map`, if [`crate::Params::depth`] asks for it.
     pub depth: Option<DepthMap>,
 }

@@ -107,7 +107,7 @@ pub use gpu::matcher::StereoMatcher;
 pub use gpu::reading::Reading;
 pub use gpu::stream::{StereoStream, StreamFrame};
 pub use image::{
-    ConfidenceMap, DepthMap, DisparityMap, Energy, Image, Labels, Matched, PixelFormat, Pixels, StageTime,
+    ConfidenceMap, DepthMap, DisparityMap, Energy, Image, Labels, Matched, PixelFormat, Pixels, StageTime, Unrounded,
 };
 pub use network::{Architecture, Network};
 pub use params::{

@@ -47,6 +47,7 @@ impl MapBytes {
             right: self.right.then(|| map_of(&self.frame, right)),
             confidence: self.confidence.map(|_| confidence_of(&self.frame, confidence)),
             labels: self.labels.map(|_| labels_of(&self.frame, labels, table)),
+            unrounded: None,
             depth: self.depth.map(|_| depth_of(&self.frame, depth)),
         }
     }

@@ -99,6 +99,8 @@ pub struct Params {
     pub confidence: bool,
     /// Give the labels, too: the index of each winner, before any test of it.
     pub labels: bool,
+    /// Give the disparities of [`Method::Psmnet`], too, before they are rounded to sixteenths of a pixel.
+    pub unrounded: bool,
     /// Give the right view's map, too: as [`Params::right_view`] makes it, in whole pixels, before any check or filter but
     /// `validity`.
     pub right_map: bool,
@@ -182,6 +184,7 @@ impl Params {
             wls: None,
             confidence: false,
             labels: false,
+            unrounded: false,
             right_map: false,
             depth: None,
             rectify: None,

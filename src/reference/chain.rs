@@ -4,11 +4,14 @@ use crate::image::check_pair;
 use crate::params::{Descriptor, Filter};
 use crate::reference::trace::{Receiver, Trace};
 use crate::reference::{
-    Channel, Content, Descriptors, Plane, Views, Volume, beliefs, block_match, block_statistics, block_sums,
-    coarse_cost, confidence, cost_columns, depth, filtered, gray, halve, images, lr_check, matching_cost, messages,
-    mi_histogram, mi_table, mirror, mirrored, penalties, rectify, rounds, sgm_aggregate, validity, winner,
+    Channel, Content, Descriptors, Inference, Plane, Values, Views, Volume, beliefs, block_match, block_statistics,
+    block_sums, coarse_cost, confidence, cost_columns, depth, filtered, gray, halve, images, lr_check, matching_cost,
+    messages, mi_histogram, mi_table, mirror, mirrored, network, penalties, rectify, round_disparities, rounds,
+    sgm_aggregate, stage, validity, winner,
 };
-use crate::{DisparityMap, Error, Image, Labels, Matched, Method, Params, Prefilter, StageTime};
+use crate::{
+    ConfidenceMap, DisparityMap, Error, Image, Labels, Matched, Method, Params, Prefilter, StageTime, Unrounded,
+};
 
 /// The whole chain on the CPU: what [`crate::StereoMatcher`] computes, from the definition.
 ///
@@ -31,7 +34,7 @@ pub fn compute_all(left: &Image, right: &Image, params: &Params) -> Result<Match
 /// # Errors
 /// As [`compute`].
 pub fn compute_timed(left: &Image, right: &Image, params: &Params) -> Result<(Matched, Vec<StageTime>), Error> {
-    follow(left, right, params, None)
+    follow(left, right, params, None, &mut inference)
 }
 
 /// As [`compute_all`], and calls `receive` with the name and the bytes of the result of each stage, in the order in which
@@ -57,7 +60,20 @@ pub fn compute_traced(
     params: &Params,
     receive: &mut dyn FnMut(&str, &[u8]),
 ) -> Result<Matched, Error> {
-    Ok(follow(left, right, params, Some(receive))?.0)
+    Ok(follow(left, right, params, Some(receive), &mut inference)?.0)
+}
+
+/// The network of the settings, from the definition.
+fn inference(
+    left: &Image,
+    right: &Image,
+    params: &Params,
+    report: &mut dyn FnMut(&str, Option<&Values>),
+) -> Result<Plane<f32>, Error> {
+    let Some(with) = &params.network else { return Err(Error::Misuse("method psmnet needs a network".into())) };
+    let mut receive = |at: usize, _, values: &Values| report(stage(with.operations()[at].kind), Some(values));
+    let Plane { width, height, data } = network(left, right, with, params, &mut receive)?;
+    Ok(Plane { width, height, data: data.into_iter().map(|value| value as f32).collect() })
 }
 
 /// The whole chain.
@@ -66,11 +82,9 @@ fn follow(
     right: &Image,
     params: &Params,
     receiver: Option<Receiver<'_>>,
+    infer: Inference<'_>,
 ) -> Result<(Matched, Vec<StageTime>), Error> {
     params.validate()?;
-    if params.method == Method::Psmnet {
-        return Err(Error::Misuse("the CPU reference does not compute method psmnet yet; take sgm or bm".into()));
-    }
     check_pair(left, right)?;
     params.accepts(left.width(), left.height())?;
     let content = Content::new(params, left.width(), left.height());
@@ -92,12 +106,25 @@ fn follow(
             let content = content.map(Content::mirrored);
             let [left, right] = [mirrored(right)?, mirrored(left)?];
             let luma = gray(&left, Channel::Luma);
-            Some(views(&left, &right, &luma, content.as_ref(), &second, &mut trace).0.left)
+            Some(match second.method {
+                Method::Psmnet => trace.inferred([&left, &right], &second, &mut *infer)?.0.left,
+                _ => views(&left, &right, &luma, content.as_ref(), &second, &mut trace).0.left,
+            })
         }
         None => None,
     };
     let luma = gray(left, Channel::Luma);
-    let (Views { left, mut right, margins, labels }, table) = views(left, right, &luma, content, params, &mut trace);
+    let (views, table, unrounded) = match params.method {
+        Method::Psmnet => {
+            let (views, unrounded) = trace.inferred([left, right], params, infer)?;
+            (views, Vec::new(), Some(unrounded))
+        }
+        _ => {
+            let (views, table) = views(left, right, &luma, content, params, &mut trace);
+            (views, table, None)
+        }
+    };
+    let Views { left, mut right, margins, labels } = views;
     if let Some(matched) = matched {
         right = trace.stage("mirror", mirror(&matched));
     }
@@ -114,9 +141,15 @@ fn follow(
     }
     let confidence = params.confidence.then(|| trace.stage("confidence", confidence(&map, &margins)));
     let depth = params.depth.as_ref().map(|camera| trace.stage("depth", depth(&map, camera)));
-    let labels = params.labels.then_some(Labels { width: map.width, height: map.height, data: labels, table });
+    let labels = (params.labels && params.method != Method::Psmnet).then_some(Labels {
+        width: map.width,
+        height: map.height,
+        data: labels,
+        table,
+    });
     let right = params.right_map.then_some(right);
-    Ok((Matched { map, right, confidence, labels, depth }, trace.times))
+    let unrounded = unrounded.filter(|_| params.unrounded);
+    Ok((Matched { map, right, confidence, labels, unrounded, depth }, trace.times))
 }
 
 /// From the images, of which `luma` is that of the left one, to the winner of both views; and [`cost_table`].
@@ -193,7 +226,7 @@ impl Trace<'_> {
         let columns = self.stage("cost_columns", cost_columns(left, right, table, params));
         self.show("block_sums", || (0..columns.height).map(|y| block_sums(&columns, y, params)).collect::<Vec<_>>());
         match params.method {
-            // A network was refused before.
+            // A network finds its winners by itself.
             Method::Bm | Method::Psmnet => {
                 let statistics =
                     params.correlates().then(|| self.stage("block_statistics", block_statistics(left, right, params)));
@@ -218,6 +251,23 @@ impl Trace<'_> {
                 self.stage("winner", winner(&beliefs, params))
             }
         }
+    }
+
+    /// From the images to the winners of a network, and its disparities before they are rounded. There is no right view.
+    fn inferred(
+        &mut self,
+        [left, right]: [&Image; 2],
+        params: &Params,
+        infer: Inference<'_>,
+    ) -> Result<(Views, Unrounded), Error> {
+        let disparities = infer(left, right, params, &mut |stage, values| {
+            self.stage(stage, values);
+        })?;
+        let left = self.stage("round_disparities", round_disparities(&disparities, params.disparities as usize));
+        let right = DisparityMap { data: vec![DisparityMap::INVALID; left.data.len()], ..left };
+        let unrounded = Unrounded { width: left.width, height: left.height, data: disparities.data };
+        let margins = ConfidenceMap { width: left.width, height: left.height, data: Vec::new() };
+        Ok((Views { left, right, margins, labels: Vec::new() }, unrounded))
     }
 
     /// Stage `validity`, where not all pixels have content.

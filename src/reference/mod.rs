@@ -1,7 +1,7 @@
 //! The definition: every stage in the plainest Rust that states its formula, without a device.
 //!
 //! The shaders are the schedule of this definition and equal it to the bit; docs/ALGORITHMS.md says the same in words.
-//! Work is spread over rows by rayon, which changes no result. The stages take parameters that [`Params::validate`](crate::Params::validate)
+//! A network ([`network()`]) is defined in doubles; only what follows its disparities is equal to the bit. Work is spread over rows by rayon, which changes no result. The stages take parameters that [`Params::validate`](crate::Params::validate)
 //! accepts, and each other's results: neither is checked again.
 //!
 //! [`compute`], [`compute_all`], [`compute_timed`] and [`compute_traced`] follow semantic versioning as the rest of the
@@ -26,6 +26,7 @@ mod channels;
 mod cost;
 mod filters;
 mod images;
+mod network;
 mod paths;
 mod plane;
 mod trace;
@@ -47,6 +48,11 @@ pub use images::halve::{Round, halve, rounds};
 pub use images::prefilter::prefilter;
 pub use images::rectify::rectify;
 pub use images::window_sums::window_sum;
+pub(crate) use network::{Inference, stage};
+pub use network::{
+    Values, average_pool, conv3d_transposed, convolution, cropped, disparity_regression, feature_volume, neighbours,
+    network, network_input, operation, round_disparities, upsample,
+};
 pub use paths::penalties::penalties;
 pub use paths::sgm_aggregate::{Direction, aggregate_direction, sgm_aggregate};
 pub use plane::{Plane, Volume};

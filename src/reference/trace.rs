@@ -1,4 +1,4 @@
-use crate::reference::{BlockStatistics, Content, Descriptors, Images, Messages, Plane, Views, Volume};
+use crate::reference::{BlockStatistics, Content, Descriptors, Images, Messages, Plane, Values, Views, Volume};
 use crate::{ConfidenceMap, DepthMap, DisparityMap, Image, Pixels, StageTime};
 #[cfg(not(all(target_family = "wasm", target_os = "unknown")))]
 use std::time::Instant;
@@ -61,11 +61,17 @@ macro_rules! numbers {
     )+};
 }
 
-numbers! { u8 u16 u32 i16 }
+numbers! { u8 u16 u32 i16 f64 }
 
 impl Bytes for bool {
     fn append_to(&self, bytes: &mut Vec<u8>) {
         u8::from(*self).append_to(bytes);
+    }
+}
+
+impl<T: Bytes> Bytes for Option<T> {
+    fn append_to(&self, bytes: &mut Vec<u8>) {
+        self.iter().for_each(|part| part.append_to(bytes));
     }
 }
 
@@ -116,6 +122,7 @@ fields! {
     [] ConfidenceMap: data;
     [] DepthMap: data;
     [] Messages: received;
+    [] Values: data;
     [] Views: left right margins;
 }
 
