@@ -609,6 +609,20 @@ class Chain:
 
         return self.over_pixels(left), self.over_pixels(right), self.over_pixels(margin)
 
+    def energy(self, labels, g):
+        """The data terms of all labels in sum, and the smoothness of all neighbours in sum."""
+        data, smooth = 0, 0
+        edge = self.case["smoothness_edge"]
+        for y in range(self.height):
+            for x in range(self.width):
+                data += self.terms[y][x][labels[y][x]]
+                for u, v in ((x - 1, y), (x, y - 1)):
+                    if u >= 0 and v >= 0:
+                        halved = int(edge != "off" and abs(g[y][x] - g[v][u]) >= edge)
+                        k = abs(labels[y][x] - labels[v][u])
+                        smooth += self.smoothness(k, halved)
+        return [data, smooth]
+
     def texture(self, disparities, g):
         least = self.case["texture"]
         if least == 0:
@@ -841,7 +855,12 @@ class Chain:
         yield "descriptors", [("B", side) for side in sides]
         if case["cost"] == "mi":
             self.table = yield from self.last_table(*sides)
-        return (yield from self.winner_stages(sides[0], sides[1], penalties, gray))
+        found = yield from self.winner_stages(sides[0], sides[1], penalties, gray)
+        if case.get("labels", "off") == "on":
+            labels = self.over_pixels(lambda x, y: self.costs[y][x].index(min(self.costs[y][x])))
+            yield "labels", [("H", labels)]
+            yield "energy", [("Q", self.energy(labels, gray))]
+        return found
 
     def winner_stages(self, left, right, penalties, gray):
         """The stages from the descriptors to the winner; returns both views and the margins."""
@@ -849,13 +868,14 @@ class Chain:
         yield "cost_columns", [("I", columns)]
         cost = self.block_sums(columns)
         yield "block_sums", [("I", cost)]
+        self.terms = self.matching_cost(cost)
         if self.case["method"] == "sgm":
-            name, cost = "winner", self.matching_cost(cost)
+            name, cost = "winner", self.terms
             yield "matching_cost", [("B", cost)]
             cost = self.sgm_aggregate(cost, penalties)
             yield "sgm_aggregate", [("H", cost)]
         elif self.case["method"] == "bp":
-            name, cost = "winner", self.matching_cost(cost)
+            name, cost = "winner", self.terms
             yield "matching_cost", [("B", cost)]
             coarse = self.coarse_cost(cost)
             if coarse:
@@ -872,6 +892,8 @@ class Chain:
                 right_blocks = self.block_statistics(right, right_columns)
                 yield "block_statistics", [("I", left_blocks), ("I", right_blocks)]
                 cost = self.correlation_costs(cost, left_blocks, right_blocks)
+                self.terms = [[[(89 * a + 4096) >> 13 for a in pixel] for pixel in row] for row in cost]
+        self.costs = cost
         view, other, margins = self.winner(cost)
         yield name, [("h", view), ("h", other), ("B", margins)]
         return view, other, margins
@@ -891,7 +913,7 @@ class Chain:
         reads = case["right_map"] == "on" or case["lr_check"] != "off" or case["fill"] in ("rays", "hirschmuller")
         matched = None
         if case["right_view"] == "match" and reads:
-            second = Chain({**case, "subpixel": "off", "uniqueness": 0})
+            second = Chain({**case, "subpixel": "off", "uniqueness": 0, "labels": "off"})
             if self.contents is not None:
                 second.contents = [[row[::-1] for row in content] for content in reversed(self.contents)]
             matched, _, _ = yield from second.views(self.mirrored(*right), self.mirrored(*left))

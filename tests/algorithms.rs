@@ -5,7 +5,7 @@
 mod support;
 
 use gpu_stereo::{
-    Cost, DisparityMap, Distortion, Image, Median, Params, Paths, PixelFormat, Pixels, Prefilter, Preset,
+    Cost, DisparityMap, Distortion, Image, Median, Method, Params, Paths, PixelFormat, Pixels, Prefilter, Preset,
     Rectification, RightView, reference,
 };
 use rand::{Rng, SeedableRng};
@@ -115,6 +115,7 @@ fn json(Case { left, right, params }: &Case) -> String {
     let outputs = [
         ("right_map", switch(params.right_map)),
         ("confidence", switch(params.confidence)),
+        ("labels", switch(params.labels)),
         ("depth", params.depth.map_or("off".into(), camera)),
     ];
     for (name, value) in settings(params).into_iter().chain(outputs) {
@@ -385,6 +386,15 @@ fn cases() -> Vec<Case> {
         colours.filter(half).take(120).flat_map(|(r, g, b)| [r as u8, g as u8, b as u8, 255]).collect();
     let image = |samples: &[u8]| Image::new(12, 5, Pixels::Rgba8(samples.to_vec())).unwrap();
     cases.push(Case { left: image(&halves[..240]), right: image(&halves[240..]), params: Params::sgm(5) });
+    // The energy of labels, whatever method finds them, with every smoothness.
+    for (i, Case { params, .. }) in (0..).zip(&mut cases) {
+        params.labels = i % 4 > 0;
+        if params.method != Method::Bp {
+            params.set("smoothness", ["linear", "quadratic", "potts"][i as usize % 3]).unwrap();
+            (params.smoothness_weight, params.smoothness_truncation) = (i * 37 % 128, i * 53 % 128);
+            params.smoothness_edge = (i % 2 > 0).then_some(1 + i * 29 % 255);
+        }
+    }
     cases
 }
 

@@ -6,7 +6,8 @@ mod support;
 
 use gpu_stereo::reference::{self, points_inside};
 use gpu_stereo::{
-    DisparityMap, Image, Median, Method, Params, Paths, Pixels, Prefilter, Smoothness, StereoMatcher, Subpixel, wgpu,
+    DisparityMap, Energy, Image, Labels, Median, Method, Params, Paths, Pixels, Prefilter, Smoothness, StereoMatcher,
+    Subpixel, wgpu,
 };
 use rand::{Rng, SeedableRng};
 use rand_chacha::ChaCha8Rng;
@@ -269,6 +270,15 @@ fn beliefs_have_less_energy_than_costs_and_paths() {
         };
         let alone = reference::Volume { data: cost.data.iter().map(|&c| c.into()).collect(), ..cost_shape(&cost) };
         let found = energy(&labels(&beliefs(&params)));
+        // The definition's figure is this one, of every method with this cost.
+        for method in [Method::Bp, Method::Sgm, Method::Bm] {
+            let told = told_energy(&left, &right, &params, method);
+            let found: Vec<_> = told.0.data.iter().map(|&label| usize::from(label)).collect();
+            assert_eq!(told.1.sum(), u64::from(energy(&found)), "{method:?}, {smoothness:?}");
+            let alone: u32 = found.iter().zip(cost.data.chunks_exact(14)).map(|(&d, costs)| u32::from(costs[d])).sum();
+            assert_eq!(told.1.data, u64::from(alone), "{method:?}, {smoothness:?}");
+        }
+        assert_eq!(told_energy(&left, &right, &params, Method::Bp).1.sum(), u64::from(found), "{smoothness:?}");
         let [plain, paths] =
             [alone.clone(), reference::sgm_aggregate(&cost, None, &params)].map(|s| energy(&labels(&s)));
         assert!(found < plain && found < paths, "{found}, {plain} of costs, {paths} of paths, {smoothness:?}");
@@ -280,6 +290,55 @@ fn beliefs_have_less_energy_than_costs_and_paths() {
         params.smoothness_truncation = 0;
         assert_eq!(beliefs(&params), alone, "{smoothness:?}");
     }
+}
+
+/// The labels that a method gives a pair, and their energy, by the definition.
+fn told_energy(left: &Image, right: &Image, params: &Params, method: Method) -> (Labels, Energy) {
+    let mut params = params.clone();
+    (params.labels, params.method) = (true, method);
+    let labels = reference::compute_all(left, right, &params).unwrap().labels.unwrap();
+    let energy = reference::energy(left, right, &labels, &params).unwrap();
+    (labels, energy)
+}
+
+/// In a single row plain messages find the smallest energy there is, which is that of the best of all ways through the row;
+/// no method's labels have less.
+#[test]
+fn the_energy_of_a_row_is_no_less_than_that_of_the_best_way_through_it() {
+    let (width, count) = (34, 9);
+    let mut reached = 0;
+    for seed in 0..30 {
+        let (left, right) = support::pair(width, 1, seed);
+        let mut params = whole_pixels(&Params::bp(count));
+        params.smoothness = [Smoothness::Linear, Smoothness::Quadratic, Smoothness::Potts][seed as usize % 3];
+        (params.smoothness_weight, params.smoothness_truncation) = (3 + seed as u32, 20 + seed as u32);
+        params.smoothness_edge = (seed % 2 > 0).then_some(8);
+        (params.bp_levels, params.bp_iterations, params.bp_reweighting) = (1, 2 * width + 2, 16);
+        let cost = reference::matching_cost(&column_sums(&left, &right, &params), &params);
+        let gray = reference::gray(&left, reference::Channel::Luma).data;
+        let v = |x: usize, k: u32| {
+            let edge = params.smoothness_edge.is_some_and(|edge| u32::from(gray[x].abs_diff(gray[x - 1])) >= edge);
+            let [a, b] = [params.smoothness_weight, params.smoothness_truncation].map(|value| value >> u32::from(edge));
+            match params.smoothness {
+                Smoothness::Linear => b.min(a * k),
+                Smoothness::Quadratic => b.min(a * k * k),
+                _ => b * k.min(1),
+            }
+        };
+        let mut best: Vec<u32> = vec![0; count as usize];
+        for (x, costs) in cost.data.chunks_exact(count as usize).enumerate() {
+            let way = |d: u32| (0..count).map(|e| best[e as usize] + if x > 0 { v(x, d.abs_diff(e)) } else { 0 }).min();
+            best = (0..count).map(|d| way(d).unwrap() + u32::from(costs[d as usize])).collect();
+        }
+        let least = u64::from(*best.iter().min().unwrap());
+        for method in [Method::Bp, Method::Sgm, Method::Bm] {
+            let energy = told_energy(&left, &right, &params, method).1.sum();
+            assert!(energy >= least, "{energy}, but {least} is the least, {method:?}, seed {seed}");
+            reached += u32::from(method == Method::Bp && energy == least);
+        }
+    }
+    // Where two disparities of a pixel are equally good, neighbours may choose those of different ways.
+    assert!(reached > 20, "only {reached} of 30 rows have the least energy");
 }
 
 fn cost_shape(cost: &reference::Volume<u8>) -> reference::Volume<u16> {

@@ -110,6 +110,7 @@ fn params(case: &Value) -> Params {
                 set("wls-sigma", parts[1]);
             }
             "confidence" => params.confidence = text == "on",
+            "labels" => params.labels = text == "on",
             "right_map" => params.right_map = text == "on",
             "depth" if text == "off" => {}
             "depth" => {

@@ -3,7 +3,7 @@
 use std::ops::RangeInclusive;
 
 use crate::params::costs::{Descriptor, Kind, Ranges};
-use crate::params::{Filter, Params, Prefilter, RightView, Subpixel};
+use crate::params::{Filter, Method, Params, Prefilter, RightView, Subpixel};
 
 impl Params {
     /// The disparities that are searched, in pixels.
@@ -34,6 +34,15 @@ impl Params {
         Filter::ALL.iter().for_each(|filter| filter.clear(&mut rough));
         rough.lr_check = Some(1);
         rough
+    }
+
+    /// Whether anything reads the smoothness: belief propagation does, and of other methods' labels the energy.
+    pub(crate) fn reads_smoothness(&self) -> bool {
+        match self.method {
+            Method::Bp => true,
+            Method::Sgm | Method::Bm => self.labels,
+            Method::Psmnet => false,
+        }
     }
 
     /// Whether anything reads the right view.

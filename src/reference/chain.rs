@@ -2,6 +2,7 @@
 
 use crate::image::check_pair;
 use crate::params::{Descriptor, Filter};
+use crate::reference::energy::energy_of;
 use crate::reference::trace::{Receiver, Trace};
 use crate::reference::{
     Channel, Content, Descriptors, Inference, Plane, Values, Views, Volume, beliefs, block_match, block_statistics,
@@ -10,7 +11,7 @@ use crate::reference::{
     sgm_aggregate, stage, validity, winner,
 };
 use crate::{
-    ConfidenceMap, DisparityMap, Error, Image, Labels, Matched, Method, Params, Prefilter, StageTime, Unrounded,
+    ConfidenceMap, DisparityMap, Energy, Error, Image, Labels, Matched, Method, Params, Prefilter, StageTime, Unrounded,
 };
 
 /// The whole chain on the CPU: what [`crate::StereoMatcher`] computes, from the definition.
@@ -173,7 +174,15 @@ fn views(
     }
     let sides = trace.stage("descriptors", [left.descriptors(params), right.descriptors(params)]);
     let table = trace.table(&sides, content, params);
-    (trace.winner(&sides, &table, penalties.as_ref(), Some(luma), params), table)
+    let views = trace.winner(&sides, &table, penalties.as_ref(), Some(luma), params);
+    if params.labels {
+        trace.show("labels", || &views.labels);
+        trace.show("energy", || {
+            let Energy { data, smoothness } = energy_of(&sides, luma, &views.labels, &table, params);
+            [data, smoothness]
+        });
+    }
+    (views, table)
 }
 
 /// What matches cost in the last round of [`rounds`], for a cost that has a table; else nothing. `content`: where the pair

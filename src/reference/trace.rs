@@ -61,7 +61,7 @@ macro_rules! numbers {
     )+};
 }
 
-numbers! { u8 u16 u32 i16 f64 }
+numbers! { u8 u16 u32 u64 i16 f64 }
 
 impl Bytes for bool {
     fn append_to(&self, bytes: &mut Vec<u8>) {

@@ -811,6 +811,7 @@ fn json_has_exactly_the_promised_fields() {
             "frame_ms",
             "first_frame_ms",
             "stages",
+            "energy",
             "peak_device_bytes",
             "warnings",
             "outputs"
@@ -835,6 +836,42 @@ fn json_has_exactly_the_promised_fields() {
     for stage in stages {
         assert!(stage["name"].is_string() && stage["ms"].as_f64().unwrap() >= 0.0);
     }
+}
+
+/// The energy of every method, in `--json` and beside `--timings` alone; the options of the smoothness count for it, and are
+/// reported where it is not told.
+#[test]
+fn the_energy_is_told_of_every_method() {
+    let folder = scene();
+    let told = |more: &str| {
+        let args: Vec<_> = more.split(' ').chain(["--json", "--block", "3"]).collect();
+        let output = succeeds(folder.path(), &on("left.png", "right.png", &args));
+        assert_eq!(stderr(&output), "", "{more}");
+        let told: Value = serde_json::from_slice(&output.stdout).unwrap();
+        let energy = told["energy"].as_object().unwrap();
+        assert_eq!(energy.keys().collect::<Vec<_>>(), ["data", "smoothness", "sum"]);
+        let [data, smoothness, sum] = ["data", "smoothness", "sum"].map(|part| energy[part].as_u64().unwrap());
+        assert_eq!(data + smoothness, sum);
+        (data, smoothness)
+    };
+    let flat = "--smoothness-truncation 0";
+    for method in ["--preset classic --method sgm", "--preset classic --method bm", "--preset classic --method bp"] {
+        let (data, smoothness) = told(method);
+        assert!(data > 0 && smoothness > 0, "{method}: {data}, {smoothness}");
+        let (same, none) = told(&format!("{method} {flat}"));
+        assert!(none == 0 && (same == data || method.ends_with("bp")), "{method}: {same}, {none}");
+        let doubled = told(&format!("{method} --smoothness potts --smoothness-truncation 1"));
+        assert!(doubled.1 > 0 && doubled.1 < smoothness, "{method}: {doubled:?}");
+    }
+    let args = |more: &'static str| more.split(' ').collect::<Vec<_>>();
+    let output = succeeds(folder.path(), &on("left.png", "right.png", &args("--timings -q --smoothness potts")));
+    let (text, lines) = (stdout(&output), stdout(&output).lines().count());
+    let last = text.lines().next_back().unwrap();
+    assert!(lines > 5 && last.starts_with("energy   ") && last.contains(" (data ") && last.ends_with(')'), "{text}");
+    assert_eq!(stderr(&output), "");
+    let output = succeeds(folder.path(), &on("left.png", "right.png", &args("--smoothness potts")));
+    assert!(!stdout(&output).contains("energy"), "{}", stdout(&output));
+    assert_eq!(stderr(&output), "note: --smoothness has no effect with --method sgm\n");
 }
 
 #[test]

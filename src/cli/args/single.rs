@@ -106,7 +106,8 @@ pub struct SingleArgs {
     #[arg(long, help_heading = OUTPUT)]
     pub check: bool,
 
-    /// Print milliseconds a stage, the median over the frames; runs one warm-up first
+    /// Print milliseconds a stage, the median over the frames, and the energy of the winners: data, smoothness and sum, of
+    /// any method but psmnet, which has no costs; runs one warm-up first
     #[arg(long, help_heading = OUTPUT)]
     pub timings: bool,
 
@@ -118,7 +119,7 @@ pub struct SingleArgs {
     #[arg(long, value_name = "DIR", help_heading = OUTPUT)]
     pub dump_shaders: Option<PathBuf>,
 
-    /// Print one JSON object instead of the summary and the tables
+    /// Print one JSON object instead of the summary and the tables, with the energy, too
     #[arg(long, help_heading = OUTPUT)]
     pub json: bool,
 

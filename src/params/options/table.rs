@@ -160,17 +160,17 @@ pub(super) const OPTIONS: &[ParamOption] = options! {
             "sgm: lower P2 where the intensity changes along the path"
             idle by "method" if |params| params.method != Method::Sgm;
         "smoothness" "SMOOTHNESS" Smoothness smoothness
-            "bp: how the smoothness grows with the difference of two neighbours"
-            idle by "method" if |params| params.method != Method::Bp;
+            "bp, and the energy of all: how the smoothness grows with the difference of two neighbours"
+            idle by "method" if |params| !params.reads_smoothness();
         "smoothness-weight" "W" natural smoothness_weight
-            "bp: smoothness of a difference of 1, 0 to 127"
-            idle by "method" if |params| params.method != Method::Bp;
+            "bp, and the energy of all: smoothness of a difference of 1, 0 to 127"
+            idle by "method" if |params| !params.reads_smoothness();
         "smoothness-truncation" "T" natural smoothness_truncation
-            "bp: the largest smoothness of two neighbours, 0 to 127"
-            idle by "method" if |params| params.method != Method::Bp;
+            "bp, and the energy of all: the largest smoothness of two neighbours, 0 to 127"
+            idle by "method" if |params| !params.reads_smoothness();
         "smoothness-edge" "STEP|off" or_off smoothness_edge
-            "bp: intensity step from which on the smoothness is half, 1 to 255"
-            idle by "method" if |params| params.method != Method::Bp;
+            "bp, and the energy of all: intensity step from which on the smoothness is half, 1 to 255"
+            idle by "method" if |params| !params.reads_smoothness();
         "bp-levels" "L" natural bp_levels
             "bp: levels, each of half the size, 1 to 10"
             idle by "method" if |params| params.method != Method::Bp;

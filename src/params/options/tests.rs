@@ -160,6 +160,25 @@ fn a_network_takes_the_filters_that_are_asked_for() {
     assert_eq!(find("block").unwrap().idle(&Params { texture: 9, ..alone.clone() }).map(|other| other.name), None);
 }
 
+/// The smoothness counts for belief propagation, and for the energy of the labels of every method that has costs.
+#[test]
+fn the_smoothness_is_idle_where_no_energy_is_told() {
+    let idle = |params: &Params| {
+        let names = ["smoothness", "smoothness-weight", "smoothness-truncation", "smoothness-edge"];
+        let idle = names.map(|name| find(name).unwrap().idle(params).map(|other| other.name));
+        assert!(idle.iter().all(|other| *other == idle[0]), "{idle:?}");
+        idle[0]
+    };
+    let labelled = |params: &Params| Params { labels: true, ..params.clone() };
+    for params in [Params::sgm(16), Params::bm(16)] {
+        assert_eq!((idle(&params), idle(&labelled(&params))), (Some("method"), None), "{params:?}");
+        assert_eq!(find("bp-levels").unwrap().idle(&labelled(&params)).map(|other| other.name), Some("method"));
+    }
+    assert_eq!((idle(&Params::bp(16)), idle(&labelled(&Params::bp(16)))), (None, None));
+    let network = Params { method: Method::Psmnet, ..Params::sgm(16) };
+    assert_eq!(idle(&labelled(&network)), Some("method"));
+}
+
 #[test]
 fn a_cost_brings_its_usual_prefilter_unless_another_is_given() {
     let of = |options: &[(&'static str, &'static str)]| Params::from_options(64, options.iter().copied()).unwrap();

@@ -101,15 +101,19 @@ fn passed<T: Copy + Into<u32> + Sync>(
 }
 
 impl<T> Level<'_, T> {
-    /// The weight and the truncation of the smoothness between two neighbours: half of them across an edge of the gray image.
+    /// [`weight_and_truncation`] between two neighbours.
     fn smoothness(&self, p: usize, q: usize, params: &Params) -> [u32; 2] {
-        let smoothness = [params.smoothness_weight, params.smoothness_truncation];
-        match (self.gray, params.smoothness_edge) {
-            (Some(gray), Some(edge)) if u32::from(gray.data[p].abs_diff(gray.data[q])) >= edge => {
-                smoothness.map(|value| value >> 1)
-            }
-            _ => smoothness,
-        }
+        weight_and_truncation(params, self.gray.map(|gray| [gray.data[p], gray.data[q]]))
+    }
+}
+
+/// The weight and the truncation of the smoothness between two neighbours of these values in the gray image: half of them
+/// across an edge of it.
+pub(crate) fn weight_and_truncation(params: &Params, grays: Option<[u8; 2]>) -> [u32; 2] {
+    let smoothness = [params.smoothness_weight, params.smoothness_truncation];
+    match (grays, params.smoothness_edge) {
+        (Some([p, q]), Some(edge)) if u32::from(p.abs_diff(q)) >= edge => smoothness.map(|value| value >> 1),
+        _ => smoothness,
     }
 }
 

@@ -43,7 +43,7 @@ pub fn block_match(columns: &Volume<u32>, statistics: Option<&[BlockStatistics; 
 /// Of n pixels a block, with the sum of products p, and the sums s and roots a of [`crate::reference::block_statistics`]:
 /// c = n p - s_left s_right, n^2 times the covariance; part = min(4096, floor(4096 |c| / (a_left a_right))), 0 if
 /// a_left a_right = 0; the cost is 4096 - part if c >= 0, else 4096 + part.
-fn correlation_cost(products: u32, left: [u32; 2], right: [u32; 2], params: &Params) -> u32 {
+pub(crate) fn correlation_cost(products: u32, left: [u32; 2], right: [u32; 2], params: &Params) -> u32 {
     let n = i64::from(params.block * params.block);
     let [[left_sum, left_root], [right_sum, right_root]] = [left, right].map(|pair| pair.map(i64::from));
     let covariance = n * i64::from(products) - left_sum * right_sum;

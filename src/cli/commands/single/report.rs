@@ -5,7 +5,7 @@ use crate::commands::summary;
 use crate::engine::compute::{EngineNames, FrameMs};
 use crate::terminal::{self, Evaluation, message, name, rounded, table};
 use anyhow::Result;
-use gpu_stereo::{Camera, StageCheck, StageTime};
+use gpu_stereo::{Camera, Energy, StageCheck, StageTime};
 use serde::{Serialize, Serializer};
 use std::fmt::Write as _;
 use std::path::PathBuf;
@@ -44,6 +44,8 @@ pub struct Report {
     /// Median time of each stage; none where the adapter has no timestamps.
     #[serde(serialize_with = "stages")]
     pub stages: Vec<StageTime>,
+    /// What the winners cost; none of a network, which has no costs.
+    pub energy: Option<EnergyReport>,
     /// The most device memory in use, 0 for the reference.
     pub peak_device_bytes: u64,
     /// The scores, if a truth was given.
@@ -73,6 +75,20 @@ impl From<Camera> for Cameras {
     fn from(camera: Camera) -> Self {
         let Camera { focal, baseline, doffs, cx, cy } = camera;
         Self { focal_px: focal, baseline_m: baseline, doffs_px: doffs, cx_px: cx, cy_px: cy }
+    }
+}
+
+/// The energy of the winners, and its two parts.
+#[derive(Debug, Serialize)]
+pub struct EnergyReport {
+    data: u64,
+    smoothness: u64,
+    sum: u64,
+}
+
+impl From<Energy> for EnergyReport {
+    fn from(energy: Energy) -> Self {
+        Self { data: energy.data, smoothness: energy.smoothness, sum: energy.sum() }
     }
 }
 
@@ -137,6 +153,9 @@ impl Report {
                 message("note: the adapter has no timestamp queries; only the total is known");
             }
             text += &self.timings_table();
+            if let Some(EnergyReport { data, smoothness, sum }) = &self.energy {
+                writeln!(text, "energy   {sum} (data {data}, smoothness {smoothness})")?;
+            }
         }
         if let Some(evaluation) = &self.evaluation {
             text += &evaluation.table();

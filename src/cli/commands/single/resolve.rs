@@ -10,7 +10,7 @@ use gpu_stereo::files::encoders::Format;
 use gpu_stereo::files::masks::MaskFiles;
 use gpu_stereo::files::outputs::Output;
 use gpu_stereo::files::truth::TruthFile;
-use gpu_stereo::{Camera, Params};
+use gpu_stereo::{Camera, Method, Params};
 use std::path::PathBuf;
 
 /// A run, ready to start.
@@ -60,6 +60,8 @@ pub fn resolve(typed: SingleArgs) -> Result<Job> {
     args::ensure_disparities(&given)?;
     let mut params = args::params(typed.settings.iter())?;
     params.confidence = typed.confidence.is_some();
+    // For the energy, which is told beside the times; a network has none.
+    params.labels = (typed.json || typed.timings) && params.method != Method::Psmnet;
     args::report_unused(&[(given, &params)]);
     let needs_adapter = match (typed.check, &typed.dump_shaders) {
         (true, _) => Some("--check compares an adapter with the CPU reference"),
