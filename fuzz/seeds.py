@@ -147,3 +147,43 @@ put(
     named='{"left": "a.png", "right": "\\u00e4.png", "name": "x/y"}\n\n{"left": "d/a.png", "right": "b", "name": null}\n',
     failure='{"name":"n","left":"l","right":"r","error":"e"}\n',
 )
+
+
+def text(value):
+    return b"X" + struct.pack("<I", len(value)) + value.encode()
+
+
+def tensor(kind, key, offset, shape, strides):
+    def numbers(values):
+        return b"(" + b"".join(b"K" + bytes([value]) for value in values) + b"t"
+
+    storage = b"(" + text("storage") + f"ctorch\n{kind}\n".encode() + text(key) + text("cpu") + b"K\x06tQ"
+    rest = b"K" + bytes([offset]) + numbers(shape) + numbers(strides) + b"\x89ccollections\nOrderedDict\n)RtR"
+    return b"ctorch._utils\n_rebuild_tensor_v2\n(" + storage + rest
+
+
+def pickled(content):
+    return b"\x80\x02" + content + b"."
+
+
+def archive(files):
+    """Files that are stored as they are."""
+    body = directory = b""
+    for name, content in files.items():
+        name = name.encode()
+        lengths = struct.pack("<3I2H", zlib.crc32(content), len(content), len(content), len(name), 0)
+        directory += b"PK\1\2" + struct.pack("<6H", 0, 0, 0, 0, 0, 0) + lengths + struct.pack("<3H2I", 0, 0, 0, 0, len(body)) + name
+        body += b"PK\3\4" + struct.pack("<5H", 0, 0, 0, 0, 0) + lengths + name + content
+    return body + directory + b"PK\5\6" + struct.pack("<4H2IH", 0, 0, len(files), len(files), len(directory), len(body), 0)
+
+
+STATE = b"}(" + text("module.a") + tensor("FloatStorage", "0", 1, [2, 2], [1, 2]) + text("b") + tensor("HalfStorage", "1", 0, [2], [1]) + b"u"
+CHECKPOINT = b"}(" + text("epoch") + b"K\1" + text("state_dict") + STATE + b"u"
+MAGIC = pickled(b"\x8a\x0a\x6c\xfc\x9c\x46\xf9\x20\x6a\xa8\x50\x19") + pickled(b"M\xe9\3") + pickled(b"}")
+HEADER = b'{"a":{"dtype":"F32","shape":[2,3],"data_offsets":[0,24]}}  '
+put(
+    "weights",
+    archive=archive({"a/data.pkl": pickled(CHECKPOINT), "a/data/0": FLOATS, "a/data/1": b"\0\x3c\0\xc0"}),
+    legacy=MAGIC + pickled(STATE) + pickled(b"](" + text("0") + text("1") + b"e") + struct.pack("<Q", 6) + FLOATS + struct.pack("<Q", 2) + b"\0\x3c\0\xc0",
+    safetensors=struct.pack("<Q", len(HEADER)) + HEADER + FLOATS,
+)

@@ -11,6 +11,7 @@ use gpu_stereo::files::calibration::{Calibration, Fitted, KittiPair, LensModel, 
 use gpu_stereo::files::encoders;
 use gpu_stereo::files::lists::{self, Kind, Listed};
 use gpu_stereo::files::maps::{self, Encoding};
+use gpu_stereo::files::weights::{Weights, encode};
 use gpu_stereo::{Camera, Rectification};
 use std::path::{Component, Path};
 
@@ -100,6 +101,30 @@ pub fn calibration(data: &[u8], two_files: bool) {
             }
         }
         Err(error) => told(&error),
+    }
+}
+
+/// Weights of any format.
+pub fn weights(data: &[u8]) {
+    let weights = match Weights::parse(Path::new("weights"), data) {
+        Ok(weights) => weights,
+        Err(error) => return told(&error),
+    };
+    let values: usize = weights.tensors.values().map(|tensor| tensor.data().len()).sum();
+    assert!(values <= data.len());
+    assert!(weights.tensors.keys().eq(weights.elements.keys()));
+    // Written, they are read again as they were. No other tensor may have the name of the file's own texts.
+    if !weights.tensors.contains_key("__metadata__") {
+        let file = encode(&weights.tensors).expect("what was read");
+        let again = Weights::parse(Path::new("again"), &file).expect("what was written").tensors;
+        assert!(again.keys().eq(weights.tensors.keys()));
+        for (one, other) in again.values().zip(weights.tensors.values()) {
+            assert_eq!(one.shape(), other.shape());
+            assert!(one.data().iter().map(|v| v.to_bits()).eq(other.data().iter().map(|v| v.to_bits())));
+        }
+    }
+    if let Err(error) = weights.network() {
+        told(&error);
     }
 }
 

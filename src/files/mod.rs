@@ -1,5 +1,5 @@
-//! Everything that reads and writes files: images, masks, disparity maps, calibrations, lists of pairs, truths, data sets, and
-//! the encoders of maps, depths, points and pictures.
+//! Everything that reads and writes files: images, masks, disparity maps, calibrations, lists of pairs, truths, data sets,
+//! weights of networks, and the encoders of maps, depths, points and pictures.
 //!
 //! Nothing here prints: warnings are returned with the result. An [`Error`] is one sentence; options that it names are those
 //! of the command.
@@ -18,6 +18,7 @@ pub mod maps;
 pub mod masks;
 pub mod outputs;
 pub mod truth;
+pub mod weights;
 
 pub use contents::{MAX_BYTES, hint};
 pub use error::{Error, Result};

@@ -82,6 +82,14 @@ pub fn write_sheet(outputs: &[Output<SheetFormat>], sheet: &RgbImage) -> Result<
     .map(drop)
 }
 
+/// Writes a file of these bytes, whole or not at all.
+///
+/// # Errors
+/// Where it cannot be written.
+pub fn write_bytes(output: &Output<()>, bytes: &[u8]) -> Result<()> {
+    put(std::slice::from_ref(output), |()| Ok(bytes.to_vec())).map(drop)
+}
+
 /// Writes every file, or, if one cannot be, none: names appear only when all contents are on disk.
 fn put<F: Copy>(outputs: &[Output<F>], mut contents: impl FnMut(F) -> Result<Vec<u8>>) -> Result<Vec<Facts>> {
     let mut written = Vec::new();

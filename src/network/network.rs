@@ -3,6 +3,7 @@
 use std::collections::BTreeMap;
 use std::fmt;
 use std::sync::Arc;
+use std::sync::atomic::{AtomicU64, Ordering};
 
 use super::architecture::{Architecture, short};
 use super::graph::{Kind, Operation, Parameters};
@@ -14,7 +15,7 @@ const EPSILON: f64 = 1e-5;
 
 /// PSMNet with its weights: for [`crate::Params::network`]. A clone shares them.
 #[derive(Clone)]
-pub struct Network(Arc<Inner>);
+pub struct Network(Arc<Inner>, Arc<AtomicU64>);
 
 #[derive(PartialEq)]
 struct Inner {
@@ -77,7 +78,7 @@ impl Network {
                 convolutions.insert(operation.name.clone(), folded(operation.kind, parameters, &tensors)?);
             }
         }
-        Ok(Self(Arc::new(Inner { architecture, operations, convolutions })))
+        Ok(Self(Arc::new(Inner { architecture, operations, convolutions }), Arc::default()))
     }
 
     /// Which of the two networks it is.
@@ -93,6 +94,18 @@ impl Network {
     /// The weights of the operation of this name, if it is a convolution.
     pub fn convolution(&self, name: &str) -> Option<&Convolution> {
         self.0.convolutions.get(name)
+    }
+
+    /// Multiplications with weights that were done so far with this network and its clones, for showing the progress of a
+    /// pair, which takes [`crate::Params::multiplications`]. What computes adds those of an operation once it is done; they
+    /// do not influence equality.
+    pub fn done(&self) -> u64 {
+        self.1.load(Ordering::Relaxed)
+    }
+
+    /// Adds the multiplications of an operation that was done: for whoever computes it.
+    pub fn add_done(&self, multiplications: u64) {
+        self.1.fetch_add(multiplications, Ordering::Relaxed);
     }
 
     /// The number of weights and biases that inference reads.

@@ -2,6 +2,7 @@
 
 use std::ops::RangeInclusive;
 
+use crate::network::Padded;
 use crate::params::costs::{Descriptor, Kind, Ranges};
 use crate::params::{Filter, Method, Params, Prefilter, RightView, Subpixel};
 
@@ -54,6 +55,16 @@ impl Params {
     /// whole pixels, and all of them.
     pub(crate) fn second_match(&self) -> Option<Self> {
         (self.right_view == RightView::Match && self.reads_right_view()).then(|| self.second())
+    }
+
+    /// Multiplications with the weights of the network for a pair of `width` x `height` pixels, of both runs where the right
+    /// view has one of its own; 0 without a network. [`crate::Network::done`] tells how many are done.
+    #[must_use]
+    pub fn multiplications(&self, width: u32, height: u32) -> u64 {
+        let Some(network) = self.network.as_ref().filter(|_| self.method == Method::Psmnet) else { return 0 };
+        let (operations, padded) = (network.operations(), Padded::new(width, height, self.disparities));
+        let once: u64 = operations.iter().map(|operation| operation.multiplications(operations, &padded)).sum();
+        if self.second_match().is_some() { 2 * once } else { once }
     }
 
     /// The settings of a second match.

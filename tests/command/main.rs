@@ -16,3 +16,4 @@ mod resume;
 mod support;
 mod terminal;
 mod video;
+mod weights;

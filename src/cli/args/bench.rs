@@ -6,6 +6,7 @@ use super::headings::OUTPUT;
 use super::input::InputArgs;
 use super::numbers::Whole;
 use super::settings::Settings;
+use super::weights::NetworkArgs;
 use gpu_stereo::files::datasets::DataSet;
 use std::path::PathBuf;
 
@@ -43,6 +44,10 @@ pub struct BenchArgs {
     /// What all variants have in common
     #[command(flatten)]
     pub settings: Settings,
+
+    /// The network of --method psmnet
+    #[command(flatten)]
+    pub network: NetworkArgs,
 
     /// How the images are read
     #[command(flatten)]

@@ -16,6 +16,7 @@ mod single;
 mod study;
 mod truth;
 mod video;
+mod weights;
 
 pub use batch::{BatchArgs, HELP as BATCH_HELP, Shard, USAGE as BATCH_USAGE};
 pub use bench::{BenchArgs, HELP as BENCH_HELP};
@@ -31,3 +32,4 @@ pub use settings::{by_option, ensure_disparities, params, report_unused};
 pub use single::{HELP as SINGLE_HELP, SingleArgs};
 pub use study::{COMPARE_HELP, CompareArgs, SWEEP_HELP, StudyArgs};
 pub use video::{HELP as VIDEO_HELP, USAGE as VIDEO_USAGE, VideoArgs};
+pub use weights::{HELP as WEIGHTS_HELP, NetworkArgs, WeightsArgs};

@@ -7,6 +7,7 @@ use super::input::{InputArgs, MaskArgs};
 use super::numbers::Whole;
 use super::settings::Settings;
 use super::truth::TruthArgs;
+use super::weights::NetworkArgs;
 use std::path::PathBuf;
 
 /// The end of `--help`.
@@ -32,6 +33,8 @@ Examples:
       a map of every pair of two folders
   gpu-stereo batch pairs.csv -o maps --disp 64 --resume --shard 2/8
       the second of eight shares of a list
+  gpu-stereo left.png right.png --disp 192 --method psmnet --weights psmnet.safetensors
+      by a network
   gpu-stereo --list-adapters
 
 Exit codes: 0 done, 1 a check found a mismatch or a frame or pair failed, 2 could not run.
@@ -51,6 +54,10 @@ pub struct SingleArgs {
     /// The settings by name
     #[command(flatten)]
     pub settings: Settings,
+
+    /// The network of --method psmnet
+    #[command(flatten)]
+    pub network: NetworkArgs,
 
     /// Which pixels count
     #[command(flatten)]

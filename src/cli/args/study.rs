@@ -5,6 +5,7 @@ use super::headings::OUTPUT;
 use super::input::{InputArgs, MaskArgs};
 use super::numbers::Whole;
 use super::settings::Settings;
+use super::weights::NetworkArgs;
 use std::path::PathBuf;
 
 /// The end of `--help`.
@@ -35,6 +36,10 @@ pub struct StudyArgs {
     /// The settings by name
     #[command(flatten)]
     pub settings: Settings,
+
+    /// The network of --method psmnet
+    #[command(flatten)]
+    pub network: NetworkArgs,
 
     /// Which pixels count
     #[command(flatten)]

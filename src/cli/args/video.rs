@@ -7,6 +7,7 @@ use super::headings::{DEVICE, OUTPUT};
 use super::input::{InputArgs, MaskArgs};
 use super::numbers::Whole;
 use super::settings::Settings;
+use super::weights::NetworkArgs;
 use gpu_stereo::files::encoders::Format;
 use std::path::PathBuf;
 
@@ -44,6 +45,10 @@ pub struct VideoArgs {
     /// The settings by name
     #[command(flatten)]
     pub settings: Settings,
+
+    /// The network of --method psmnet
+    #[command(flatten)]
+    pub network: NetworkArgs,
 
     /// Which pixels count
     #[command(flatten)]

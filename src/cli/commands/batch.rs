@@ -1,5 +1,6 @@
 //! `batch`: the maps of all pairs of a data set, or of a share of them.
 
+use super::network;
 use super::outcome::Outcome;
 use super::summary::Summary;
 use crate::args::{self, BatchArgs, DeviceArgs, InputArgs, Shard};
@@ -47,6 +48,7 @@ fn resolve(typed: BatchArgs) -> Result<Batch> {
         formats.push(output_files::default_format(&params, "NAME"));
     }
     params.confidence = formats.contains(&Format::Confidence);
+    network::give(&typed.network, [&mut params])?;
     let masks = MaskFiles::resolve(typed.masks.mask_in.as_deref())?;
     params.masks = images::reported(masks.read()?);
     adapter::ensure_consistent(&typed.device)?;

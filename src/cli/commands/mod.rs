@@ -4,11 +4,13 @@ pub mod adapters;
 pub mod batch;
 pub mod bench;
 pub mod eval;
+mod network;
 mod outcome;
 pub mod single;
 pub mod study;
 mod summary;
 mod variants;
 pub mod video;
+pub mod weights;
 
 pub use outcome::Outcome;

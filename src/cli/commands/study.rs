@@ -2,6 +2,7 @@
 
 mod sheet;
 
+use super::network;
 use super::outcome::Outcome;
 use super::variants::{self, MAX_MAPS, Variant, in_words};
 use crate::args::{self, CompareArgs, DeviceArgs, InputArgs, StudyArgs};
@@ -100,7 +101,8 @@ fn resolve_compare(typed: CompareArgs) -> Result<Study> {
 }
 
 /// What `sweep` and `compare` have in common.
-fn resolve(typed: &StudyArgs, variants: Vec<Variant>, common: String, order: Order, name: &str) -> Result<Study> {
+fn resolve(typed: &StudyArgs, mut variants: Vec<Variant>, common: String, order: Order, name: &str) -> Result<Study> {
+    network::give(&typed.network, variants.iter_mut().map(|variant| &mut variant.params))?;
     let given = variants.iter().map(|Variant { settings, params, .. }| {
         let names: Vec<_> = settings.iter().map(|(name, _)| name.as_str()).collect();
         (names, params)
@@ -118,7 +120,8 @@ fn resolve(typed: &StudyArgs, variants: Vec<Variant>, common: String, order: Ord
     });
     let tile_width = tile_width.transpose()?;
     let masks = MaskFiles::resolve(typed.masks.mask_in.as_deref())?;
-    let inputs: Vec<_> = [typed.left.as_path(), &typed.right].into_iter().chain(masks.paths()).collect();
+    let images = [typed.left.as_path(), &typed.right];
+    let inputs: Vec<_> = images.into_iter().chain(masks.paths()).chain(typed.network.weights.as_deref()).collect();
     let outputs = output_files::resolve_sheet(typed.output.as_deref().unwrap_or(name.as_ref()), &inputs)?;
     args::report_unused(&given);
     Ok(Study {
@@ -203,7 +206,8 @@ impl Study {
             if sheet.is_none() {
                 sheet = Some(self.blank(ready, &left, repeat, (first, last))?);
             }
-            let frames = ready.frames(&left, &right, params, false, repeat).with_context(context)?;
+            let show = |share| progress.share(label, share);
+            let frames = ready.frames(&left, &right, params, false, repeat, &show).with_context(context)?;
             let (map, times) = (frames.matched.map, frames.times);
             match evidence.finding(&params.searched()) {
                 Some(finding @ Finding::Range { .. }) => warn(&format!("{label}: {finding}")),

@@ -2,6 +2,7 @@
 
 mod film;
 
+use super::network;
 use super::outcome::Outcome;
 use super::summary::Summary;
 use crate::args::{self, DeviceArgs, InputArgs, VideoArgs};
@@ -81,6 +82,7 @@ fn resolve(typed: VideoArgs) -> Result<Video> {
     args::ensure_disparities(&given)?;
     let mut params = args::params(typed.settings.iter())?;
     params.confidence = typed.format.contains(&Format::Confidence);
+    network::give(&typed.network, [&mut params])?;
     let masks = MaskFiles::resolve(typed.masks.mask_in.as_deref())?;
     params.masks = images::reported(masks.read()?);
     adapter::ensure_consistent(&typed.device)?;

@@ -3,7 +3,7 @@
 use super::adapter::{self, Opened};
 use super::environment;
 use crate::args::{Backend, DeviceArgs};
-use crate::terminal::{message, plain, to_microseconds};
+use crate::terminal::{message, plain, to_microseconds, watched};
 use anyhow::{Result, bail};
 use gpu_stereo::{Error, Image, Matched, Method, Params, StageCheck, StageTime, StereoMatcher, memory, reference};
 use serde::{Deserialize, Serialize};
@@ -123,7 +123,8 @@ impl Engine {
         Ok(Self::Reference)
     }
 
-    /// `repeat` frames after a warm-up; `None`: the first frame is the only one.
+    /// `repeat` frames after a warm-up; `None`: the first frame is the only one. `show`: is told which share of a frame is
+    /// done, from 0 to 1, where a network takes long.
     pub fn frames(
         &self,
         left: &Image,
@@ -131,16 +132,18 @@ impl Engine {
         params: &Params,
         timed: bool,
         repeat: Option<u32>,
+        show: &(dyn Fn(f64) + Sync),
     ) -> Result<Computed, Error> {
+        let compute = || with_progress(left, params, show, || self.compute(left, right, params, timed));
         let before_first = Instant::now();
-        let (mut matched, stages) = self.compute(left, right, params, timed)?;
+        let (mut matched, stages) = compute()?;
         let first = Instant::now();
         let mut frames = vec![(milliseconds(before_first), stages)];
         if let Some(repeat) = repeat {
             frames.clear(); // the first frame was the warm-up
             for _ in 0..repeat {
                 let before = Instant::now();
-                let (frame, stages) = self.compute(left, right, params, timed)?;
+                let (frame, stages) = compute()?;
                 frames.push((milliseconds(before), stages));
                 matched = frame;
             }
@@ -223,6 +226,14 @@ impl Engine {
             Self::Reference => 0,
         }
     }
+}
+
+/// Does `work`, and tells `show` meanwhile how far a network is.
+fn with_progress<T>(image: &Image, params: &Params, show: &(dyn Fn(f64) + Sync), work: impl FnOnce() -> T) -> T {
+    let all = params.multiplications(image.width(), image.height());
+    let Some(network) = params.network.as_ref().filter(|_| all > 0) else { return work() };
+    let before = network.done();
+    watched(|| network.done().saturating_sub(before) as f64 / all as f64, show, work)
 }
 
 /// Refuses images for which the reference has too little memory, and images of another size than their masks.

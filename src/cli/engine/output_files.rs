@@ -64,6 +64,15 @@ pub fn resolve_sheet(path: &Path, inputs: &[&Path]) -> Result<Vec<Output<SheetFo
     places(vec![(path.into(), format)], inputs)
 }
 
+/// Where to write the weights of `file`, checked as [`resolve`] does.
+pub fn resolve_weights(path: &Path, file: &Path) -> Result<Output<()>> {
+    ensure!(
+        ending(path) == "safetensors",
+        "--convert is {path:?}, but weights are written as .safetensors; give a name that ends so"
+    );
+    places(vec![(path.into(), ())], &[file])?.pop().context("there is no output")
+}
+
 /// Where to write, each place checked.
 fn places<F>(wanted: Vec<(PathBuf, F)>, inputs: &[&Path]) -> Result<Vec<Output<F>>> {
     let places = places::places(wanted.iter().map(|(path, _)| path.as_path()), inputs)?;

@@ -6,6 +6,7 @@ mod pace;
 mod print;
 mod progress;
 mod scores;
+mod share;
 mod table;
 mod text;
 pub mod warnings;
@@ -15,6 +16,7 @@ pub use pace::Pace;
 pub use print::{message, print, print_json};
 pub use progress::Progress;
 pub use scores::{Evaluation, percent, pixels};
+pub use share::{Share, watched};
 pub use table::table;
 #[cfg(test)]
 pub use text::must_be_escaped;

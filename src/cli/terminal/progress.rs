@@ -25,6 +25,11 @@ impl Progress {
         self.bar.set_message(plain(label));
     }
 
+    /// So much of a piece is done, from 0 to 1.
+    pub fn share(&self, label: &str, share: f64) {
+        self.bar.set_message(format!("{} {:.0} %", plain(label), 100.0 * share));
+    }
+
     /// The piece is done, with `result`.
     pub fn done(&self, result: &str) {
         self.bar.inc(1);

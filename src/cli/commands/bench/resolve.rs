@@ -4,6 +4,7 @@ use super::report::{PICTURES, REPORT, RESULTS};
 use super::scene::settings;
 use super::submission::Submission;
 use crate::args::{self, BenchArgs, DeviceArgs, InputArgs};
+use crate::commands::network;
 use crate::commands::variants::{self, Variant, in_words};
 use crate::engine::disk;
 use crate::engine::{adapter, places};
@@ -13,6 +14,7 @@ use gpu_stereo::files::datasets::{DataSet, Scene};
 use gpu_stereo::files::encoders;
 use gpu_stereo::files::encoders::Format;
 use gpu_stereo::files::lists::absolute;
+use gpu_stereo::files::weights::fingerprint;
 use std::collections::BTreeSet;
 use std::path::{Path, PathBuf};
 
@@ -24,6 +26,8 @@ pub struct Bench {
     pub scenes: Vec<Scene>,
     /// What to compute for each.
     pub variants: Vec<Variant>,
+    /// The fingerprint of the network's weights.
+    pub weights: Option<String>,
     /// How the images are read.
     pub input: InputArgs,
     /// Where to compute.
@@ -44,7 +48,8 @@ pub struct Bench {
 
 /// Finds the scenes and checks what can be checked without computing.
 pub fn resolve(typed: BenchArgs) -> Result<Bench> {
-    let variants = resolve_variants(&typed)?;
+    let mut variants = resolve_variants(&typed)?;
+    network::give(&typed.network, variants.iter_mut().map(|variant| &mut variant.params))?;
     let given = variants.iter().map(|v| (v.settings.iter().map(|(name, _)| name.as_str()).collect(), &v.params));
     args::report_unused(&given.collect::<Vec<_>>());
     adapter::ensure_consistent(&typed.device)?;
@@ -65,6 +70,7 @@ pub fn resolve(typed: BenchArgs) -> Result<Bench> {
     let bench = Bench {
         layout: typed.layout,
         scenes,
+        weights: variants.iter().find_map(|variant| variant.params.network.as_ref()).map(fingerprint),
         variants,
         input: typed.input,
         device: typed.device,
@@ -185,6 +191,10 @@ impl Bench {
             several,
             &self.input,
         );
-        format!("{of_run:?} {number} {place} {:?} {:?} {scene:?} {files:?}", variant.settings, variant.params)
+        let weights = variant.params.network.as_ref().and(self.weights.as_ref());
+        format!(
+            "{of_run:?} {number} {place} {:?} {:?} {weights:?} {scene:?} {files:?}",
+            variant.settings, variant.params
+        )
     }
 }

@@ -161,7 +161,9 @@ impl<'a> Run<'a> {
         let engine = Engine::again(&mut self.engine, &self.bench.device, &loaded.left, &params)?;
         // On an adapter the first frame compiles.
         let repeat = self.bench.repeat.or_else(|| (engine.device_bytes() > 0).then_some(1));
-        let frames = match engine.frames(&loaded.left, &loaded.right, &params, false, repeat) {
+        let (progress, label) = (&self.progress, task.scene.label());
+        let show = |share| progress.share(&label, share);
+        let frames = match engine.frames(&loaded.left, &loaded.right, &params, false, repeat, &show) {
             Ok(frames) => frames,
             Err(error) => {
                 self.engine = None; // the device may be lost

@@ -58,13 +58,16 @@ impl Loaded {
     }
 }
 
-/// The settings of a variant for a scene of so many disparities.
+/// The settings of a variant for a scene of so many disparities; of a network the next larger multiple of 16.
 pub fn settings(variant: &Variant, disparities: u32) -> Result<(Vec<(String, String)>, Params)> {
     let mut settings = variant.settings.clone();
+    let network = &variant.params.network;
+    let disparities = if network.is_some() { disparities.next_multiple_of(16) } else { disparities };
     if !settings.iter().any(|(name, _)| name == "disp") {
         settings.push(("disp".into(), disparities.to_string()));
     }
-    let params = args::params(settings.iter().map(|(name, value)| (name.as_str(), value.as_str())))?;
+    let mut params = args::params(settings.iter().map(|(name, value)| (name.as_str(), value.as_str())))?;
+    params.network = network.clone();
     Ok((settings, params))
 }
 

@@ -2,6 +2,7 @@
 
 use super::shaders;
 use crate::args::{self, Backend, CameraArgs, DeviceArgs, InputArgs, SingleArgs};
+use crate::commands::network;
 use crate::engine::{adapter, output_files};
 use crate::terminal::message;
 use anyhow::{Result, bail, ensure};
@@ -63,6 +64,7 @@ pub fn resolve(typed: SingleArgs) -> Result<Job> {
     // For the energy, which is told beside the times; a network has none.
     params.labels = (typed.json || typed.timings) && params.method != Method::Psmnet;
     args::report_unused(&[(given, &params)]);
+    network::give(&typed.network, [&mut params])?;
     let needs_adapter = match (typed.check, &typed.dump_shaders) {
         (true, _) => Some("--check compares an adapter with the CPU reference"),
         (false, Some(_)) => Some("--dump-shaders writes the kernels that an adapter runs"),
@@ -107,6 +109,7 @@ pub fn resolve(typed: SingleArgs) -> Result<Job> {
         .flat_map(TruthFile::files)
         .chain(calibrations)
         .chain(masks.paths())
+        .chain(typed.network.weights.as_deref())
         .chain([left.as_path(), &right])
         .collect();
     let outputs = output_files::resolve(&typed.output, &pictures, &depths, &inputs, &params)?;

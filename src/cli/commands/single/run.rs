@@ -5,7 +5,7 @@ use super::resolve::Job;
 use super::shaders;
 use crate::engine::compute::{Computed, Engine};
 use crate::engine::{diagnosis, images, output_files};
-use crate::terminal::{Evaluation, message, warnings};
+use crate::terminal::{Evaluation, Share, message, warnings};
 use anyhow::Result;
 use gpu_stereo::evaluation::FloatMap;
 use gpu_stereo::files::calibration::Fitted;
@@ -33,7 +33,11 @@ pub fn run(job: &Job) -> Result<Report> {
     }
     // Stage times come from the frames that are reported, so that stages and transfers add up to the frame.
     let timed = job.timings || job.json;
-    let Computed { matched, first, times, stages } = engine.frames(&left, &right, params, timed, job.repeat)?;
+    let bar = Share::new(&format!("--method {}", params.get("method")), job.quiet || params.network.is_none());
+    let show = |share| bar.show(share);
+    let computed = engine.frames(&left, &right, params, timed, job.repeat, &show);
+    bar.finish();
+    let Computed { matched, first, times, stages } = computed?;
     let first_frame_ms = (first - start).as_secs_f64() * 1e3;
     if let Some(finding) = diagnosis::finding(&left, &right, params)? {
         warnings::warn(&finding.to_string());

@@ -8,6 +8,7 @@ use crate::engine::{disk, log};
 use anyhow::{Context as _, Result};
 use gpu_stereo::files::images::Bits;
 use gpu_stereo::files::lists::absolute;
+use gpu_stereo::files::weights::fingerprint;
 use gpu_stereo::files::{JsonPath, hash};
 use gpu_stereo::{Masks, Params};
 use serde_json::{Map, Value};
@@ -54,6 +55,9 @@ impl Record {
         }
         if let Some(masks) = &params.masks {
             made_with.insert("mask-in".into(), digest(masks).into());
+        }
+        if let Some(network) = &params.network {
+            made_with.insert("weights".into(), fingerprint(network).into());
         }
         // Defaults are not recorded.
         if input.swap {
