@@ -1,5 +1,8 @@
 //! What the memory that is left does not hold is refused in one line, before any work.
 
+use gpu_stereo::Architecture;
+use gpu_stereo::files::weights::encode;
+use gpu_stereo::network::Tensor;
 use std::process::{Command, Output};
 
 /// Runs the command where the address space is so many KiB.
@@ -26,4 +29,25 @@ fn the_reference_is_refused_before_it_allocates() {
     // The same range where there is room for a few disparities.
     let out = limited(600_000, &format!("{PAIR} --disp 16 --backend cpu --preset classic"));
     assert!(out.status.success(), "{}", String::from_utf8_lossy(&out.stderr));
+}
+
+#[test]
+fn a_network_is_refused_before_it_allocates() {
+    let zeros = |(name, shape): (String, Vec<usize>)| {
+        let values = vec![0.0; shape.iter().product()];
+        (name, Tensor::new(shape, values).unwrap())
+    };
+    let tensors = Architecture::Basic.tensors().into_iter().map(zeros).collect();
+    let weights = tempfile::NamedTempFile::new().unwrap();
+    std::fs::write(&weights, encode(&tensors).unwrap()).unwrap();
+    let network = format!("--method psmnet --weights {}", weights.path().display());
+    // A volume of 32 channels at 128 x 76 x 100 is 124 MB, and several are needed at once.
+    let out = limited(400_000, &format!("{PAIR} --disp 512 --backend cpu {network} -o never-written.pfm"));
+    let told = String::from_utf8_lossy(&out.stderr);
+    assert!(!out.status.success(), "{told}");
+    for part in
+        ["the network on the CPU of 400x300 pixels at 512 disparities needs", "ulimit -v) leaves", "--disp", "crop"]
+    {
+        assert!(told.contains(part), "{told:?} does not say {part:?}");
+    }
 }

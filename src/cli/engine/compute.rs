@@ -5,6 +5,7 @@ use super::environment;
 use crate::args::{Backend, DeviceArgs};
 use crate::terminal::{message, plain, to_microseconds, watched};
 use anyhow::{Result, bail};
+use gpu_stereo::network::{Operation, Padded};
 use gpu_stereo::{Error, Image, Matched, Method, Params, StageCheck, StageTime, StereoMatcher, memory, reference};
 use serde::{Deserialize, Serialize};
 use std::time::Instant;
@@ -182,6 +183,7 @@ impl Engine {
         let more = match params.method {
             Method::Sgm => params.paths.count().into(),
             Method::Bp => BELIEF_BYTES,
+            Method::Psmnet => 1, // doubles
             _ => 0,
         };
         ensure_memory("the reference that --check compares with", params, left, 7 + more)?;
@@ -239,25 +241,33 @@ fn with_progress<T>(image: &Image, params: &Params, show: &(dyn Fn(f64) + Sync),
 /// Refuses images for which the reference has too little memory, and images of another size than their masks.
 pub fn ensure_reference(params: &Params, image: &Image) -> Result<()> {
     params.accepts(image.width(), image.height())?;
-    // At the peak: column sums of four bytes, and with sgm the costs of one that are made of them; with bp messages.
-    let bytes = match params.method {
-        Method::Sgm => 5,
-        Method::Bp => BELIEF_BYTES,
-        _ => 4,
+    // At the peak: column sums of four bytes, and with sgm the costs of one that are made of them; with bp messages; with a
+    // network floats of four.
+    let (what, bytes) = match params.method {
+        Method::Sgm => ("the CPU reference", 5),
+        Method::Bp => ("the CPU reference", BELIEF_BYTES),
+        Method::Psmnet => ("the network on the CPU", 4),
+        _ => ("the CPU reference", 4),
     };
-    ensure_memory("the CPU reference", params, image, bytes)
+    ensure_memory(what, params, image, bytes)
 }
 
-/// Refuses what the host's memory cannot hold: cost volumes of `bytes` per pixel and disparity, and what the reference keeps
-/// per pixel. Otherwise the system would kill the process without a message, or a failed allocation would abort it.
+/// Refuses what the host's memory cannot hold: cost volumes of `bytes` per pixel and disparity, or of a network as many for each
+/// value that is needed at once, and what the reference keeps per pixel. Otherwise the system would kill the process without a message, or a failed allocation would abort it.
 fn ensure_memory(what: &str, params: &Params, image: &Image, bytes: u64) -> Result<()> {
     if !params.memory_check {
         return Ok(());
     }
     let (width, height) = (u64::from(image.width()), u64::from(image.height()));
     let columns = width + u64::from(params.block) - 1;
-    let volumes = bytes * columns * height * u64::from(params.disparities);
-    let needed = volumes + PIXEL_BYTES * width * height;
+    let values = match &params.network {
+        Some(network) => {
+            let padded = Padded::new(image.width(), image.height(), params.disparities);
+            Operation::peak(network.operations(), &padded)
+        }
+        None => columns * height * u64::from(params.disparities),
+    };
+    let needed = bytes * values + PIXEL_BYTES * width * height;
     let what = format!("{what} of {width}x{height} pixels at {} disparities", params.disparities);
     memory::ensure(&what, needed)?;
     Ok(())

@@ -56,6 +56,7 @@ pub fn network(
             receive(at, side, &values);
             *to = Some(values);
         }
+        network.add_done(row.multiplications(operations, &padded));
         made.push(sides);
         (0..at).filter(|&earlier| last[earlier] <= at).for_each(|earlier| made[earlier] = [None, None]);
     }

@@ -65,11 +65,7 @@ pub fn resolve(typed: SingleArgs) -> Result<Job> {
     params.labels = (typed.json || typed.timings) && params.method != Method::Psmnet;
     args::report_unused(&[(given, &params)]);
     network::give(&typed.network, [&mut params])?;
-    let needs_adapter = match (typed.check, &typed.dump_shaders) {
-        (true, _) => Some("--check compares an adapter with the CPU reference"),
-        (false, Some(_)) => Some("--dump-shaders writes the kernels that an adapter runs"),
-        (false, None) => None,
-    };
+    let needs_adapter = needs_adapter(&typed);
     if let Some(what) = needs_adapter.filter(|_| typed.device.backend == Backend::Cpu) {
         bail!("{what}, but --backend is cpu; use auto or gpu");
     }
@@ -136,6 +132,15 @@ pub fn resolve(typed: SingleArgs) -> Result<Job> {
         json: typed.json,
         quiet: typed.quiet,
     })
+}
+
+/// What of the run only an adapter can do.
+fn needs_adapter(typed: &SingleArgs) -> Option<&'static str> {
+    match (typed.check, &typed.dump_shaders) {
+        (true, _) => Some("--check compares an adapter with the CPU reference"),
+        (false, Some(_)) => Some("--dump-shaders writes the kernels that an adapter runs"),
+        (false, None) => None,
+    }
 }
 
 /// The cameras that the options name.
