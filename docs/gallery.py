@@ -1,17 +1,24 @@
 #!/usr/bin/env python3
-"""Makes GALLERY.md and its pictures, from a clean checkout, in about a minute after the build:
+"""Makes GALLERY.md and its pictures, from a clean checkout, in a few minutes after the build:
 
-    python3 docs/gallery.py [PROGRAM]
+    python3 docs/gallery.py [PROGRAM] [--only SECTION,..]
 
-PROGRAM is the built command; without it, cargo builds a release. Needs Python 3.8 alone. Of the pairs that lie beside
-the project in ../shared/data, where they do, the same sheets are written to target/gallery: their terms are not known.
+PROGRAM is the built command; without it, cargo builds a release. With --only the other sections of the page and their pictures
+stay as they are. Needs Python 3.8 alone. Of the pairs that lie beside the project in ../shared/data, where they do, the same
+sheets are written to target/gallery: their terms are not known. The derivatives are of the truths that lie there, too.
 """
 
+import argparse
 import json
 import os
 import pathlib
 import subprocess
 import sys
+
+sys.path.insert(0, str(pathlib.Path(__file__).resolve().parent / "images"))
+import derivatives
+import pixels
+import scene_of_failures
 
 ROOT = pathlib.Path(__file__).resolve().parents[1]
 PICTURES = ROOT / "docs" / "images" / "gallery"
@@ -109,14 +116,22 @@ SECTIONS = [
     ),
     (
         "methods",
-        "Block matching, semi-global matching, and WLS",
-        ["compare", *CLASSIC, "--disp", "{disp}", "--variants", "bm", "sgm", "sgm+wls-lambda=8000"],
+        "Block matching, semi-global matching, belief propagation, and WLS",
+        ["compare", *CLASSIC, "--disp", "{disp}", "--variants", "bm", "sgm", "bp", "sgm+wls-lambda=8000"],
         {
-            "motorcycle": "Semi-global matching leaves fewer holes than block matching, and thinner ones; WLS fills nearly all of them, "
+            "motorcycle": "Semi-global matching leaves fewer holes than block matching, and thinner ones. Belief propagation, which "
+            "weighs all neighbours of a pixel at once, leaves hardly fewer and takes many times as long: the cost is the same, and holes "
+            "are mostly what one camera alone sees. WLS fills nearly all of them, "
             "smoothly, up to the edges of the image. It is for the eye: at OpenCV's usual strength, 8000, the even ground falls into "
             "plateaus, and thin objects pale.",
-            "corridor": "The rims of sphere and ball are frayed with block matching and sharp with semi-global matching; WLS "
+            "corridor": "The rims of sphere and ball are frayed with block matching and sharp with the two others; WLS "
             "fills the hidden strips beside them, right or wrong.",
+            "report": "Of the two pairs of the report, corridor and triclops, the same sheets lie in target/gallery. The ceiling and the "
+            "walls of its corridor have no texture: block matching leaves holes and wrong patches there, semi-global matching has "
+            "streaks along its paths, belief propagation plateaus with steps as short as can be, and only WLS, which follows the edges "
+            "of the image, looks like a corridor. In triclops the paved way is empty with block matching, frayed with semi-global "
+            "matching and closed with belief propagation, but for a false patch at the right border. (The times in these four sheets "
+            "were taken while the machine had other work, about twice those of an idle one.)",
         },
     ),
 ]
@@ -151,26 +166,95 @@ def wrapped(text, width=120):
     return lines
 
 
-def main():
-    if len(sys.argv) > 1:
-        program = str(pathlib.Path(sys.argv[1]).resolve())
-    else:
-        subprocess.run(["cargo", "build", "--release", "--locked"], cwd=ROOT, check=True)
-        target = pathlib.Path(os.environ.get("CARGO_TARGET_DIR", "target"))
-        program = str(ROOT / target / "release" / "gpu-stereo")
-    PICTURES.mkdir(parents=True, exist_ok=True)
-    for old in PICTURES.glob("*.jpg"):
-        old.unlink()
-    page = ["# Gallery", ""]
-    page += wrapped(
-        "What the settings do, on the pairs of [data](../data/README.md): motorcycle, a photograph, and corridor, "
-        "rendered. Colours go from the smallest disparity searched, blue, to the largest, red; black is no disparity. "
-        "Made, with this page, by `python3 docs/gallery.py`."
+# What fails: the scene, the crop (x, y, width, height), the title, and what to see.
+FAILURES = [
+    ("textureless", "made", (20, 16, 104, 76), "Without texture", (
+        "On the gray plate every disparity costs the same, but for noise. Block matching follows the noise. Along the paths of "
+        "semi-global matching the wall's disparity goes on into the plate. Belief propagation draws the plate from its right side on, "
+        "as far as the shortest outline goes, and WLS takes a mean of plate and wall, which is neither."
+    )),
+    ("repetitive", "made", (132, 16, 104, 76), "Repetitive texture", (
+        "The stripes come again every 8 px, so they match at the wall's 6 px as well as at their own 30. The smoothness prefers the "
+        "wall: semi-global matching and belief propagation see stripes painted on it, and of the plate only its right end, where the "
+        "pattern stops; block matching takes now one period, now another."
+    )),
+    ("occluded", "motorcycle", (92, 206, 104, 76), "Occluded", (
+        "The floor to the left of the rear wheel is hidden from the right camera by the wheel. It has no match there, and whatever "
+        "resembles it wins: patches of any disparity, in smaller pieces or larger ones by the method. The left-right check removes them."
+    )),
+    ("specular", "motorcycle", (576, 250, 104, 76), "Specular", (
+        "The reflection of a lamp on the front fender lies at another place of the metal for each camera. It matches well, at a disparity of "
+        "its own: a dent in every map. The tests remove it from that of block matching, and a part of it from those of semi-global "
+        "matching and belief propagation. WLS smooths it away."
+    )),
+]
+COLUMNS = [("bm", ["--method", "bm"]), ("sgm", []), ("bp", ["--method", "bp"]), ("wls", ["--wls-lambda", "8000"])]
+UNTESTED = "--uniqueness off --lr-check off --speckle-window off --median off".split()
+
+
+def failures(program):
+    """The section of failures: of each a strip of crops, of the left image, the truth and what the methods make of it."""
+    work = ROOT / "target" / "gallery"
+    work.mkdir(parents=True, exist_ok=True)
+    scene_of_failures.write(work)
+    scenes = {"made": (work, 48), "motorcycle": (ROOT / "data" / "motorcycle", 64)}
+    strips = {}
+    for scene, (folder, disp) in scenes.items():
+        pair = [str(folder / f"{side}.png") for side in ("left", "right")]
+        truth = pixels.coloured(pixels.read_pfm(folder / "disp_left.pfm"), disp - 1)
+        strips[scene] = [pixels.read_png(pair[0]), truth]
+        for name, options in COLUMNS:
+            color = work / f"failures-{scene}-{name}.png"
+            line = [program, *pair, *CLASSIC, *UNTESTED, "--disp", str(disp), *options, "--color", str(color), "--quiet"]
+            subprocess.run(line, check=True)
+            strips[scene].append(pixels.read_png(color))
+    strips = {scene: [grayed(picture) for picture in pictures] for scene, pictures in strips.items()}
+    page = wrapped(
+        "What a pair does not show, no method can see; it can only guess. From the left: the left image, the truth (black: unknown), "
+        "block matching, semi-global matching, belief propagation, and semi-global matching with WLS; all as `classic`, without the "
+        "tests and the median, which would remove most of what is wrong here. The first two crops are of a scene that "
+        "images/scene_of_failures.py makes, the others of motorcycle."
     )
     page.append("")
-    for section in SECTIONS:
+    for name, scene, crop, title, see in FAILURES:
+        picture = PICTURES / f"failures-{name}.png"
+        pixels.write_png(picture, pixels.beside([pixels.crop(rows, *crop, 2) for rows in strips[scene]]))
+        page += [*wrapped(f"**{title}.** {see}"), "", f"![{title}]({picture.relative_to(ROOT / 'docs').as_posix()})", ""]
+    return page
+
+
+def grayed(picture):
+    """Three samples a pixel."""
+    return [[pixel if len(pixel) == 3 else pixel[:1] * 3 for pixel in row] for row in picture]
+
+
+def prior(_):
+    """The section of the derivatives of true maps."""
+    found = derivatives.measured()
+    slope, truncation = derivatives.chart(found, PICTURES / "derivatives.svg")
+    page = wrapped(
+        "How much the true disparities of two neighbours in a row differ, to the nearest pixel, in per cent of all neighbours that both "
+        "have a truth. (KITTI's truth has hardly any neighbours across an outline, so it is not here.)"
+    )
+    page += ["", *derivatives.table(found), ""]
+    page += wrapped(
+        "Nearly all neighbours have the same disparity, to the pixel. Of the other steps those of one pixel are the most frequent, but "
+        "beyond a few pixels the shares fall slowly, and a step of 30 px is several times rarer than one of 10, not thousands of times: "
+        "there the surface ends, and the next one may lie anywhere behind it. If "
+        "disparities are a Markov random field, the smoothness of a step is the negative logarithm of its share, up to a factor. "
+        f"Drawn below, it rises and then stays: the line that comes nearest to it is truncated at {truncation:.1f} px, while one without "
+        "truncation makes outlines by far too dear and small steps too cheap. So the smoothness of `--method bp` is truncated, "
+        "at 5 px (`--smoothness-weight 8`, `--smoothness-truncation 40`), and P2 of semi-global matching is a constant."
+    )
+    return [*page, "", "![The distribution of derivatives](images/gallery/derivatives.svg)", ""]
+
+
+def studies(section):
+    """What makes the section of a study of our pairs."""
+
+    def make(program):
         name, title, _, see = section
-        page += [f"## {title}", ""]
+        page = []
         for pair, files in OWN.items():
             picture = PICTURES / f"{name}-{pair}.jpg"
             line, found = study(program, files, section, picture, ["--tile-width", "192"])
@@ -178,6 +262,48 @@ def main():
                 page += cost_table(found)
             link = f"![{title}: {pair}]({picture.relative_to(ROOT / 'docs').as_posix()})"
             page += [f"    {line}", "", *wrapped(see[pair]), "", link, ""]
+        return page + ([*wrapped(see["report"]), ""] if "report" in see else [])
+
+    return make
+
+
+# Name, title, and what makes the text and the pictures.
+PAGE = [(section[0], section[1], studies(section)) for section in SECTIONS]
+PAGE += [("failures", "What fails", failures), ("prior", "Why the smoothness is truncated", prior)]
+
+
+def kept():
+    """The sections that the page has, by their titles."""
+    path = ROOT / "docs" / "GALLERY.md"
+    sections = path.read_text(encoding="utf-8").split("\n## ")[1:] if path.exists() else []
+    return {title: text.strip("\n").split("\n") + [""] for title, _, text in (part.partition("\n") for part in sections)}
+
+
+def main():
+    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser.add_argument("program", nargs="?")
+    parser.add_argument("--only", help="sections, with commas between them: " + ", ".join(name for name, *_ in PAGE))
+    given = parser.parse_args()
+    if given.program:
+        program = str(pathlib.Path(given.program).resolve())
+    else:
+        subprocess.run(["cargo", "build", "--release", "--locked"], cwd=ROOT, check=True)
+        target = pathlib.Path(os.environ.get("CARGO_TARGET_DIR", "target"))
+        program = str(ROOT / target / "release" / "gpu-stereo")
+    names = given.only.split(",") if given.only else [name for name, *_ in PAGE]
+    PICTURES.mkdir(parents=True, exist_ok=True)
+    before = kept()
+    page = ["# Gallery", ""]
+    page += wrapped(
+        "What the settings do, on the pairs of [data](../data/README.md): motorcycle, a photograph, and corridor, "
+        "rendered. Colours go from the smallest disparity searched, blue, to the largest, red; black is no disparity. "
+        "Made, with this page, by `python3 docs/gallery.py`."
+    )
+    page.append("")
+    for name, title, make in PAGE:
+        if name not in names and title not in before:
+            raise SystemExit(f"{name} is not among --only, and not on the page yet")
+        page += [f"## {title}", "", *(make(program) if name in names else before[title])]
     (ROOT / "docs" / "GALLERY.md").write_text("\n".join(page), encoding="utf-8")
     size = sum(picture.stat().st_size for picture in PICTURES.iterdir())
     print(f"docs/GALLERY.md, and {size / 1e6:.2f} MB of pictures in {PICTURES.relative_to(ROOT)}")
@@ -188,7 +314,7 @@ def main():
             print(f"{files[0]} is not there; no sheets of {pair}")
             continue
         beside.mkdir(parents=True, exist_ok=True)
-        for section in SECTIONS:
+        for section in (section for section in SECTIONS if section[0] in names):
             study(program, files, section, beside / f"{section[0]}-{pair}.png", [])
         print(f"sheets of {pair} in {beside.relative_to(ROOT)}")
 
