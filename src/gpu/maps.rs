@@ -1,7 +1,7 @@
 //! From the bytes of the device's buffers to maps.
 
 use crate::gpu::layout::{Frame, Sizes};
-use crate::{ConfidenceMap, DepthMap, DisparityMap, Labels, Matched, Params};
+use crate::{ConfidenceMap, DepthMap, DisparityMap, Labels, Matched, Params, Unrounded};
 
 /// The bytes of the maps of a frame, in the order in which they lie in the buffer that is read back.
 #[derive(Clone, Debug)]
@@ -15,6 +15,8 @@ pub(crate) struct MapBytes {
     pub(crate) confidence: Option<u64>,
     /// Bytes of the labels, if there are any: of a map, and of what pairs of values cost, if the cost is looked up.
     pub(crate) labels: Option<[u64; 2]>,
+    /// Bytes of the disparities of a network, if they are asked for, and columns a row of them.
+    pub(crate) unrounded: Option<[u64; 2]>,
     /// Bytes of the depth, if there is one.
     pub(crate) depth: Option<u64>,
 }
@@ -25,13 +27,16 @@ impl MapBytes {
         let depth = params.depth.is_some().then_some(sizes.regions);
         let table = if params.has_table() { 256 * 256 } else { 0 };
         let labels = params.labels.then_some([sizes.map, table]);
-        Self { frame: sizes.frame, map: sizes.map, right: params.right_map, confidence, labels, depth }
+        let unrounded = sizes.layers.as_ref().filter(|_| params.unrounded);
+        let unrounded = unrounded.map(|layers| [layers.disparities, layers.padded.width as u64]);
+        Self { frame: sizes.frame, map: sizes.map, right: params.right_map, confidence, labels, unrounded, depth }
     }
 
     pub(crate) fn bytes(&self) -> u64 {
         let right = if self.right { self.map } else { 0 };
         let labels: u64 = self.labels.iter().flatten().sum();
-        self.map + right + self.confidence.unwrap_or(0) + labels + self.depth.unwrap_or(0)
+        let unrounded = self.unrounded.map_or(0, |[bytes, _]| bytes);
+        self.map + right + self.confidence.unwrap_or(0) + labels + unrounded + self.depth.unwrap_or(0)
     }
 
     pub(crate) fn matched(&self, bytes: &[u8]) -> Matched {
@@ -41,13 +46,15 @@ impl MapBytes {
         let (confidence, rest) = rest.split_at(self.confidence.unwrap_or(0) as usize);
         let [labels, table] = self.labels.unwrap_or_default().map(|bytes| bytes as usize);
         let (labels, rest) = rest.split_at(labels);
-        let (table, depth) = rest.split_at(table);
+        let (table, rest) = rest.split_at(table);
+        let [unrounded_bytes, columns] = self.unrounded.unwrap_or_default().map(|number| number as usize);
+        let (unrounded, depth) = rest.split_at(unrounded_bytes);
         Matched {
             map: map_of(&self.frame, left),
             right: self.right.then(|| map_of(&self.frame, right)),
             confidence: self.confidence.map(|_| confidence_of(&self.frame, confidence)),
             labels: self.labels.map(|_| labels_of(&self.frame, labels, table)),
-            unrounded: None,
+            unrounded: self.unrounded.map(|_| unrounded_of(&self.frame, columns, unrounded)),
             depth: self.depth.map(|_| depth_of(&self.frame, depth)),
         }
     }
@@ -57,6 +64,15 @@ impl MapBytes {
 pub(crate) fn labels_of(frame: &Frame, bytes: &[u8], table: &[u8]) -> Labels {
     let DisparityMap { width, height, data } = map_of(frame, bytes);
     Labels { width, height, data: data.into_iter().map(|label| label as u16).collect(), table: table.to_vec() }
+}
+
+/// The disparities of a network from the bytes of their buffer: what lies on the image, the last rows and the first columns.
+pub(crate) fn unrounded_of(frame: &Frame, columns: usize, bytes: &[u8]) -> Unrounded {
+    let Frame { width, height, .. } = *frame;
+    let rows = bytes.chunks_exact(4 * columns);
+    let skipped = rows.len() - height as usize;
+    let row = |row: &[u8]| bytemuck::pod_collect_to_vec::<u8, f32>(&row[..4 * width as usize]);
+    Unrounded { width, height, data: rows.skip(skipped).flat_map(row).collect() }
 }
 
 /// A disparity map from the bytes of its buffer.

@@ -18,6 +18,17 @@ pub(crate) const MOST_SIDE: u32 = 60_000;
 /// Groups of eight columns that are joined across a border of two bands at a time, so that no path to a root is long ([`rounds`]).
 pub(crate) const SEGMENT_GROUPS: u32 = 128;
 
+/// The side of the largest squares that a network averages.
+const LARGEST_SQUARE: u32 = 64;
+
+/// Blocks of four channels that a convolution reads at most: of an image, and of a volume.
+const MOST_BLOCKS: u32 = 80;
+const VOLUME_BLOCKS: u32 = 16;
+
+/// Rounds of the loops over what an invocation of a convolution holds of a line, where checks keep them from being unrolled: as
+/// measured, and rounded up.
+const LINE_ROUNDS: u32 = 64;
+
 /// A loop of `count` rounds that take `inner` rounds of other loops each; the last one only finds that it is over.
 fn repeated(count: u32, inner: u32) -> u32 {
     count * (1 + inner) + 1
@@ -124,6 +135,18 @@ pub(crate) fn rounds(kernel: &str, params: &Params, [width, height]: [u32; 2], p
         // The columns that eight right pixels lead to lie within all disparities, and each is marked in words of 32.
         "fill_seen" => repeated(8, 0) + 9 * repeated(params.disparities.min(width) / 32 + 3, 0),
         "wls_forward" | "wls_backward" => repeated(width.max(height), 0),
+        _ => return network_rounds(kernel, params),
+    })
+}
+
+/// The same of the kernels of a network.
+fn network_rounds(kernel: &str, params: &Params) -> Option<u32> {
+    let line = if params.shader_checks { LINE_ROUNDS } else { 0 };
+    Some(match kernel {
+        "average_pool" => repeated(LARGEST_SQUARE, repeated(LARGEST_SQUARE, 0)),
+        "disparity_regression" => repeated(2, repeated(params.disparities, 0)),
+        name if name.starts_with("conv2d") => repeated(MOST_BLOCKS, repeated(1, repeated(3, line))),
+        name if name.starts_with("conv3d") => repeated(VOLUME_BLOCKS, repeated(3, repeated(3, line))),
         _ => return None,
     })
 }

@@ -12,6 +12,8 @@ mod network;
 mod tensor;
 #[cfg(test)]
 mod tests;
+#[cfg(test)]
+pub(crate) mod tiny;
 
 pub use architecture::{Architecture, Problem};
 pub use graph::{Extent, Kind, Operation, Padded, Parameters};

@@ -81,6 +81,16 @@ impl Network {
         Ok(Self(Arc::new(Inner { architecture, operations, convolutions }), Arc::default()))
     }
 
+    /// One of any operations.
+    #[cfg(test)]
+    pub(super) fn of(
+        architecture: Architecture,
+        operations: Vec<Operation>,
+        convolutions: BTreeMap<String, Convolution>,
+    ) -> Self {
+        Self(Arc::new(Inner { architecture, operations, convolutions }), Arc::default())
+    }
+
     /// Which of the two networks it is.
     pub fn architecture(&self) -> Architecture {
         self.0.architecture

@@ -16,6 +16,8 @@ pub(crate) struct Ends {
     pub(crate) confidence: Option<wgpu::Buffer>,
     /// The labels, if they are wanted.
     pub(crate) labels: Option<LabelEnds>,
+    /// The disparities of the network, if they are wanted.
+    pub(crate) unrounded: Option<wgpu::Buffer>,
     /// The depth of the map, if it is wanted.
     pub(crate) depth: Option<wgpu::Buffer>,
 }

@@ -53,6 +53,8 @@ impl Comparison<'_> {
             Written::Paths { directions, band, volume_row, .. } => self.paths(directions, *band, *volume_row),
             Written::CoarseCost { level, band } => self.coarse_cost(*level, *band),
             Written::Messages { level, band, .. } => self.messages(*level, *band),
+            Written::Layer { operation, at, .. } => self.layer(*operation, *at),
+            Written::Rounded => self.rounded(),
             Written::Views { .. } => self.views(),
             Written::Mirrored => {
                 let matched = reference::mirror(&self.expected.views().left);
@@ -75,7 +77,7 @@ impl Comparison<'_> {
     }
 
     /// Compares the map of the step.
-    fn map(&mut self, expected: &DisparityMap) {
+    pub(super) fn map(&mut self, expected: &DisparityMap) {
         compare_maps(self.stage, expected, &map_of(&self.level.sizes.frame, &self.bytes));
     }
 

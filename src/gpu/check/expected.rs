@@ -2,9 +2,13 @@
 
 use crate::params::Filter;
 use crate::reference::{
-    self, BlockStatistics, Channel, Content, Descriptors, Direction, Images, Messages, Plane, Round, Views, Volume,
+    self, BlockStatistics, Channel, Content, Descriptors, Direction, Images, Messages, Plane, Round, Values, Views,
+    Volume,
 };
-use crate::{DisparityMap, Image, Method, Params};
+use crate::{ConfidenceMap, DisparityMap, Image, Method, Params};
+
+/// What the device made of the pair so far, by operation of a network and side; what is read no more is dropped.
+pub(super) type Made = Vec<[Option<Values>; 2]>;
 
 /// The reference's buffers, each computed when a step asks for it.
 pub(super) struct Expected {
@@ -36,6 +40,11 @@ pub(super) struct Expected {
     pub(super) coarse: Vec<Volume<u16>>,
     pub(super) messages: Vec<Messages>,
     pub(super) views: Option<Views>,
+    /// The pair, which a network reads.
+    pub(super) pair: [Image; 2],
+    /// What the device made of it by a network, and the disparities.
+    pub(super) made: Made,
+    pub(super) disparities: Option<Plane<f32>>,
     /// The map of the last stage that left one.
     pub(super) checked: Option<DisparityMap>,
 }
@@ -72,6 +81,9 @@ impl Expected {
             coarse: Vec::new(),
             messages: Vec::new(),
             views: None,
+            pair: [left, right].map(Image::clone),
+            made: Vec::new(),
+            disparities: None,
             checked: None,
         }
     }
@@ -83,6 +95,10 @@ impl Expected {
             return;
         }
         let Round { halvings, params } = self.rounds[level].clone();
+        if params.method == Method::Psmnet {
+            self.params = params;
+            return;
+        }
         let [left, right] = &self.pyramid[halvings as usize];
         if params.has_table() {
             let halved = before.map_or(0, |before| self.rounds[before].halvings - halvings);
@@ -136,6 +152,16 @@ impl Expected {
         let map = self.checked.take()?;
         let right = self.right_view();
         reference::filtered(filter, &map, &right, &self.luma[0], params)
+    }
+
+    /// Goes on with the map of a network; a right view is there only by a second match.
+    pub(super) fn set_network_views(&mut self, left: DisparityMap) {
+        let DisparityMap { width, height, .. } = left;
+        let none = vec![0; left.data.len()];
+        let right = left.clone();
+        let margins = ConfidenceMap { width, height, data: vec![0; left.data.len()] };
+        self.checked = Some(left.clone());
+        self.views = Some(Views { left, right, margins, labels: none });
     }
 
     pub(super) fn views(&mut self) -> &Views {

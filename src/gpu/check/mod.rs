@@ -2,6 +2,7 @@
 
 mod compare;
 mod expected;
+mod network;
 mod report;
 mod run;
 

@@ -11,9 +11,9 @@ pub struct Mismatch {
     pub y: u32,
     /// Index of the disparity, for stages that have one value for each.
     pub d: Option<u32>,
-    /// The value of the reference.
+    /// The value of the reference; of the stages of a network in millionths.
     pub expected: i64,
-    /// The value on the device.
+    /// The value on the device, in the same unit.
     pub got: i64,
 }
 
@@ -32,6 +32,19 @@ pub struct StageCheck {
 }
 
 impl StageCheck {
+    /// Compares one element of a stage that computes with floats.
+    pub(super) fn compare_close(&mut self, [x, y, d]: [usize; 3], expected: f64, got: f64, tolerance: f64) {
+        self.elements += 1;
+        if (expected - got).abs() <= tolerance {
+            return;
+        }
+        // Not a number is far from all.
+        self.mismatches += 1;
+        let millionths = |value: f64| (1e6 * value).round() as i64;
+        let (expected, got) = (millionths(expected), millionths(got));
+        self.first.get_or_insert(Mismatch { x: x as u32, y: y as u32, d: Some(d as u32), expected, got });
+    }
+
     /// Compares one element.
     pub(super) fn compare(&mut self, x: usize, y: usize, d: Option<usize>, expected: i64, got: i64) {
         self.elements += 1;

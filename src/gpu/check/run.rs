@@ -61,6 +61,7 @@ impl<'a> Checked<'a> {
             Written::Part => false,
             Written::Messages { rounds, .. } => *rounds == 0,
             Written::Descriptors { first, .. } => *first == 0,
+            Written::Layer { joined, .. } => !joined,
             _ => true,
         };
         first && step.part.first

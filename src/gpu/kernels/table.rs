@@ -11,7 +11,7 @@ pub(crate) enum Access {
     Write,
     /// A texture of this format, read as a storage texture.
     Texels(wgpu::TextureFormat),
-    /// The cost, read as the plan has it: from a texture or from its buffer.
+    /// The cost, or values of the network, read as the plan has it: from a texture or from a buffer.
     Costs,
     /// What pairs of values cost: there only for [`crate::Cost::MutualInformation`].
     Table,
@@ -49,7 +49,16 @@ pub(crate) enum Choice {
     BlockCosts,
     /// Whether the trees of the speckle filter are in one binding.
     Trees,
+    /// Where values of the network are read.
+    Values,
+    /// Where its weights are read, and the values that are added.
+    Weights,
+    /// Who loads the weights of a line of taps.
+    Taps,
 }
+
+/// Neighbours of a subgroup that share the weights of a line of taps.
+const TAP_LANES: u32 = 8;
 
 /// Texels of 4 bytes.
 const WORD: Access = Texels(wgpu::TextureFormat::R32Uint);
@@ -76,6 +85,8 @@ macro_rules! wgsl {
     ($($file:literal),+) => { &[$(include_str!(concat!("../../../shaders/", $file, ".wgsl"))),+] };
 }
 
+const TRANSPOSED: &[Choice] = &[Choice::Values, Choice::Weights];
+const LAYER: &[Choice] = &[Choice::Values, Choice::Weights, Choice::Taps];
 const PATHS: &[Choice] = &[Choice::SharedPath, Choice::Volumes, Choice::Cost, Choice::Penalty];
 
 #[rustfmt::skip]
@@ -111,6 +122,20 @@ pub(crate) const KERNELS: &[Kernel] = &[
     Kernel { name: "block_match", stage: "block_match", lanes: 32, sources: wgsl!("winner/block_match", "cost/parts/column_sums", "winner/parts/costs", "winner/parts/winner_row", "winner/parts/refinement", "shared/common"), choices: &[Choice::SharedPath, Choice::Sums, Choice::BlockCosts], storage: &[Read, Write, Write, Read] },
     Kernel { name: "block_match_small", stage: "block_match", lanes: 8, sources: wgsl!("winner/block_match_small", "winner/parts/refinement", "shared/common"), choices: &[], storage: &[WORD, WORD, Write, Write] },
     Kernel { name: "winner_beliefs", stage: "winner", lanes: STRIP_LANES, sources: wgsl!("winner/winner_beliefs", "beliefs/parts/received", "winner/parts/winner_row", "winner/parts/refinement", "winner/parts/costs", "shared/common"), choices: &[Choice::SharedPath, Choice::Volumes, Choice::Cost], storage: &[Costs, Read, Read, Read, Write, Write] },
+    Kernel { name: "network_input", stage: "network_input", lanes: 64, sources: wgsl!("network/network_input", "images/parts/samples", "shared/bytes", "shared/common"), choices: &[], storage: &[QUAD, Write] },
+    Kernel { name: "conv2d", stage: "conv2d", lanes: 32, sources: wgsl!("network/conv2d", "network/parts/convolution", "network/parts/layer", "network/parts/line_own", "shared/common"), choices: LAYER, storage: &[Costs, Costs, Costs, Write] },
+    Kernel { name: "conv2d_half", stage: "conv2d", lanes: 32, sources: wgsl!("network/conv2d_half", "network/parts/convolution", "network/parts/layer", "network/parts/line_own", "shared/common"), choices: LAYER, storage: &[Costs, Costs, Costs, Write] },
+    Kernel { name: "conv2d_dilated", stage: "conv2d", lanes: 32, sources: wgsl!("network/conv2d_dilated", "network/parts/convolution", "network/parts/layer", "network/parts/line_own", "shared/common"), choices: LAYER, storage: &[Costs, Costs, Costs, Write] },
+    Kernel { name: "conv2d_point", stage: "conv2d", lanes: 32, sources: wgsl!("network/conv2d_point", "network/parts/convolution", "network/parts/layer", "network/parts/line_own", "shared/common"), choices: LAYER, storage: &[Costs, Costs, Costs, Write] },
+    Kernel { name: "conv2d_point_half", stage: "conv2d", lanes: 32, sources: wgsl!("network/conv2d_point_half", "network/parts/convolution", "network/parts/layer", "network/parts/line_own", "shared/common"), choices: LAYER, storage: &[Costs, Costs, Costs, Write] },
+    Kernel { name: "average_pool", stage: "average_pool", lanes: 32, sources: wgsl!("network/average_pool", "network/parts/image_layer", "shared/common"), choices: &[Choice::Values], storage: &[Costs, Write] },
+    Kernel { name: "upsample", stage: "upsample", lanes: 32, sources: wgsl!("network/upsample", "network/parts/between", "network/parts/image_layer", "shared/common"), choices: &[Choice::Values], storage: &[Costs, Write] },
+    Kernel { name: "conv3d_volume", stage: "conv3d", lanes: 32, sources: wgsl!("network/conv3d_volume", "network/parts/convolution", "network/parts/layer", "shared/common"), choices: LAYER, storage: &[Costs, Costs, Costs, Write] },
+    Kernel { name: "conv3d", stage: "conv3d", lanes: 32, sources: wgsl!("network/conv3d", "network/parts/convolution", "network/parts/layer", "network/parts/line_own", "shared/common"), choices: LAYER, storage: &[Costs, Costs, Costs, Write] },
+    Kernel { name: "conv3d_half", stage: "conv3d", lanes: 32, sources: wgsl!("network/conv3d_half", "network/parts/convolution", "network/parts/layer", "network/parts/line_own", "shared/common"), choices: LAYER, storage: &[Costs, Costs, Costs, Write] },
+    Kernel { name: "conv3d_transposed", stage: "conv3d_transposed", lanes: 32, sources: wgsl!("network/conv3d_transposed", "network/parts/layer", "network/parts/line_own", "shared/common"), choices: TRANSPOSED, storage: &[Costs, Costs, Costs, Write] },
+    Kernel { name: "disparity_regression", stage: "disparity_regression", lanes: 32, sources: wgsl!("network/disparity_regression", "network/parts/between", "network/parts/image_layer", "shared/common"), choices: &[Choice::Values], storage: &[Costs, Write] },
+    Kernel { name: "round_disparities", stage: "round_disparities", lanes: 32, sources: wgsl!("network/round_disparities", "shared/common"), choices: &[], storage: &[Read, Write] },
     Kernel { name: "texture_columns", stage: "texture", lanes: 32, sources: wgsl!("filters/texture_columns", "shared/common"), choices: &[], storage: &[QUAD, Write] },
     Kernel { name: "texture", stage: "texture", lanes: 64, sources: wgsl!("filters/texture", "shared/common"), choices: &[], storage: &[Read, Read, Write] },
     Kernel { name: "mirror", stage: "mirror", lanes: 32, sources: wgsl!("winner/mirror", "shared/common"), choices: &[], storage: &[Read, Write] },
@@ -208,6 +233,15 @@ impl Kernel {
                 Choice::Sums => wgsl!("cost/parts/sums16"),
                 Choice::BlockCosts if params.correlates() => wgsl!("winner/parts/block_costs_ncc"),
                 Choice::BlockCosts => wgsl!("winner/parts/block_costs_sum"),
+                Choice::Values if plan.per_subgroup => wgsl!("network/parts/values_buffer"),
+                Choice::Values => wgsl!("network/parts/values_texels"),
+                Choice::Weights if plan.per_subgroup => wgsl!("network/parts/weights_buffer"),
+                Choice::Weights => wgsl!("network/parts/weights_texels"),
+                // A GPU loads what all need once.
+                Choice::Taps if !plan.per_subgroup && plan.subgroup >= TAP_LANES => {
+                    wgsl!("network/parts/taps_subgroup")
+                }
+                Choice::Taps => wgsl!("network/parts/taps_alone"),
                 Choice::Trees if plan.part_bits.is_some() => wgsl!("filters/speckle/parts/speckle_parts"),
                 Choice::Trees => wgsl!("filters/speckle/parts/speckle_trees"),
             };

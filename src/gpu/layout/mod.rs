@@ -1,6 +1,7 @@
 //! How buffers are laid out.
 
 mod bands;
+mod layers;
 mod request;
 mod rows;
 mod scales;
@@ -8,6 +9,7 @@ mod sizes;
 mod uniforms;
 
 pub(crate) use bands::{PAIR_BUFFERS, Piece};
+pub(crate) use layers::{Layers, Place, packed};
 pub(crate) use request::{ROW_UNIT, source_layout};
 #[cfg(test)]
 pub(crate) use rows::cut_to;
@@ -17,6 +19,6 @@ pub(crate) use sizes::Sizes;
 #[cfg(test)]
 pub(crate) use uniforms::Own;
 pub(crate) use uniforms::{
-    BeliefOwn, CoarseOwn, Dispatch, FillOwn, Frame, GrayOwn, HistogramOwn, NO_OWN, PathOwn, PlaneOwn, SmoothOwn,
-    StartOwn, TEXELS, TEXTURE_ROW, ValidityOwn, WindowOwn,
+    BeliefOwn, CoarseOwn, Dispatch, FillOwn, Frame, GrayOwn, HistogramOwn, ImageOwn, LayerOwn, NO_OWN, PathOwn,
+    PlaneOwn, RoundOwn, SmoothOwn, StartOwn, TEXELS, TEXTURE_ROW, ValidityOwn, WindowOwn,
 };

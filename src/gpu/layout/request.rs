@@ -101,7 +101,8 @@ impl Request<'_> {
         }
         let walks: &[&str] = match self.params.method {
             Method::Sgm => &["sgm_aggregate", "winner"],
-            Method::Bm | Method::Psmnet => &["block_match"],
+            Method::Bm => &["block_match"],
+            Method::Psmnet => &[],
             Method::Bp => &["winner_beliefs"],
         };
         let all_taken = |side: &u32| walks.iter().all(|kernel| self.takes(kernel, *side));

@@ -1,12 +1,13 @@
 //! The sizes and strides of every buffer, computed before anything is created.
 
 use crate::gpu::layout::bands::{Division, Former, Piece};
+use crate::gpu::layout::layers::Layers;
 use crate::gpu::layout::request::{Request, SMALLER, Strides, source_layout};
 use crate::gpu::layout::rows::Rows;
 use crate::gpu::layout::scales::{Scale, scales};
 use crate::gpu::layout::uniforms::{Frame, TEXTURE_ROW};
 use crate::gpu::plan::{MOST_PARTS, Plan};
-use crate::{Error, Fill, Params, PixelFormat, reference};
+use crate::{Error, Fill, Method, Params, PixelFormat, reference};
 
 /// The sizes of everything. A volume is cut into bands of rows, each in a buffer of its own, none larger than one
 /// storage binding may be; planes are made for a piece of a band at a time, and column sums for a chunk of that. A map
@@ -45,6 +46,8 @@ pub(crate) struct Sizes {
     pub(crate) bands: Vec<Rows>,
     /// The levels of belief propagation, the finest first.
     pub(crate) scales: Vec<Scale>,
+    /// Where the values of the network lie, if there is one.
+    pub(crate) layers: Option<Layers>,
     /// The most bytes that column sums, or the statistics of blocks, take here or in a smaller image.
     pub(crate) columns_room: u64,
     /// Whether `matching_cost_small` or `block_match_small` is used, from planes in textures and without column sums.
@@ -120,6 +123,7 @@ impl Sizes {
             volume_row: division.volume_row,
             columns_row: division.columns_row,
             statistics_row: division.statistics_row,
+            layers: layers(&request)?,
             scales: scales(params, width, height, strides.volume, &division.bands),
             bands: division.bands,
             columns_room: division.columns_room,
@@ -129,6 +133,11 @@ impl Sizes {
             part_bits,
         })
     }
+}
+
+fn layers(request: &Request<'_>) -> Result<Option<Layers>, Error> {
+    let network = request.params.network.as_ref().filter(|_| request.params.method == Method::Psmnet);
+    network.map(|network| Layers::new(request, network)).transpose()
 }
 
 /// Bytes of an image with `row` bytes a row that is copied into a texture: whole rows of that.

@@ -61,7 +61,7 @@ pub(crate) struct Dispatch {
 /// The WGSL block `Own` of any kernel, which ends `Dispatch`: what only this kernel reads.
 #[repr(C)]
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, bytemuck::Pod, bytemuck::Zeroable)]
-pub(crate) struct Own([u32; 8]);
+pub(crate) struct Own([u32; 16]);
 
 /// What stands for [`Own`] in the text of a kernel that declares none.
 pub(crate) const NO_OWN: &str = "alias Own = u32; ";
@@ -132,6 +132,37 @@ own! {
         odd: u32,
         share: u32
     }
+    /// Of the convolutions of the network.
+    LayerOwn {
+        columns: u32,
+        rows: u32,
+        planes: u32,
+        in_columns: u32,
+        in_rows: u32,
+        in_planes: u32,
+        blocks: u32,
+        in_stride: u32,
+        out_stride: u32,
+        at: u32,
+        added_at: u32,
+        weights: u32,
+        first_block: u32,
+        out_blocks: u32,
+        flags: u32
+    }
+    /// Of `average_pool`, `upsample` and `disparity_regression`.
+    ImageOwn {
+        columns: u32,
+        rows: u32,
+        in_columns: u32,
+        in_rows: u32,
+        in_stride: u32,
+        in_at: u32,
+        out_stride: u32,
+        rule: u32
+    }
+    /// Of `round_disparities`.
+    RoundOwn { columns: u32, padding: u32 }
     /// Of `validity`.
     ValidityOwn { side: u32 }
     /// Of `fill_between` and `fill_rays`.

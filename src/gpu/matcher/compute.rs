@@ -77,7 +77,7 @@ impl StereoMatcher {
             let mut encoder = self.device.create_command_encoder(&wgpu::CommandEncoderDescriptor::default());
             record(&mut encoder);
             let buffer = self.readback_buffer();
-            let Ends { output, right, confidence, labels, depth, .. } = &self.ends;
+            let Ends { output, right, confidence, labels, unrounded, depth, .. } = &self.ends;
             let [label_bytes, table_bytes] = maps.labels.unwrap_or_default();
             let before_labels = self.sizes.right_map - self.sizes.map;
             let mut at = 0;
@@ -87,6 +87,7 @@ impl StereoMatcher {
                 (confidence.as_ref(), 0, maps.confidence.unwrap_or(0)),
                 (labels.as_ref().map(|labels| &labels.right_map), before_labels, label_bytes),
                 (labels.as_ref().and_then(|labels| labels.table.as_ref()), 0, table_bytes),
+                (unrounded.as_ref(), 0, maps.unrounded.map_or(0, |[bytes, _]| bytes)),
                 (depth.as_ref(), 0, maps.depth.unwrap_or(0)),
             ] {
                 if let Some(from) = from {

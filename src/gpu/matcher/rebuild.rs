@@ -54,7 +54,7 @@ impl StereoMatcher {
         let missing = self.spares(|spare| spare.iter().filter(|buffer| buffer.size() < bytes).count());
         let missing = missing.max(usize::from(self.spares(|spare| spare.is_empty())));
         let ((ends, steps, pool, spare), verdict) = scopes::watched(device, || {
-            let pool = if fresh { self.pool.kernels() } else { self.pool.clone() };
+            let pool = if fresh { self.pool.lasting() } else { self.pool.clone() };
             let pool = before.iter().fold(pool, |pool, levels| build(device, queue, format, levels, pool).2);
             let (ends, steps, pool) = build(device, queue, format, &levels, pool);
             ends.blank(queue, sizes);

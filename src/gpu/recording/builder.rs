@@ -9,8 +9,10 @@ use crate::gpu::plan::Plan;
 use crate::gpu::recording::level::Level;
 use crate::gpu::recording::planned::{DISPATCH_STRIDE, Planned, Resource};
 use crate::gpu::recording::pool::{Pool, Shared, Sized, SizedTexture, take};
-use crate::gpu::recording::step::{Part, Step};
+use crate::gpu::recording::step::{CopyTo, Part, Step};
+use crate::gpu::recording::weights::{Unwritten, Weights};
 use crate::gpu::recording::written::Written;
+use crate::network::Network;
 use crate::{Params, PixelFormat};
 
 /// Compiled kernels that are kept though no step needs them: settings that change to and fro find theirs again.
@@ -50,6 +52,7 @@ pub(crate) struct Builder<'a> {
     /// Buffers and textures are made as small as can be, and nothing is compiled: only the sizes are wanted.
     only_planned: bool,
     tables: Vec<(wgpu::Buffer, Vec<u32>)>,
+    unwritten: Vec<Unwritten>,
     /// The kernels so far, and what they were compiled for.
     kernels: Vec<(usize, PixelFormat, Plan, Params, Compiled)>,
 }
@@ -75,6 +78,7 @@ impl<'a> Builder<'a> {
             planned: Vec::new(),
             only_planned: false,
             tables: Vec::new(),
+            unwritten: Vec::new(),
             kernels: Vec::new(),
         }
     }
@@ -163,6 +167,22 @@ impl<'a> Builder<'a> {
         buffer
     }
 
+    /// The weights of a network, as the plan wants them.
+    pub(crate) fn weights(&mut self, network: &Network) -> Weights {
+        let per_subgroup = self.plan.per_subgroup;
+        let known = self.used.weights.clone().or(self.free.weights.clone());
+        if let Some(weights) = known.filter(|weights| weights.are_of(network, per_subgroup)) {
+            self.used.weights = Some(weights.clone());
+            return weights;
+        }
+        let (weights, texels) = Weights::new(self.device, network, per_subgroup, self.only_planned);
+        self.used.weights = Some(weights.clone());
+        if !self.only_planned {
+            self.unwritten.push((weights.clone(), texels));
+        }
+        weights
+    }
+
     /// Volumes with a byte a disparity, a buffer a band, which holds `slots` of them one after the other.
     pub(crate) fn volumes(&mut self, name: &str, slots: u32) -> Vec<wgpu::Buffer> {
         let sizes = self.sizes;
@@ -224,9 +244,16 @@ impl<'a> Builder<'a> {
     /// Copies what the last step left into `size` texels and rows of a texture.
     pub(crate) fn copy_into(&mut self, texture: &wgpu::Texture, size: [u32; 2]) -> wgpu::TextureView {
         if let Some(step) = self.planned.last_mut() {
-            step.copy_to = Some((texture.clone(), size));
+            step.copy_to = Some(CopyTo::Texture(texture.clone(), size));
         }
         texture.create_view(&wgpu::TextureViewDescriptor::default())
+    }
+
+    /// Copies the first bytes of what the last step left into a buffer, from `offset` on.
+    pub(crate) fn copy_to_buffer(&mut self, buffer: &wgpu::Buffer, offset: u64, bytes: u64) {
+        if let Some(step) = self.planned.last_mut() {
+            step.copy_to = Some(CopyTo::Buffer(buffer.clone(), offset, bytes));
+        }
     }
 
     /// Copies what the last step left into a texture of 16 bytes a texel, [`TEXELS`] a row: lavapipe reads 16 bytes of an
@@ -371,6 +398,9 @@ impl<'a> Builder<'a> {
     pub(crate) fn finish(mut self, queue: &wgpu::Queue) -> (Vec<Step>, Pool) {
         for (buffer, contents) in &self.tables {
             queue.write_buffer(buffer, 0, bytemuck::cast_slice(contents));
+        }
+        for (weights, texels) in &self.unwritten {
+            weights.write(queue, texels);
         }
         let mut blocks = vec![0u8; self.planned.len() * DISPATCH_STRIDE as usize];
         for (block, step) in blocks.chunks_exact_mut(DISPATCH_STRIDE as usize).zip(&self.planned) {

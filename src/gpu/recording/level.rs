@@ -4,7 +4,7 @@ use crate::gpu::kernels;
 use crate::gpu::layout::Sizes;
 use crate::gpu::plan::Plan;
 use crate::reference::{self, Round};
-use crate::{Error, Method, Params, PixelFormat};
+use crate::{Error, Params, PixelFormat};
 
 /// A round through the chain: its settings, and what follows from them.
 #[derive(Clone, Debug)]
@@ -25,9 +25,6 @@ pub(crate) fn levels(
     largest: &[Level],
 ) -> Result<Vec<Level>, Error> {
     params.validate()?;
-    if params.method == Method::Psmnet {
-        return Err(Error::Misuse("the device does not compute method psmnet yet; take sgm or bm".into()));
-    }
     let limits = device.limits();
     kernels::check_limits(&limits)?;
     if width == 0 || height == 0 {

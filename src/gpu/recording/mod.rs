@@ -5,10 +5,12 @@ mod level;
 mod planned;
 mod pool;
 mod step;
+mod weights;
 mod written;
 
 pub(crate) use builder::{Bound, Builder};
 pub(crate) use level::{Level, levels, rooms};
 pub(crate) use pool::Pool;
 pub(crate) use step::{Step, record_steps};
+pub(crate) use weights::{Held, Weights};
 pub(crate) use written::Written;

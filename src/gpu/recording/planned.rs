@@ -4,7 +4,7 @@ use std::num::NonZeroU64;
 
 use crate::gpu::kernels::{Compiled, KERNELS};
 use crate::gpu::layout::Dispatch;
-use crate::gpu::recording::step::{Part, Step};
+use crate::gpu::recording::step::{CopyTo, Part, Step};
 use crate::gpu::recording::written::Written;
 
 /// Distance of the blocks in the uniform buffer of [`Dispatch`]es: the largest alignment that WebGPU allows a device to ask.
@@ -25,7 +25,7 @@ pub(super) struct Planned {
     pub(super) clears: bool,
     pub(super) mirrored: bool,
     pub(super) part: Part,
-    pub(super) copy_to: Option<(wgpu::Texture, [u32; 2])>,
+    pub(super) copy_to: Option<CopyTo>,
 }
 
 /// What a kernel is bound to.

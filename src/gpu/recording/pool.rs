@@ -4,6 +4,7 @@ use std::collections::HashMap;
 use std::sync::Arc;
 
 use crate::gpu::kernels::Compiled;
+use crate::gpu::recording::weights::Weights;
 
 /// Bytes of a row of `width` texels.
 pub(crate) fn row_bytes(format: wgpu::TextureFormat, width: u32) -> u32 {
@@ -25,6 +26,8 @@ pub(crate) struct Pool {
     pub(super) buffers: HashMap<(String, wgpu::BufferUsages), Vec<Sized<wgpu::Buffer, u64>>>,
     pub(super) textures: HashMap<(String, wgpu::TextureFormat), Vec<SizedTexture>>,
     pub(super) compiled: HashMap<(usize, Arc<str>), Compiled>,
+    /// Those of the network that was used last.
+    pub(super) weights: Option<Weights>,
 }
 
 impl Pool {
@@ -36,12 +39,12 @@ impl Pool {
                 .iter()
                 .map(|Sized { size: [width, height], .. }| u64::from(row_bytes(*format, *width)) * u64::from(*height))
         });
-        buffers.chain(textures).sum()
+        buffers.chain(textures).sum::<u64>() + self.weights.as_ref().map_or(0, |weights| weights.bytes)
     }
 
-    /// The kernels alone.
-    pub(crate) fn kernels(&self) -> Self {
-        Self { compiled: self.compiled.clone(), ..Self::default() }
+    /// What is never written again: the kernels and the weights.
+    pub(crate) fn lasting(&self) -> Self {
+        Self { compiled: self.compiled.clone(), weights: self.weights.clone(), ..Self::default() }
     }
 
     /// Takes over all that another pool holds.
@@ -52,6 +55,7 @@ impl Pool {
         for (key, textures) in left.textures {
             self.textures.entry(key).or_default().extend(textures);
         }
+        self.weights = self.weights.take().or(left.weights);
     }
 }
 

@@ -37,8 +37,17 @@ pub(crate) struct Step {
     pub(crate) mirrored: bool,
     /// Whether it is the first, and the last, of the steps that leave the written together, some rows each.
     pub(crate) part: Part,
-    /// The texture that `buffer` is copied into when it is complete, and how many texels and rows of them.
-    pub(crate) copy_to: Option<(wgpu::Texture, [u32; 2])>,
+    /// What `buffer` is copied into when it is complete.
+    pub(crate) copy_to: Option<CopyTo>,
+}
+
+/// What a buffer is copied into.
+#[derive(Clone, Debug)]
+pub(crate) enum CopyTo {
+    /// A texture, so many texels and rows of them.
+    Texture(wgpu::Texture, [u32; 2]),
+    /// A buffer: from which byte on, and how many bytes.
+    Buffer(wgpu::Buffer, u64, u64),
 }
 
 impl Step {
@@ -53,7 +62,10 @@ impl Step {
 
     /// Records the copy of what the step left, if there is one.
     pub(crate) fn record_copy(&self, encoder: &mut wgpu::CommandEncoder) {
-        if let Some((texture, [width, height])) = &self.copy_to {
+        if let Some(CopyTo::Buffer(buffer, offset, bytes)) = &self.copy_to {
+            encoder.copy_buffer_to_buffer(&self.buffer, 0, buffer, *offset, *bytes);
+        }
+        if let Some(CopyTo::Texture(texture, [width, height])) = &self.copy_to {
             let bytes_per_row = Some(row_bytes(texture.format(), *width));
             let layout = wgpu::TexelCopyBufferLayout { offset: 0, bytes_per_row, rows_per_image: None };
             let source = wgpu::TexelCopyBufferInfo { buffer: &self.buffer, layout };

@@ -80,6 +80,16 @@ pub(crate) enum Written {
         rounds: usize,
         last: bool,
     },
+    /// The output of an operation of a network, of both sides where it has two; the last one's are the disparities.
+    Layer {
+        operation: usize,
+        /// Its first texel in the buffer.
+        at: u32,
+        /// Whether others lie in the same buffer.
+        joined: bool,
+    },
+    /// The map of the disparities of a network.
+    Rounded,
     /// Both views; the right one, the margins and the labels are in `right`.
     Views {
         right: wgpu::Buffer,

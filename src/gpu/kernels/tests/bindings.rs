@@ -7,8 +7,8 @@ use wgpu::naga;
 use super::specialisations::{PLAN, parse, specialisations_of};
 use crate::gpu::kernels::{Access, KERNELS, source};
 use crate::gpu::layout::{
-    BeliefOwn, CoarseOwn, Dispatch, FillOwn, Frame, GrayOwn, HistogramOwn, Own, PathOwn, PlaneOwn, SmoothOwn, StartOwn,
-    ValidityOwn, WindowOwn,
+    BeliefOwn, CoarseOwn, Dispatch, FillOwn, Frame, GrayOwn, HistogramOwn, ImageOwn, LayerOwn, Own, PathOwn, PlaneOwn,
+    RoundOwn, SmoothOwn, StartOwn, ValidityOwn, WindowOwn,
 };
 use crate::{Params, PixelFormat};
 
@@ -118,6 +118,28 @@ fn own_layout(kernel: &str) -> Option<StructLayout> {
         "messages" | "messages_coarse" | "winner_beliefs" => {
             layout!(BeliefOwn { width, height, stride, first, rows, above, odd, share })
         }
+        "average_pool" | "upsample" | "disparity_regression" => {
+            layout!(ImageOwn { columns, rows, in_columns, in_rows, in_stride, in_at, out_stride, rule })
+        }
+        "round_disparities" => layout!(RoundOwn { columns, padding }),
+        "network_input" => layout!(GrayOwn { channel, reversed }),
+        name if name.starts_with("conv") => layout!(LayerOwn {
+            columns,
+            rows,
+            planes,
+            in_columns,
+            in_rows,
+            in_planes,
+            blocks,
+            in_stride,
+            out_stride,
+            at,
+            added_at,
+            weights,
+            first_block,
+            out_blocks,
+            flags
+        }),
         "validity" => layout!(ValidityOwn { side }),
         "fill_between" | "fill_rays" => layout!(FillOwn { occlusions }),
         _ => return None,

@@ -6,10 +6,14 @@ use std::path::{Path, PathBuf};
 use super::specialisations::specialisations;
 use crate::gpu::interop::SHADERS;
 use crate::gpu::kernels::KERNELS;
+use crate::gpu::kernels::table::Kernel;
 
 fn folder(path: &str) -> PathBuf {
     Path::new(env!("CARGO_MANIFEST_DIR")).join(path)
 }
+
+/// Where the stages of a network are defined.
+const NETWORK: &str = "src/reference/network/";
 
 /// A file of the project.
 struct SourceFile {
@@ -64,11 +68,14 @@ fn the_table_and_the_folders_name_the_same_kernels() {
         assert_eq!(kernel.sources.iter().filter(|source| source.contains("@compute")).count(), 1, "{}", kernel.name);
     }
 
-    // A stage's reference stands in the folder of that room: src/reference/winner/lr_check.rs.
+    // A stage's reference stands in the folder of that room: src/reference/winner/lr_check.rs; those of a network in files together.
     let references = files("src/reference", "rs");
-    let in_rooms = references.iter().filter(|file| file.path.matches('/').count() == 3 && file.name != "mod");
+    let in_rooms = references
+        .iter()
+        .filter(|file| file.path.matches('/').count() == 3 && file.name != "mod" && !file.path.starts_with(NETWORK));
     let references: BTreeSet<&str> = in_rooms.map(|file| file.name.as_str()).collect();
-    let stages: BTreeSet<&str> = KERNELS.iter().map(|kernel| kernel.stage).collect();
+    let of_costs = |kernel: &&Kernel| !kernel.sources[0].contains(NETWORK);
+    let stages: BTreeSet<&str> = KERNELS.iter().filter(of_costs).map(|kernel| kernel.stage).collect();
     assert_eq!(references, stages, "src/reference (left) and the table (right) name different stages");
 }
 
@@ -84,7 +91,11 @@ fn every_shader_starts_with_its_header() {
             assert!(header[0].starts_with(&format!("// {file}: ")), "{shader}: its first line names it");
             let last = header[header.len() - 1];
             assert!(last.starts_with("// Reference: "), "{shader}: the header ends with {last:?}");
-            let own = &references.iter().find(|file| file.name == kernel.stage).unwrap().path;
+            let of_stage = |file: &&SourceFile| match file.path.starts_with(NETWORK) {
+                true => file.text.contains("/// Stage") && file.text.contains(&format!("`{}`", kernel.stage)),
+                false => file.name == kernel.stage,
+            };
+            let own = &references.iter().find(of_stage).unwrap().path;
             assert!(named.is_some_and(|n| n.split(", ").any(|n| n == own)), "{shader} does not name {own}");
         }
         for path in named.into_iter().flat_map(|named| named.split(", ")) {

@@ -1,7 +1,7 @@
 //! Settings that show what a changed kernel breaks.
 
 use super::support;
-use crate::{Cost, Fill, Median, Params, Paths, Prefilter, RightView, Schedule, Smoothness, Subpixel, Wls};
+use crate::{Cost, Fill, Median, Method, Params, Paths, Prefilter, RightView, Schedule, Smoothness, Subpixel, Wls};
 
 /// An adapter, its device and its queue.
 pub(crate) type Setup = (wgpu::Adapter, wgpu::Device, wgpu::Queue);
@@ -14,6 +14,19 @@ pub(crate) fn bm(params: &mut Params) {
 pub(crate) fn bp(params: &mut Params) {
     let Params { min_disparity, disparities, schedule, .. } = *params;
     *params = Params { min_disparity, schedule, bp_levels: 3, bp_iterations: 5, ..Params::bp(disparities) };
+}
+
+/// A network of every kind of operation, and no filter.
+pub(crate) fn network(params: &mut Params) {
+    let plain = Params::sgm(32).without_filters();
+    let network = Some(crate::network::tiny::tiny(3));
+    *params = Params { method: Method::Psmnet, right_view: RightView::Match, network, ..plain };
+}
+
+/// The same, where interpolation lays the outer corners of pixels on each other.
+pub(crate) fn network_pixels(params: &mut Params) {
+    network(params);
+    params.align_corners = false;
 }
 
 /// The same, where the gray image has edges.

@@ -96,6 +96,10 @@ pub(crate) fn specialisations_of(kernel: &Kernel) -> impl Iterator<Item = (Param
         "coarse_cost" | "coarse_cost_sums" | "messages_start" | "messages" | "messages_coarse" | "winner_beliefs" => {
             params.method == Method::Bp
         }
+        "network_input" => params.disparities == 16,
+        _ if kernel.sources[0].contains("// Reference: src/reference/network/") => {
+            params.method == Method::Sgm && [16, 64].contains(&params.disparities)
+        }
         _ => true,
     })
 }
