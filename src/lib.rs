@@ -67,7 +67,8 @@
 //! # Features
 //!
 //! - `files`: the module `gpu_stereo::files`, which reads and writes images, maps, calibrations, lists and truths.
-//! - `cli` (default): the command `gpu-stereo`; brings `files` along.
+//! - `native`: the module `gpu_stereo::native`, which computes [`Method::Psmnet`] on the CPU.
+//! - `cli` (default): the command `gpu-stereo`; brings `files` and `native` along.
 //!
 //! The library alone: `default-features = false`.
 //!
@@ -95,6 +96,9 @@ pub mod files;
 mod gpu;
 mod image;
 pub mod memory;
+#[cfg(feature = "native")]
+#[cfg_attr(docsrs, doc(cfg(feature = "native")))]
+pub mod native;
 pub mod network;
 mod params;
 pub mod reference;

@@ -35,6 +35,13 @@ pub struct Convolution {
     pub bias: Vec<f32>,
 }
 
+impl Convolution {
+    /// Weights and as many biases as they have outputs.
+    pub fn new(weights: Tensor, bias: Vec<f32>) -> Self {
+        Self { weights, bias }
+    }
+}
+
 impl PartialEq for Network {
     fn eq(&self, other: &Self) -> bool {
         Arc::ptr_eq(&self.0, &other.0) || self.0 == other.0
@@ -152,7 +159,7 @@ fn folded(kind: Kind, parameters: &Parameters, tensors: &BTreeMap<&str, &Tensor>
             bias[output] = (f64::from(shift[output]) - factor * f64::from(mean[output])) as f32;
         }
     }
-    Ok(Convolution { weights: Tensor::new(shape, data)?, bias })
+    Ok(Convolution::new(Tensor::new(shape, data)?, bias))
 }
 
 /// From `[input][output][tap]` to `[output][input][tap]`.

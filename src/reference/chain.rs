@@ -64,6 +64,17 @@ pub fn compute_traced(
     Ok(follow(left, right, params, Some(receive), &mut inference)?.0)
 }
 
+/// As [`compute_timed`], with another way to run a network.
+#[cfg(feature = "native")]
+pub(crate) fn compute_by(
+    left: &Image,
+    right: &Image,
+    params: &Params,
+    infer: Inference<'_>,
+) -> Result<(Matched, Vec<StageTime>), Error> {
+    follow(left, right, params, None, infer)
+}
+
 /// The network of the settings, from the definition.
 fn inference(
     left: &Image,

@@ -6,7 +6,9 @@ use crate::args::{Backend, DeviceArgs};
 use crate::terminal::{message, plain, to_microseconds, watched};
 use anyhow::{Result, bail};
 use gpu_stereo::network::{Operation, Padded};
-use gpu_stereo::{Error, Image, Matched, Method, Params, StageCheck, StageTime, StereoMatcher, memory, reference};
+use gpu_stereo::{
+    Error, Image, Matched, Method, Params, StageCheck, StageTime, StereoMatcher, memory, native, reference,
+};
 use serde::{Deserialize, Serialize};
 use std::time::Instant;
 
@@ -87,7 +89,8 @@ impl Engine {
         if let Some(what) = needed_for {
             bail!("{what}, but there is no usable adapter{why}; install a Vulkan driver");
         }
-        message(&format!("note: no usable GPU or CPU adapter{why}; computing with the CPU reference"));
+        let by = if params.method == Method::Psmnet { "on the CPU" } else { "with the CPU reference" };
+        message(&format!("note: no usable GPU or CPU adapter{why}; computing {by}"));
         Self::reference(image, params)
     }
 
@@ -172,8 +175,8 @@ impl Engine {
                 opened.fault()?;
                 frame
             }
-            Self::Reference if timed => reference::compute_timed(left, right, params),
-            Self::Reference => reference::compute_all(left, right, params).map(|matched| (matched, Vec::new())),
+            Self::Reference if timed => without_adapter(left, right, params),
+            Self::Reference => without_adapter(left, right, params).map(|(matched, _)| (matched, Vec::new())),
         }
     }
 
@@ -236,6 +239,14 @@ fn with_progress<T>(image: &Image, params: &Params, show: &(dyn Fn(f64) + Sync),
     let Some(network) = params.network.as_ref().filter(|_| all > 0) else { return work() };
     let before = network.done();
     watched(|| network.done().saturating_sub(before) as f64 / all as f64, show, work)
+}
+
+/// What the CPU computes without an adapter: a network by matrix products, all else by the reference.
+pub fn without_adapter(left: &Image, right: &Image, params: &Params) -> Result<(Matched, Vec<StageTime>), Error> {
+    match params.method {
+        Method::Psmnet => native::compute_timed(left, right, params),
+        _ => reference::compute_timed(left, right, params),
+    }
 }
 
 /// Refuses images for which the reference has too little memory, and images of another size than their masks.

@@ -4,7 +4,7 @@ use super::work::{MatchedPair, PairKind, Setup};
 use crate::engine::adapter::Opened;
 use crate::engine::compute::{self, Engine, EngineNames, OnAdapter};
 use anyhow::{Result, anyhow};
-use gpu_stereo::{Error, Image, Matched, Params, PixelFormat, StereoMatcher, StereoStream, reference};
+use gpu_stereo::{Error, Image, Matched, Params, PixelFormat, StereoMatcher, StereoStream};
 use std::collections::VecDeque;
 
 /// The engine of the pipeline, and the pairs in flight.
@@ -23,7 +23,7 @@ pub struct Flow {
 enum FlowEngine {
     Streams(Box<Streams>),
     /// With the result of the last pair.
-    Reference(Box<Params>, Option<Matched>),
+    Reference(Box<Params>, Option<Box<Matched>>),
 }
 
 /// A stream for each pixel format, so that kernels are compiled once. The last one is in use.
@@ -148,7 +148,7 @@ impl Flow {
                 pushed?.ok_or_else(|| anyhow!("the stream is full before its time"))?;
             }
             FlowEngine::Reference(params, result) => {
-                *result = Some(reference::compute_all(&left, right, params)?);
+                *result = Some(Box::new(compute::without_adapter(&left, right, params)?.0));
             }
         }
         self.waiting.push_back((place, left));
@@ -163,7 +163,7 @@ impl Flow {
                 on.opened.fault()?;
                 frame.map(|frame| frame.result).transpose()?
             }
-            FlowEngine::Reference(_, result) => result.take(),
+            FlowEngine::Reference(_, result) => result.take().map(|matched| *matched),
         };
         let ended = || Error::Lost("the stream gave no result".into());
         let Some((place, left)) = self.waiting.pop_front() else { return Ok(None) };
