@@ -143,7 +143,7 @@ def calibrated(basic, pair, count):
     disparities(PSMNet(weights, calibrate=True), *pair, count)
     scores = {}
     disparities(PSMNet(weights, receive=lambda name, side, made: scores.update({name: made})), *pair, count)
-    factor = 2 / scores["classify.2" if basic else "classif3.2"].std()
+    factor = 0.5 / scores["classify.2" if basic else "classif3.2"].std()
     for name in weights:
         if name.startswith("classif") and name.endswith(".2.weight"):
             weights[name] = weights[name] * factor
