@@ -58,7 +58,6 @@ pub fn network(
         }
         network.add_done(row.multiplications(operations, &padded));
         made.push(sides);
-        network.add_done(row.multiplications(operations, &padded));
         (0..at).filter(|&earlier| last[earlier] <= at).for_each(|earlier| made[earlier] = [None, None]);
     }
     let disparities = made.pop().and_then(|[left, _]| left).unwrap_or_else(|| Values::new([1, 1, 0, 0]));
