@@ -251,8 +251,8 @@ def accuracy(given):
             scene = DATA / "kitti2015" / frame
             for name, options in settings.items():
                 own = backend if name == "psmnet" else []
-                made = f"{folder}/map.npy"
-                for run in ([command, scene / "left.png", scene / "right.png", *options, *own, "-o", made, "--overwrite"],
+                made = f"{folder}/{frame} {name}.npy"
+                for run in ([command, scene / "left.png", scene / "right.png", *options, *own, "-o", made],
                             [command, "eval", made, scene / "disp_noc.png", "--gt-scale", "256", "--json"]):
                     done = subprocess.run(run, capture_output=True, text=True)
                     if done.returncode != 0:
