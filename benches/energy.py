@@ -1,7 +1,7 @@
 #!/usr/bin/env python3
 """Energies of the methods beside that of alpha-expansion, on the same Markov random field in integers.
 
-    python3 benches/energy.py [--binary PROGRAM] [--field PROGRAM] [--only SCENE]
+    python3 benches/energy.py [--binary PROGRAM] [--field PROGRAM] [--only SCENE] [--prior WEIGHT,TRUNCATION]
 
 - Field: that of --method bp with the command's usual settings, without edges; examples/random_field writes the data terms
   and the labels of each method. The energy of the labels is added up here once more and must be what `--json` of the command
@@ -45,7 +45,6 @@ METHODS = {
     "bm 1x1": ["method=bm", *SAME_COST, "block=1"],
     "bm 9x9": ["method=bm", *SAME_COST, "block=9"],
 }
-WEIGHT, TRUNCATION = 8, 40  # the command's
 MOST = 1.02
 
 
@@ -72,10 +71,10 @@ def built(*what):
     return pathlib.Path(os.environ.get("CARGO_TARGET_DIR", ROOT / "target")) / "release"
 
 
-def smoothness(numpy, labels):
+def smoothness(numpy, labels, weight, truncation):
     """What neighbours pay, in a row and in a column."""
     steps = [numpy.abs(numpy.diff(labels.astype(numpy.int64), axis=axis)) for axis in (0, 1)]
-    return int(sum(numpy.minimum(WEIGHT * step, TRUNCATION).sum() for step in steps))
+    return int(sum(numpy.minimum(weight * step, truncation).sum() for step in steps))
 
 
 def data(numpy, cost, labels):
@@ -103,30 +102,31 @@ def told(program, pair, disparities, settings):
     return energy["data"], energy["smoothness"]
 
 
-def expansion(numpy, cost):
+def expansion(numpy, cost, weight, truncation):
     """The energy of alpha-expansion, and its time in seconds."""
     from maxflow import fastmin
 
     labels = numpy.arange(cost.shape[2])
-    pairwise = numpy.minimum(WEIGHT * numpy.abs(labels[:, None] - labels), TRUNCATION).astype(numpy.float64)
+    pairwise = numpy.minimum(weight * numpy.abs(labels[:, None] - labels), truncation).astype(numpy.float64)
     start = time.monotonic()
     best = fastmin.aexpansion_grid(cost.astype(numpy.float64), pairwise)
-    return data(numpy, cost, best) + smoothness(numpy, best), time.monotonic() - start
+    return data(numpy, cost, best) + smoothness(numpy, best, weight, truncation), time.monotonic() - start
 
 
-def scene(numpy, programs, folder, disparities, faults):
+def scene(numpy, programs, folder, disparities, prior, faults):
     """The energies of a scene on the common field, the methods' and alpha-expansion's, and the time of the latter."""
     pair = [str(folder / f"{side}.png") for side in ("left", "right")]
     common, energies = None, {}
-    for name, settings in METHODS.items():
+    given = [f"smoothness-weight={prior[0]}", f"smoothness-truncation={prior[1]}"]
+    for name, settings in ((name, settings + given) for name, settings in METHODS.items()):
         cost, labels = field(numpy, programs["field"], pair, disparities, settings)
         common = cost if common is None else common
-        own = data(numpy, cost, labels), smoothness(numpy, labels)
+        own = data(numpy, cost, labels), smoothness(numpy, labels, *prior)
         theirs = told(programs["binary"], pair, disparities, settings)
         if own != theirs:
             faults.append(f"{folder.name}, {name}: {own} is added up here and {theirs} told by the command")
         energies[name] = data(numpy, common, labels) + own[1]
-    best, seconds = expansion(numpy, common)
+    best, seconds = expansion(numpy, common, *prior)
     if energies["bp"] > MOST * best:
         faults.append(f"{folder.name}: belief propagation has {energies['bp']}, alpha-expansion {best}")
     if energies["bp"] >= min(energy for name, energy in energies.items() if name != "bp"):
@@ -139,7 +139,9 @@ def main():
     parser.add_argument("--binary", help="the built command")
     parser.add_argument("--field", help="the built example random_field")
     parser.add_argument("--only", help="scenes whose name contains this")
+    parser.add_argument("--prior", default="8,40", metavar="WEIGHT,TRUNCATION", help="of the smoothness; default 8,40, the command's")
     options = parser.parse_args()
+    prior = [int(number) for number in options.prior.split(",")]
     environment()
     import numpy
 
@@ -156,7 +158,7 @@ def main():
         if not folder.is_dir():
             print(f"NOT TESTED: {name}, {folder} is not there", file=sys.stderr)
             continue
-        energies, best, seconds = scene(numpy, programs, folder, disparities, faults)
+        energies, best, seconds = scene(numpy, programs, folder, disparities, prior, faults)
         cells = [name, disparities, *energies.values(), best, f"{energies['bp'] / best:.4f}", f"{seconds:.0f}"]
         print("|", " | ".join(map(str, cells)), "|", flush=True)
     sys.exit("\n".join(faults) if faults else 0)

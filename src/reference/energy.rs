@@ -79,10 +79,9 @@ pub(crate) fn energy_of(
         smoothness(labels[p].abs_diff(labels[q]).into(), weight_and_truncation, params.smoothness)
     };
     let row = |y: usize| {
-        let mut energy = [0; 2];
+        let mut energy = [data.of_row(y, &labels[y * width..][..width]), 0];
         for x in 0..width {
             let p = y * width + x;
-            energy[0] += u64::from(data.of(x, y, labels[p]));
             let neighbours = [(x + 1 < width).then_some(p + 1), (y + 1 < height).then_some(p + width)];
             energy[1] += neighbours.into_iter().flatten().map(|q| u64::from(between(p, q))).sum::<u64>();
         }
@@ -110,20 +109,40 @@ struct DataTerms<'a> {
 }
 
 impl DataTerms<'_> {
-    /// The quantised cost, 0 to 89: that of stage `matching_cost`, also where a method does without it.
-    fn of(&self, x: usize, y: usize, label: u16) -> u32 {
-        let (column, row) = (x as i64, y as i64);
-        let other = column - i64::from(self.params.min_disparity) - i64::from(label);
-        let (radius, [left, right]) = (i64::from(self.params.radius()), self.sides);
-        let of_row = |j: i64| {
-            let cost = |i: i64| (left.clamped(column + i, row + j), right.clamped(other + i, row + j));
-            let costs = (-radius..=radius).map(cost).map(|(l, p)| pixel_cost(l, p, self.table, self.params));
-            costs.sum::<u32>()
+    /// What a row costs at its labels. A block sum goes on from the pixel before where that has the same label.
+    fn of_row(&self, y: usize, labels: &[u16]) -> u64 {
+        let radius = i64::from(self.params.radius());
+        let mut before = None;
+        let pixel = |(x, &label): (usize, &u16)| {
+            let column = x as i64;
+            let sum = match before {
+                Some((same, sum)) if same == label => {
+                    sum + self.column(column + radius, y, label) - self.column(column - radius - 1, y, label)
+                }
+                _ => (-radius..=radius).map(|i| self.column(column + i, y, label)).sum(),
+            };
+            before = Some((label, sum));
+            u64::from(self.quantised(sum, x, y, label))
         };
-        let sum = (-radius..=radius).map(of_row).sum::<u32>() >> self.params.narrowing();
+        labels.iter().enumerate().map(pixel).sum()
+    }
+
+    /// The sum of the pixel costs of a column as high as the block, around (x, y), which may lie outside the image.
+    fn column(&self, x: i64, y: usize, label: u16) -> u32 {
+        let (radius, [left, right]) = (i64::from(self.params.radius()), self.sides);
+        let other = x - i64::from(self.params.min_disparity) - i64::from(label);
+        let pair = |y: i64| (left.clamped(x, y), right.clamped(other, y));
+        let rows = (y as i64 - radius..=y as i64 + radius).map(pair);
+        rows.map(|(left, right)| pixel_cost(left, right, self.table, self.params)).sum()
+    }
+
+    /// The quantised cost of a block sum, 0 to 89: that of stage `matching_cost`, also where a method does without it.
+    fn quantised(&self, sum: u32, x: usize, y: usize, label: u16) -> u32 {
+        let sum = sum >> self.params.narrowing();
         match &self.statistics {
             Some([left, right]) => {
-                (89 * correlation_cost(sum, left.at(column, y), right.at(other, y), self.params) + 4096) >> 13
+                let other = x as i64 - i64::from(self.params.min_disparity) - i64::from(label);
+                (89 * correlation_cost(sum, left.at(x as i64, y), right.at(other, y), self.params) + 4096) >> 13
             }
             None => (sum * matching_cost_scale(self.params) + (1 << 23)) >> 24,
         }
