@@ -240,9 +240,11 @@ fn every_stage_and_every_choice_is_covered() {
     let covered: BTreeSet<String> =
         vectors.iter().flat_map(|vector| known(vector).into_iter().map(|stage| stage.0)).collect();
 
-    // The stages of the definition say so: "Stage `name`".
+    // The stages of the definition say so: "Stage `name`". Those of networks have golden tensors of their own.
     let mut stages = BTreeSet::new();
-    for file in files(Path::new(ROOT).join("src/reference")) {
+    let of_networks = Path::new(ROOT).join("src/reference/network");
+    for file in files(Path::new(ROOT).join("src/reference")).into_iter().filter(|file| !file.starts_with(&of_networks))
+    {
         let code = std::fs::read_to_string(file).unwrap();
         let names = code.lines().filter_map(|line| line.trim().strip_prefix("/// Stage `")?.split('`').next());
         stages.extend(names.filter(|name| *name != "deep_gray").map(String::from)); // a part of `gray`
