@@ -5,6 +5,7 @@
     benches/psmnet.py compare                   # all cases, on the CPU; Markdown on stdout
     benches/psmnet.py compare --by device       # on the first adapter
     benches/psmnet.py compare --only crop --by native --by device
+    benches/psmnet.py compare --doubles         # PyTorch computes in doubles; its own f32 is a row beside ours
     benches/psmnet.py tensors                   # what each operation makes, definition beside PyTorch
     benches/psmnet.py time                      # 256 x 512 with 192 disparities, two threads, least of several frames
     benches/psmnet.py accuracy                  # D1 of whole frames of KITTI beside SGM's
@@ -174,7 +175,10 @@ def compare(given):
     from psmnet import PSMNet, disparities
 
     network, _ = binaries(given)
-    print("| case | size | disparities | by | largest, px | mean, px | ms | PyTorch, ms |\n|---|---|---|---|---|---|---|---|")
+    import torch
+
+    head = "| case | size | disparities | by | largest, px | mean, px | over 1e-3 px | ms | PyTorch, ms |"
+    print(head + "\n" + "|---" * 9 + "|")
     for name, weights, pair, count in cases(given):
         if given.only and not any(part in name for part in given.only):
             continue
@@ -182,12 +186,17 @@ def compare(given):
         before = time.perf_counter()
         wanted = disparities(torch_network, *pair, count).numpy()
         torch_ms = (time.perf_counter() - before) * 1e3
-        for by in given.by or ["native"]:
-            made, told = ours(network, weights, pair, count, by)
+        rows = {by: ours(network, weights, pair, count, by) for by in given.by or ["native"]}
+        if given.doubles:
+            # PyTorch's own f32 is then a row like the others.
+            rows["PyTorch"] = wanted, {"ms": torch_ms}
+            torch_network.weights = {name: value.double() for name, value in torch_network.weights.items()}
+            wanted = disparities(torch_network, *pair, count, torch.float64).numpy()
+        for by, (made, told) in rows.items():
             difference = abs(made.astype(float) - wanted)
             height, width = wanted.shape
             print(f"| {name} | {width}x{height} | {count} | {by} | {difference.max():.1e} | {difference.mean():.1e} | "
-                  f"{told['ms']:.0f} | {torch_ms:.0f} |", flush=True)
+                  f"{(difference > 1e-3).sum()} | {told['ms']:.0f} | {torch_ms:.0f} |", flush=True)
 
 
 def tensors(given):
@@ -271,6 +280,7 @@ def main():
     parser.add_argument("--by", action="append", choices=("native", "reference", "device"), help="default native")
     parser.add_argument("--only", action="append", metavar="CASE", help="cases whose name contains this")
     parser.add_argument("--frames", type=int, default=2, metavar="N", help="frames to time after the first one; default 2")
+    parser.add_argument("--doubles", action="store_true", help="compare with PyTorch in doubles, and its f32 with them")
     parser.add_argument("--weights", type=pathlib.Path, metavar="FILE")
     parser.add_argument("--binary", type=pathlib.Path, metavar="FOLDER")
     given = parser.parse_args()

@@ -122,7 +122,7 @@ class PSMNet:
 
 def network_input(image, dtype=torch.float32):
     """[1, 3, H, W], normalised and padded, of an array [H, W, 3] of bytes; and the rows that were added above."""
-    values = torch.from_numpy(image).permute(2, 0, 1).to(dtype) / 255
+    values = torch.tensor(image).permute(2, 0, 1).to(dtype) / 255
     values = (values - MEAN.to(dtype)) / DEVIATION.to(dtype)
     height, width = values.shape[1:]
     padded_height, padded_width = (max(256, -(-side // 16) * 16) for side in (height, width))
