@@ -26,7 +26,7 @@ impl MapBytes {
         let confidence = params.confidence.then_some(sizes.confidence);
         let depth = params.depth.is_some().then_some(sizes.regions);
         let table = if params.has_table() { 256 * 256 } else { 0 };
-        let labels = params.labels.then_some([sizes.map, table]);
+        let labels = params.has_labels().then_some([sizes.map, table]);
         let unrounded = sizes.layers.as_ref().filter(|_| params.unrounded);
         let unrounded = unrounded.map(|layers| [layers.disparities, layers.padded.width as u64]);
         Self { frame: sizes.frame, map: sizes.map, right: params.right_map, confidence, labels, unrounded, depth }

@@ -78,7 +78,9 @@ impl Mapping {
     /// Blocks until the result is there.
     #[cfg(not(target_arch = "wasm32"))]
     pub(crate) fn wait(&self, device: &wgpu::Device) -> Result<(), Error> {
-        self.drive(device, None);
+        /// Meanwhile those are told that wait for earlier work.
+        const AT_A_TIME: Duration = Duration::from_millis(100);
+        self.drive(device, Some(AT_A_TIME));
         self.result().unwrap_or_else(|| Err(lost(&"it did not answer")))
     }
 

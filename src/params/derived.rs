@@ -67,6 +67,11 @@ impl Params {
         if self.second_match().is_some() { 2 * once } else { once }
     }
 
+    /// Whether labels are asked for, and there are any: a network has none.
+    pub(crate) fn has_labels(&self) -> bool {
+        self.labels && self.method != Method::Psmnet
+    }
+
     /// The settings of a second match.
     pub(crate) fn second(&self) -> Self {
         Self {

@@ -1,12 +1,15 @@
 //! The network beside PyTorch's: goldens that golden.py wrote, of single operations in the definition and of whole networks
-//! in the native schedule. The weights are made by formulas on both sides.
+//! in the native schedule and on the device. The weights are made by formulas on both sides.
 #![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)]
 
 use gpu_stereo::network::{Convolution, Tensor, Tensors};
 use gpu_stereo::reference::{self, Values};
-use gpu_stereo::{Architecture, Image, Network, Params, Pixels, native};
+use gpu_stereo::{Architecture, Image, Matched, Network, Params, Pixels, StereoMatcher, native};
 use serde_json::Value;
 use std::path::Path;
+
+#[path = "../support/mod.rs"]
+mod support;
 
 /// docs/VECTORS.md.
 fn mixed(x: u32, y: u32, c: u32) -> u32 {
@@ -120,8 +123,8 @@ fn pair() -> [Image; 2] {
     [image(&|_| 0), image(&|y| if y < 128 { 3 } else { 9 })]
 }
 
-#[test]
-fn whole_networks_give_the_disparities_of_pytorch() {
+/// Compares what `compute` makes of both networks with PyTorch's disparities, a value in 4x4.
+fn whole_networks(name: &str, compute: &dyn Fn(&Image, &Image, &Params) -> Matched) {
     let [left, right] = pair();
     for architecture in Architecture::ALL {
         let goldens = bytes(&format!("{architecture}.f32"));
@@ -129,7 +132,7 @@ fn whole_networks_give_the_disparities_of_pytorch() {
         let mut params = Params::psmnet(16, network(architecture, &mut goldens));
         params.align_corners = architecture == Architecture::StackHourglass;
         params.unrounded = true;
-        let matched = native::compute(&left, &right, &params).unwrap();
+        let matched = compute(&left, &right, &params);
         let made = matched.unrounded.unwrap();
         assert_eq!((made.width, made.height, made.data.len()), (256, 256, 65536));
         let sampled = (0..65536).filter(|i| i % 4 == 0 && i / 256 % 4 == 0).map(|i| made.data[i]);
@@ -138,11 +141,28 @@ fn whole_networks_give_the_disparities_of_pytorch() {
         let differences: Vec<f32> = sampled.zip(&wanted).map(|(made, wanted)| (made - wanted).abs()).collect();
         let largest = differences.iter().copied().fold(0.0, f32::max);
         let mean = differences.iter().sum::<f32>() / differences.len() as f32;
-        println!("{architecture}: at most {largest:.1e} px from PyTorch, {mean:.1e} on average");
-        assert!(largest < 1e-3 && mean < 1e-4, "{architecture}: {largest} px, {mean} on average");
+        println!("{architecture}, {name}: at most {largest:.1e} px from PyTorch, {mean:.1e} on average");
+        assert!(largest < 1e-3 && mean < 1e-4, "{architecture}, {name}: {largest} px, {mean} on average");
         // The map is rounded from them.
         for (map, made) in matched.map.data.iter().zip(&made.data) {
             assert_eq!(f64::from(*map), (16.0 * f64::from(*made) + 0.5).floor().clamp(0.0, 240.0));
         }
     }
+}
+
+#[test]
+fn whole_networks_give_the_disparities_of_pytorch() {
+    whole_networks("native", &|left, right, params| native::compute(left, right, params).unwrap());
+}
+
+#[test]
+fn whole_networks_give_them_on_the_device() {
+    let Some((_, device, queue)) = support::device() else { return };
+    whole_networks("device", &|left, right, params| {
+        let matcher = StereoMatcher::new(&device, &queue, left.width(), left.height(), left.format(), params).unwrap();
+        let matched = matcher.compute_blocking(left, right).unwrap();
+        let network = params.network.as_ref().unwrap();
+        assert_eq!(network.done(), params.multiplications(left.width(), left.height()), "its progress");
+        matched
+    });
 }

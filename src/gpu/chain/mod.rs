@@ -50,7 +50,8 @@ pub(crate) fn chain(b: &mut Builder<'_>) -> Ends {
     let confidence = b.params.confidence.then(|| confidence(b, &views, &output));
     let depth = b.params.depth.is_some().then(|| depth(b, &output));
     let right = b.params.right_map.then_some(compared.right);
-    let labels = b.params.labels.then(|| LabelEnds { right_map: views.right.clone(), table: winners.table.clone() });
+    let labels =
+        b.params.has_labels().then(|| LabelEnds { right_map: views.right.clone(), table: winners.table.clone() });
     let unrounded = winners.disparities.filter(|_| b.params.unrounded);
     Ends { sources, output, right, confidence, labels, unrounded, depth }
 }

@@ -192,7 +192,7 @@ impl PixelSizes {
             let what = "a disparity map for the histogram of mutual information";
             request.fits(what, map, "make the images smaller or take another cost")?;
         }
-        let right_map = map * (1 + u64::from(params.confidence) + u64::from(params.labels));
+        let right_map = map * (1 + u64::from(params.confidence) + u64::from(params.has_labels()));
         if right_map > map {
             let what = "a disparity map with its confidence or its labels";
             request.fits(what, right_map, "make the images smaller or switch those off")?;

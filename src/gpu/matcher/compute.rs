@@ -42,7 +42,7 @@ impl StereoMatcher {
     /// # Errors
     /// [`Error::Image`] if a size or a format is not the matcher's; [`Error::Lost`] if the device fails on the way.
     pub async fn compute(&self, left: &Image, right: &Image) -> Result<Matched, Error> {
-        self.submit(left, right, |encoder| self.record_chain(encoder))?.await
+        self.submit(left, right, |encoder| self.record_at_once(encoder))?.await
     }
 
     /// As [`StereoMatcher::compute`]; blocks until the maps are there.
@@ -51,7 +51,7 @@ impl StereoMatcher {
     /// As [`StereoMatcher::compute`].
     #[cfg(not(target_arch = "wasm32"))]
     pub fn compute_blocking(&self, left: &Image, right: &Image) -> Result<Matched, Error> {
-        self.submit(left, right, |encoder| self.record_chain(encoder))?.wait_blocking()
+        self.submit(left, right, |encoder| self.record_at_once(encoder))?.wait_blocking()
     }
 
     pub(super) fn submit(

@@ -1,10 +1,13 @@
 //! The work of a frame, recorded into the caller's encoder.
 
-use crate::Error;
 use crate::gpu::interop::{Context, Inputs, Outputs, Regions};
 use crate::gpu::matcher::stereo_matcher::StereoMatcher;
-use crate::gpu::recording::record_steps;
+use crate::gpu::recording::{Step, Written, record_steps};
 use crate::gpu::scopes;
+use crate::{Error, Method, Network};
+
+/// Multiplications of a network that are submitted at once: a CPU adapter has some tenths of a second to do with them.
+const AT_ONCE: u64 = 2_000_000_000;
 
 impl StereoMatcher {
     /// Records the work of one frame into the caller's encoder: takes the pair from `inputs`, leaves the map in
@@ -87,6 +90,38 @@ impl StereoMatcher {
     /// next frames, and keep these resources alive.
     pub fn forget_resources(&self) {
         self.passes.forget();
+    }
+
+    /// Records the work of one frame that is submitted at once. What was recorded of a network is submitted whenever it has
+    /// [`AT_ONCE`] multiplications, which are counted when they are done: so it is known how far it is.
+    pub(super) fn record_at_once(&self, encoder: &mut wgpu::CommandEncoder) {
+        let network = self.params.network.as_ref().filter(|_| self.params.method == Method::Psmnet);
+        let Some(network) = network else { return self.record_chain(encoder) };
+        let mut recorded = 0;
+        for steps in self.steps.chunk_by(|a, b| a.copy_to.is_none() && !b.clears) {
+            record_steps(encoder, "gpu-stereo", steps, None);
+            recorded += steps.iter().map(|step| self.multiplications(network, step)).sum::<u64>();
+            if recorded >= AT_ONCE {
+                let (network, done) = (network.clone(), std::mem::take(&mut recorded));
+                let next = self.device.create_command_encoder(&wgpu::CommandEncoderDescriptor::default());
+                let full = std::mem::replace(encoder, next);
+                full.on_submitted_work_done(move || network.add_done(done));
+                self.queue.submit([full.finish()]);
+            }
+        }
+        let network = network.clone();
+        encoder.on_submitted_work_done(move || network.add_done(recorded));
+    }
+
+    /// Those of a step, if it is the last one of an operation of a network.
+    fn multiplications(&self, network: &Network, step: &Step) -> u64 {
+        match (&step.written, &self.sizes.layers) {
+            (Written::Layer { operation, .. }, Some(layers)) if step.part.last => {
+                let operations = network.operations();
+                operations[*operation].multiplications(operations, &layers.padded)
+            }
+            _ => 0,
+        }
     }
 
     /// Records the work of one frame, from the uploaded pair to [`StereoMatcher::output`].

@@ -1,11 +1,10 @@
 use crate::gpu::kernels::tests::{Setup, support};
 use crate::network::tiny::tiny;
-use crate::{Fill, Method, Params, RightView, Schedule, StereoMatcher, Unrounded};
+use crate::{Fill, Params, Schedule, StereoMatcher, Unrounded};
 
 /// A network of every kind of operation, and no filter.
 fn params(disparities: u32, schedule: Schedule) -> Params {
-    let params = Params { disparities, schedule, ..Params::sgm(disparities).without_filters() };
-    Params { method: Method::Psmnet, right_view: RightView::Match, network: Some(tiny(3)), ..params }
+    Params { schedule, ..Params::psmnet(disparities, tiny(3)) }
 }
 
 /// What differs from the definition.
@@ -57,13 +56,15 @@ fn volumes_beyond_a_binding_are_cut() {
 #[test]
 fn what_follows_the_network() {
     let Some(setup) = support::device() else { return };
-    let base = Params { lr_check: Some(1), right_map: true, unrounded: true, ..params(16, Schedule::PerThread) };
+    let base =
+        Params { lr_check: Some(1), right_map: true, unrounded: true, labels: true, ..params(16, Schedule::PerThread) };
     let params = Params { fill: Fill::Background, ..base };
     assert!(wrong(&setup, [101, 50], 2, &params).is_empty());
     let (_, device, queue) = &setup;
     let (left, right) = support::pair(101, 50, 7);
     let mut matcher = StereoMatcher::new(device, queue, 101, 50, left.format(), &params).unwrap();
     let before = matcher.compute_blocking(&left, &right).unwrap();
+    assert!(before.labels.is_none() && before.right.is_some(), "a network has no labels");
     let unrounded = before.unrounded.as_ref().unwrap();
     let Unrounded { width, height, data } = unrounded;
     assert_eq!((*width, *height, data.len()), (101, 50, 101 * 50));

@@ -1,7 +1,7 @@
 //! Settings that show what a changed kernel breaks.
 
 use super::support;
-use crate::{Cost, Fill, Median, Method, Params, Paths, Prefilter, RightView, Schedule, Smoothness, Subpixel, Wls};
+use crate::{Cost, Fill, Median, Params, Paths, Prefilter, RightView, Schedule, Smoothness, Subpixel, Wls};
 
 /// An adapter, its device and its queue.
 pub(crate) type Setup = (wgpu::Adapter, wgpu::Device, wgpu::Queue);
@@ -18,9 +18,7 @@ pub(crate) fn bp(params: &mut Params) {
 
 /// A network of every kind of operation, and no filter.
 pub(crate) fn network(params: &mut Params) {
-    let plain = Params::sgm(32).without_filters();
-    let network = Some(crate::network::tiny::tiny(3));
-    *params = Params { method: Method::Psmnet, right_view: RightView::Match, network, ..plain };
+    *params = Params::psmnet(32, crate::network::tiny::tiny(3));
 }
 
 /// The same, where interpolation lays the outer corners of pixels on each other.
