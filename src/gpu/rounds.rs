@@ -25,8 +25,8 @@ const LARGEST_SQUARE: u32 = 64;
 const MOST_BLOCKS: u32 = 80;
 const VOLUME_BLOCKS: u32 = 16;
 
-/// Rounds of the loops over what an invocation of a convolution holds of a line, where checks keep them from being unrolled: as
-/// measured, and rounded up.
+/// Rounds of the loops over what an invocation of a convolution holds of a line, where checks keep them from being unrolled:
+/// twelve weights, up to thirteen values, six sums for each of three taps, and more.
 const LINE_ROUNDS: u32 = 64;
 
 /// A loop of `count` rounds that take `inner` rounds of other loops each; the last one only finds that it is over.
@@ -145,8 +145,8 @@ fn network_rounds(kernel: &str, params: &Params) -> Option<u32> {
     Some(match kernel {
         "average_pool" => repeated(LARGEST_SQUARE, repeated(LARGEST_SQUARE, 0)),
         "disparity_regression" => repeated(2, repeated(params.disparities, 0)),
-        name if name.starts_with("conv2d") => repeated(MOST_BLOCKS, repeated(1, repeated(3, line))),
-        name if name.starts_with("conv3d") => repeated(VOLUME_BLOCKS, repeated(3, repeated(3, line))),
+        name if name.starts_with("conv2d") => repeated(MOST_BLOCKS, repeated(1, repeated(3, line))) + line,
+        name if name.starts_with("conv3d") => repeated(VOLUME_BLOCKS, repeated(3, repeated(3, line))) + line,
         _ => return None,
     })
 }

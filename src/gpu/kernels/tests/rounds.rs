@@ -11,6 +11,7 @@ use crate::gpu::edits::with_edit;
 use crate::gpu::kernels::KERNELS;
 use crate::gpu::plan::Plan;
 use crate::gpu::rounds::{MOST, MOST_SIDE, rounds};
+use crate::network::tiny::tiny;
 use crate::{Cost, Fill, Params, Paths, Prefilter, Schedule, StereoMatcher, Subpixel};
 
 /// The text of a kernel that spends rounds first.
@@ -99,6 +100,7 @@ fn cases() -> Vec<(bool, Params)> {
     cases.push((false, Params { cost: Cost::Census, block: 7, prefilter: Prefilter::None, ..sgm(64) }));
     cases.push((true, Params { cost: Cost::Ncc, block: 19, prefilter: Prefilter::None, ..Params::bm(96) }));
     cases.push((false, Params { cost: Cost::Ncc, block: 3, prefilter: Prefilter::None, ..Params::bm(33) }));
+    cases.push((false, Params::psmnet(16, tiny(3))));
     cases
 }
 
