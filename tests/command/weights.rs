@@ -151,3 +151,24 @@ fn an_output_never_replaces_the_weights() {
     let args = ["left.png", "right.png", "--disp", "16", "--method", "psmnet", "--weights", "a.png", "-o", "a.png"];
     refuses(folder.path(), &args, &["output \"a.png\" is an input, too"]);
 }
+
+/// Once without an adapter, with weights that were never trained.
+#[test]
+fn maps_are_computed_and_other_weights_are_other_settings() {
+    let folder = scene();
+    let mut given = tensors(Architecture::Basic, "module.");
+    write(folder.path(), "a.tar", &given);
+    write(folder.path(), "same", &tensors(Architecture::Basic, ""));
+    given.insert("module.classify.2.weight".into(), Tensor::new(vec![1, 32, 3, 3, 3], vec![0.0; 864]).unwrap());
+    write(folder.path(), "other", &given);
+    let batch = |weights: &'static str, resume: &'static [&'static str]| {
+        let start = ["batch", "left.png", "right.png", "-o", "out", "--disp", "16", "--backend", "cpu"];
+        [&start[..], &["--method", "psmnet", "--weights", weights], resume].concat()
+    };
+    let told = stdout(&succeeds(folder.path(), &batch("a.tar", &["--json"])));
+    let told: serde_json::Value = serde_json::from_str(&told).unwrap();
+    assert_eq!((&told["adapter"], &told["done"]), (&"CPU".into(), &1.into()));
+    let kept = stdout(&succeeds(folder.path(), &batch("same", &["--resume"])));
+    assert!(kept.contains("0 done, 0 failed, 1 there already"), "{kept}");
+    refuses(folder.path(), &batch("other", &["--resume"]), &["maps made with other settings: weights "]);
+}

@@ -235,7 +235,11 @@ impl Study {
         outputs::write_sheet(&self.outputs, &sheet.finish())?;
         let outputs = self.outputs.iter().map(|output| output.path.clone()).collect();
         let (width, height, warnings) = (left.width(), left.height(), warnings::all());
-        Ok(StudyReport { names: engine.names(), width, height, variants, warnings, outputs })
+        Ok(StudyReport { names: engine.names(self.settings()), width, height, variants, warnings, outputs })
+    }
+
+    fn settings(&self) -> impl Iterator<Item = &Params> {
+        self.variants.iter().map(|variant| &variant.params)
     }
 
     /// The range of colours: every disparity that any variant searches.
@@ -246,7 +250,7 @@ impl Study {
 
     /// The sheet without maps.
     fn blank(&self, engine: &Engine, left: &Image, repeat: Option<u32>, range: (i32, i32)) -> Result<Sheet> {
-        let adapter = engine.names().adapter;
+        let adapter = engine.names(self.settings()).adapter;
         let name = self.left.file_name().unwrap_or_default().to_string_lossy();
         let captions: Vec<_> = [name.into()].into_iter().chain(self.variants.iter().map(|v| v.label.clone())).collect();
         let times = match repeat {

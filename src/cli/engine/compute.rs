@@ -209,8 +209,8 @@ impl Engine {
         }
     }
 
-    /// The names of the adapter and its driver.
-    pub fn names(&self) -> EngineNames {
+    /// The names of the adapter and its driver. Without one networks are computed by the CPU, all else by the reference.
+    pub fn names<'a>(&self, settings: impl IntoIterator<Item = &'a Params>) -> EngineNames {
         match self {
             Self::Adapter(on) => {
                 let info = &on.opened.info;
@@ -219,7 +219,9 @@ impl Engine {
             }
             Self::Reference => {
                 let version = concat!("gpu-stereo ", env!("CARGO_PKG_VERSION"));
-                EngineNames { adapter: "CPU reference".into(), backend: "cpu".into(), driver: version.into() }
+                let by_networks = settings.into_iter().all(|params| params.method == Method::Psmnet);
+                let adapter = if by_networks { "CPU" } else { "CPU reference" };
+                EngineNames { adapter: adapter.into(), backend: "cpu".into(), driver: version.into() }
             }
         }
     }

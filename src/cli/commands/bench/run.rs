@@ -142,7 +142,8 @@ impl<'a> Run<'a> {
     fn compute(&mut self, task: &Task<'_>, inputs: &[KnownFile], loaded: &Loaded) -> Result<SceneReport> {
         let result = self.matched(task, loaded);
         if let Some(engine) = &self.engine {
-            self.names.get_or_insert_with(|| engine.names());
+            let settings = self.bench.variants.iter().map(|variant| &variant.params);
+            self.names.get_or_insert_with(|| engine.names(settings));
         }
         let (params, map, report) = result?;
         loaded.warn(task.scene, task.variant, &params, &self.progress);

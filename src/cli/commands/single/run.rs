@@ -49,7 +49,7 @@ pub fn run(job: &Job) -> Result<Report> {
     let evaluation = if passed { write(job, params, left, &matched, truth.as_ref())? } else { None };
     let outputs = if passed { job.outputs.iter().map(|output| output.path.clone()).collect() } else { Vec::new() };
     Ok(Report {
-        names: engine.names(),
+        names: engine.names([params]),
         width: matched.map.width,
         height: matched.map.height,
         bits,

@@ -85,7 +85,7 @@ impl Flow {
     /// Opens an engine for pairs of the size and format of `left`.
     pub fn open(setup: &Setup<'_>, left: &Image) -> Result<Self> {
         let engine = Engine::open(setup.device, None, left, setup.params)?;
-        let names = engine.names();
+        let names = engine.names([setup.params]);
         let params = setup.params.clone();
         let engine = match engine {
             Engine::Reference => FlowEngine::Reference(Box::new(params), None),
