@@ -216,6 +216,14 @@ fn names_in_the_verbs() {
             }
         }
         let (left, right) = (OsStr::new("left.png"), OsStr::new("right.png"));
+        for given in [&name, &with(&name, ".safetensors")] {
+            let [weights, convert, image] = ["weights", "--convert", "left.png"].map(OsStr::new);
+            is_clean(&run(folder.path(), &args(&[weights, given], &[])), "weights");
+            is_clean(&run(folder.path(), &args(&[weights, image, convert, given], &[])), "weights");
+            let network = [&TO_16[..], &["--method", "psmnet", "--weights"]].concat();
+            let all = [args(&[image, image], &network), vec![given.clone()]].concat();
+            is_clean(&run(folder.path(), &all), "a network");
+        }
         for (verb, more) in [
             ("sweep", &["--block"][..]),
             ("sweep", &["-o"]),

@@ -36,6 +36,7 @@ pub const FOREIGN: &[(&str, &str)] = &[
     ("cost", "costfunction costtype matchingcost similarity metric"),
     ("census", "censustype censuswindow censussize"),
     ("align-corners", "aligncorner"),
+    ("weights", "loadmodel model modelpath checkpoint ckpt pretrained restoreckpt"),
     ("fill", "fillholes inpaint interpolate interpolation densify"),
     ("output", "outputdir outputfolder outputpath outputfile outdir outfile outpath out dst dest destination save o"),
     ("color", "colour colormap colourmap colorize visualize vis"),
