@@ -139,7 +139,7 @@ def main():
     parser.add_argument("--binary", help="the built command")
     parser.add_argument("--field", help="the built example random_field")
     parser.add_argument("--only", help="scenes whose name contains this")
-    parser.add_argument("--prior", default="8,40", metavar="WEIGHT,TRUNCATION", help="of the smoothness; default 8,40, the command's")
+    parser.add_argument("--prior", default="2,20", metavar="WEIGHT,TRUNCATION", help="of the smoothness; default 2,20, the command's")
     options = parser.parse_args()
     prior = [int(number) for number in options.prior.split(",")]
     environment()

@@ -244,7 +244,7 @@ def prior(_):
         "disparities are a Markov random field, the smoothness of a step is the negative logarithm of its share, up to a factor. "
         f"Drawn below, it rises and then stays: the line that comes nearest to it is truncated at {truncation:.1f} px, while one without "
         "truncation makes outlines by far too dear and small steps too cheap. So the smoothness of `--method bp` is truncated, "
-        "at 5 px (`--smoothness-weight 8`, `--smoothness-truncation 40`), and P2 of semi-global matching is a constant."
+        "at 10 px (`--smoothness-weight 2`, `--smoothness-truncation 20`), and P2 of semi-global matching is a constant."
     )
     return [*page, "", "![The distribution of derivatives](images/gallery/derivatives.svg)", ""]
 

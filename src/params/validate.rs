@@ -89,9 +89,9 @@ impl Params {
     fn validate_smoothness(&self) -> Result<(), Error> {
         let most = Self::MAX_SMOOTHNESS;
         let units = format!("from 0 to {most}, in units of the quantised cost (0 to 89)");
-        check(self.smoothness_weight <= most, "smoothness-weight", self.smoothness_weight, &units, "8 is usual")?;
+        check(self.smoothness_weight <= most, "smoothness-weight", self.smoothness_weight, &units, "2 is usual")?;
         let truncation = self.smoothness_truncation;
-        check(truncation <= most, "smoothness-truncation", truncation, units, "4 to 8 times the weight is usual")?;
+        check(truncation <= most, "smoothness-truncation", truncation, units, "10 times the weight is usual")?;
         let edge = self.smoothness_edge.unwrap_or(1);
         check((1..=255).contains(&edge), "smoothness-edge", edge, "off or from 1 to 255 gray levels", "10 is usual")?;
         for (name, value, least, most, remedy) in [
