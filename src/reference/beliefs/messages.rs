@@ -5,7 +5,8 @@ use rayon::prelude::*;
 /// What the pixels of a level receive from their neighbours.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Messages {
-    /// By [`WAYS`], the neighbour from which it comes: a byte for each pixel and disparity, 0 from beyond the image.
+    /// By the neighbour from which it comes, in the order left, right, above, below: a byte for each pixel and disparity, 0
+    /// from beyond the image.
     pub received: [Volume<u8>; 4],
 }
 
