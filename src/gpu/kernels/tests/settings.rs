@@ -14,6 +14,8 @@ pub(crate) fn bm(params: &mut Params) {
 pub(crate) fn bp(params: &mut Params) {
     let Params { min_disparity, disparities, schedule, .. } = *params;
     *params = Params { min_disparity, schedule, bp_levels: 3, bp_iterations: 5, ..Params::bp(disparities) };
+    // Large messages, in which every rounding shows.
+    (params.smoothness_weight, params.smoothness_truncation) = (8, 40);
 }
 
 /// A network of every kind of operation, and no filter.
