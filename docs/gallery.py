@@ -120,7 +120,7 @@ SECTIONS = [
         ["compare", *CLASSIC, "--disp", "{disp}", "--variants", "bm", "sgm", "bp", "sgm+wls-lambda=8000"],
         {
             "motorcycle": "Semi-global matching leaves fewer holes than block matching, and thinner ones. Belief propagation, which "
-            "weighs all neighbours of a pixel at once, leaves hardly fewer and takes many times as long: the cost is the same, and holes "
+            "weighs all neighbours of a pixel at once, leaves as many and takes many times as long: the cost is the same, and holes "
             "are mostly what one camera alone sees. WLS fills nearly all of them, "
             "smoothly, up to the edges of the image. It is for the eye: at OpenCV's usual strength, 8000, the even ground falls into "
             "plateaus, and thin objects pale.",
@@ -128,9 +128,9 @@ SECTIONS = [
             "fills the hidden strips beside them, right or wrong.",
             "report": "Of the two pairs of the report, corridor and triclops, the same sheets lie in target/gallery. The ceiling and the "
             "walls of its corridor have no texture: block matching leaves holes and wrong patches there, semi-global matching has "
-            "streaks along its paths, belief propagation plateaus with steps as short as can be, and only WLS, which follows the edges "
+            "streaks along its paths, belief propagation patches of equal disparity, and only WLS, which follows the edges "
             "of the image, looks like a corridor. In triclops the paved way is empty with block matching, frayed with semi-global "
-            "matching and closed with belief propagation, but for a false patch at the right border. (The times in these four sheets "
+            "matching and closed with belief propagation, but for false patches at the right border. (The times in these four sheets "
             "were taken while the machine had other work, about twice those of an idle one.)",
         },
     ),
@@ -170,13 +170,13 @@ def wrapped(text, width=120):
 FAILURES = [
     ("textureless", "made", (20, 16, 104, 76), "Without texture", (
         "On the gray plate every disparity costs the same, but for noise. Block matching follows the noise. Along the paths of "
-        "semi-global matching the wall's disparity goes on into the plate. Belief propagation draws the plate from its right side on, "
-        "as far as the shortest outline goes, and WLS takes a mean of plate and wall, which is neither."
+        "semi-global matching the wall's disparity goes on into the plate. Belief propagation carries the plate's outline inwards "
+        "and finds nearly all of it, in two steps, and WLS takes a mean of plate and wall, which is neither."
     )),
     ("repetitive", "made", (132, 16, 104, 76), "Repetitive texture", (
         "The stripes come again every 8 px, so they match at the wall's 6 px as well as at their own 30. The smoothness prefers the "
-        "wall: semi-global matching and belief propagation see stripes painted on it, and of the plate only its right end, where the "
-        "pattern stops; block matching takes now one period, now another."
+        "wall: semi-global matching and belief propagation see stripes painted on it, and of the plate only the ends, where the "
+        "pattern stops, belief propagation the right one a period too near; block matching takes now one period, now another."
     )),
     ("occluded", "motorcycle", (92, 206, 104, 76), "Occluded", (
         "The floor to the left of the rear wheel is hidden from the right camera by the wheel. It has no match there, and whatever "
