@@ -92,25 +92,14 @@ impl StereoMatcher {
         self.passes.forget();
     }
 
-    /// Records the work of one frame that is submitted at once. What was recorded of a network is submitted whenever it has
-    /// [`AT_ONCE`] multiplications, which are counted when they are done: so it is known how far it is.
+    /// Records the work of one frame that is submitted at once, of a network in [`Pieces`].
     pub(super) fn record_at_once(&self, encoder: &mut wgpu::CommandEncoder) {
-        let network = self.params.network.as_ref().filter(|_| self.params.method == Method::Psmnet);
-        let Some(network) = network else { return self.record_chain(encoder) };
-        let mut recorded = 0;
+        let mut pieces = Pieces::new(self);
         for steps in self.steps.chunk_by(|a, b| a.copy_to.is_none() && !b.clears) {
             record_steps(encoder, "gpu-stereo", steps, None);
-            recorded += steps.iter().map(|step| self.multiplications(network, step)).sum::<u64>();
-            if recorded >= AT_ONCE {
-                let (network, done) = (network.clone(), std::mem::take(&mut recorded));
-                let next = self.device.create_command_encoder(&wgpu::CommandEncoderDescriptor::default());
-                let full = std::mem::replace(encoder, next);
-                full.on_submitted_work_done(move || network.add_done(done));
-                self.queue.submit([full.finish()]);
-            }
+            pieces.recorded(encoder, steps);
         }
-        let network = network.clone();
-        encoder.on_submitted_work_done(move || network.add_done(recorded));
+        pieces.end(encoder);
     }
 
     /// Those of a step, if it is the last one of an operation of a network.
@@ -130,5 +119,40 @@ impl StereoMatcher {
         for steps in self.steps.chunk_by(|a, b| a.copy_to.is_none() && !b.clears) {
             record_steps(encoder, "gpu-stereo", steps, None);
         }
+    }
+}
+
+/// What was recorded of a network is submitted whenever it has [`AT_ONCE`] multiplications, which are counted when they are
+/// done: so it is known how far it is. Other methods are one piece.
+pub(super) struct Pieces<'a> {
+    matcher: &'a StereoMatcher,
+    network: Option<&'a Network>,
+    multiplications: u64,
+}
+
+impl<'a> Pieces<'a> {
+    pub(super) fn new(matcher: &'a StereoMatcher) -> Self {
+        let params = &matcher.params;
+        let network = params.network.as_ref().filter(|_| params.method == Method::Psmnet);
+        Self { matcher, network, multiplications: 0 }
+    }
+
+    /// These steps were recorded: if the piece is full, it is submitted and the encoder replaced.
+    pub(super) fn recorded(&mut self, encoder: &mut wgpu::CommandEncoder, steps: &[Step]) {
+        let Some(network) = self.network else { return };
+        self.multiplications += steps.iter().map(|step| self.matcher.multiplications(network, step)).sum::<u64>();
+        if self.multiplications >= AT_ONCE {
+            let next = self.matcher.device.create_command_encoder(&wgpu::CommandEncoderDescriptor::default());
+            let full = std::mem::replace(encoder, next);
+            self.end(&full);
+            self.matcher.queue.submit([full.finish()]);
+        }
+    }
+
+    /// The piece that the encoder holds is the next to be submitted.
+    pub(super) fn end(&mut self, encoder: &wgpu::CommandEncoder) {
+        let Some(network) = self.network.cloned() else { return };
+        let done = std::mem::take(&mut self.multiplications);
+        encoder.on_submitted_work_done(move || network.add_done(done));
     }
 }

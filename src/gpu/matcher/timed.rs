@@ -1,5 +1,6 @@
 //! A frame with the time of each stage.
 
+use crate::gpu::matcher::record::Pieces;
 use crate::gpu::matcher::stereo_matcher::StereoMatcher;
 use crate::gpu::matcher::timer::Timer;
 use crate::gpu::recording::{Step, record_steps};
@@ -33,6 +34,7 @@ impl StereoMatcher {
         };
         let matched = self
             .submit(left, right, |encoder| {
+                let mut pieces = Pieces::new(self);
                 for (i, run) in (0..).zip(&runs) {
                     let writes = wgpu::ComputePassTimestampWrites {
                         query_set: &timer.queries,
@@ -40,7 +42,9 @@ impl StereoMatcher {
                         end_of_pass_write_index: Some(2 * i + 1),
                     };
                     record_steps(encoder, run[0].stage(), run, Some(writes));
+                    pieces.recorded(encoder, run);
                 }
+                pieces.end(encoder);
                 encoder.resolve_query_set(&timer.queries, 0..count, &timer.resolved, 0);
                 encoder.copy_buffer_to_buffer(&timer.resolved, 0, &timer.readback, 0, bytes);
             })?
