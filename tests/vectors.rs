@@ -9,22 +9,14 @@ use serde_json::Value;
 use std::collections::BTreeSet;
 use std::fmt::Write as _;
 use std::path::{Path, PathBuf};
+use support::mixed;
+
+mod support;
 
 const ROOT: &str = env!("CARGO_MANIFEST_DIR");
 
 fn text(path: &str) -> String {
     std::fs::read_to_string(Path::new(ROOT).join(path)).unwrap()
-}
-
-/// Pseudorandom, 0 to 65535.
-fn mixed(x: u32, y: u32, c: u32) -> u32 {
-    let h = x
-        .wrapping_mul(374_761_393)
-        .wrapping_add(y.wrapping_mul(668_265_263))
-        .wrapping_add(c.wrapping_mul(2_246_822_519));
-    let h = (h ^ (h >> 15)).wrapping_mul(2_654_435_761);
-    let h = (h ^ (h >> 13)).wrapping_mul(3_266_489_917);
-    (h ^ (h >> 16)) & 0xffff
 }
 
 /// Channel c of the left image: a rough surface, saturated in places, and one without texture.

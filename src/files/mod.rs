@@ -6,6 +6,8 @@
 
 pub mod calibration;
 mod contents;
+#[cfg(test)]
+mod damage;
 pub mod datasets;
 pub mod disk;
 pub mod encoders;

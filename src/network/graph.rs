@@ -160,6 +160,16 @@ impl Operation {
         weights.iter().chain(&[sides, planes, rows, columns]).map(|&side| side as u64).product()
     }
 
+    /// What it reads for a side: outputs of operations by their numbers, each of a side.
+    pub fn reads(&self, side: usize) -> Vec<(usize, usize)> {
+        match self.kind {
+            Kind::VolumeConv3d => vec![(self.inputs[0], 0), (self.inputs[0], 1)],
+            // Of the second input only the size counts.
+            Kind::Upsample => vec![(self.inputs[0], side)],
+            _ => self.inputs.iter().map(|&input| (input, side)).collect(),
+        }
+    }
+
     /// For each operation the last one that reads its output; itself, if none does.
     pub fn last_reads(operations: &[Self]) -> Vec<usize> {
         let mut last: Vec<usize> = (0..operations.len()).collect();

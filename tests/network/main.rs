@@ -10,17 +10,7 @@ use std::path::Path;
 
 #[path = "../support/mod.rs"]
 mod support;
-
-/// docs/VECTORS.md.
-fn mixed(x: u32, y: u32, c: u32) -> u32 {
-    let h = x
-        .wrapping_mul(374_761_393)
-        .wrapping_add(y.wrapping_mul(668_265_263))
-        .wrapping_add(c.wrapping_mul(2_246_822_519));
-    let h = (h ^ (h >> 15)).wrapping_mul(2_654_435_761);
-    let h = (h ^ (h >> 13)).wrapping_mul(3_266_489_917);
-    (h ^ (h >> 16)) & 0xffff
-}
+use support::mixed;
 
 /// Value i of tensor `seed`, from -1 to 1.
 fn number(i: usize, seed: usize, c: u32) -> f64 {

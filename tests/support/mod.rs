@@ -253,3 +253,14 @@ pub fn texture(
         view_formats: &[format.add_srgb_suffix(), format.remove_srgb_suffix()],
     })
 }
+
+/// Pseudorandom, 0 to 65535: docs/VECTORS.md.
+pub fn mixed(x: u32, y: u32, c: u32) -> u32 {
+    let h = x
+        .wrapping_mul(374_761_393)
+        .wrapping_add(y.wrapping_mul(668_265_263))
+        .wrapping_add(c.wrapping_mul(2_246_822_519));
+    let h = (h ^ (h >> 15)).wrapping_mul(2_654_435_761);
+    let h = (h ^ (h >> 13)).wrapping_mul(3_266_489_917);
+    (h ^ (h >> 16)) & 0xffff
+}

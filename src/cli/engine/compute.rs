@@ -266,7 +266,8 @@ pub fn ensure_reference(params: &Params, image: &Image) -> Result<()> {
 }
 
 /// Refuses what the host's memory cannot hold: cost volumes of `bytes` per pixel and disparity, or of a network as many for each
-/// value that is needed at once, and what the reference keeps per pixel. Otherwise the system would kill the process without a message, or a failed allocation would abort it.
+/// value that is needed at once, and what the reference keeps per pixel. Otherwise the system would kill the process without a
+/// message, or a failed allocation would abort it.
 fn ensure_memory(what: &str, params: &Params, image: &Image, bytes: u64) -> Result<()> {
     if !params.memory_check {
         return Ok(());

@@ -1,4 +1,5 @@
 use super::*;
+use crate::files::damage::damaged;
 use crate::network::{Architecture, Network, Tensor, Tensors};
 use made::{Storage, archive, dict, legacy, pickled, tensor, zip};
 use rand::{Rng, SeedableRng};
@@ -222,27 +223,6 @@ fn a_network_is_loaded_from_a_file() {
     assert!(Network::load("/none").unwrap_err().to_string().contains("does not exist"));
 }
 
-fn damaged(seed: &[u8], random: &mut ChaCha8Rng) -> Vec<u8> {
-    let mut bytes = seed.to_vec();
-    for _ in 0..random.random_range(1..6) {
-        let at = random.random_range(0..=bytes.len());
-        match random.random_range(0..6) {
-            0 => bytes.truncate(at),
-            1 => bytes.insert(at, random.random()),
-            2 => bytes.splice(at..at, *b"99999").for_each(drop),
-            3 => bytes.extend_from_within(at..),
-            4 => bytes.splice(at..at, [b"()tR.}ue2"[random.random_range(0..9)]]).for_each(drop),
-            _ => {
-                if let Some(byte) = bytes.get_mut(at) {
-                    *byte = [byte.wrapping_add(1), *byte ^ (1 << random.random_range(0..8)), random.random()]
-                        [random.random_range(0..3)];
-                }
-            }
-        }
-    }
-    bytes
-}
-
 /// A second; GPU_STEREO_FUZZ_SECONDS says how long else.
 #[test]
 fn damaged_weights_are_refused_or_read_and_never_panic() {
@@ -254,7 +234,7 @@ fn damaged_weights_are_refused_or_read_and_never_panic() {
             break;
         }
         let mut random = ChaCha8Rng::seed_from_u64(number);
-        let bytes = damaged(&seeds[random.random_range(0..seeds.len())].1, &mut random);
+        let bytes = damaged(&seeds[random.random_range(0..seeds.len())].1, &mut random, b"()tR.}ue2");
         match std::panic::catch_unwind(|| parse(&bytes)) {
             Ok(Ok(weights)) => {
                 let values: usize = weights.tensors.values().map(|tensor| tensor.data().len()).sum();

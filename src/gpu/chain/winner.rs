@@ -14,7 +14,7 @@ use crate::gpu::recording::{Builder, Written};
 /// From what the cost compares to the winner of both views.
 pub(super) fn winner(b: &mut Builder<'_>, planes: &mut Planes, views: &ViewMaps) {
     match b.params.method {
-        // A network was refused before.
+        // A network has its own winners, and does not come here.
         Method::Bm | Method::Psmnet => block_match(b, planes, views),
         Method::Sgm => {
             let across = across_rows(b, planes);

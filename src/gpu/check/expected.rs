@@ -168,7 +168,7 @@ impl Expected {
         if self.views.is_none() {
             let params = &self.params.clone();
             let views = match params.method {
-                // A network was refused before.
+                // A network has its own winners, and does not come here.
                 Method::Bm | Method::Psmnet => reference::block_match(&self.columns, self.statistics.as_ref(), params),
                 Method::Sgm => {
                     let cost = &self.cost;

@@ -140,10 +140,5 @@ fn joined(operation: &Operation, padded: &Padded, made: &Made, side: usize) -> O
 
 /// What an operation reads of what the device made.
 fn inputs<'a>(operation: &Operation, made: &'a Made, side: usize) -> Vec<&'a Values> {
-    let read = |input: usize, side: usize| made[input][side].as_ref();
-    match operation.kind {
-        Kind::VolumeConv3d => (0..2).filter_map(|side| read(operation.inputs[0], side)).collect(),
-        Kind::Upsample => read(operation.inputs[0], side).into_iter().collect(),
-        _ => operation.inputs.iter().filter_map(|&input| read(input, side)).collect(),
-    }
+    operation.reads(side).into_iter().filter_map(|(input, side)| made[input][side].as_ref()).collect()
 }

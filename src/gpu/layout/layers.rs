@@ -150,26 +150,42 @@ fn slots(operations: &[Operation], owners: &[(usize, u32)]) -> (Vec<usize>, usiz
     (slot_of, slots.len())
 }
 
-/// The weights of a network as the kernels read them, four of them a texel, and the first texel of each operation's.
-pub(crate) fn packed(network: &Network) -> (Vec<f32>, Vec<u32>) {
-    let mut texels = Vec::new();
+/// The first texel of each operation's weights in [`packed`], and the bytes of all.
+pub(crate) fn weight_places(network: &Network) -> (Vec<u32>, u64) {
+    let mut texels = 0;
     let firsts = network.operations().iter().map(|operation| {
-        let first = texels.len() as u32 / 4;
+        let first = texels;
         if let Some(convolution) = network.convolution(&operation.name) {
-            pack(convolution, &mut texels);
+            let [outputs, inputs, taps] = sides(convolution).map(|side| side as u32);
+            texels += outputs.div_ceil(4) * (1 + 4 * inputs.div_ceil(4) * taps);
         }
         first
     });
     let firsts = firsts.collect();
-    let row = TEXTURE_ROW as usize / 4;
-    texels.resize(texels.len().next_multiple_of(row), 0.0);
-    (texels, firsts)
+    (firsts, (16 * u64::from(texels)).next_multiple_of(TEXTURE_ROW))
+}
+
+/// Outputs, inputs and taps of a convolution.
+fn sides(convolution: &Convolution) -> [usize; 3] {
+    let shape = convolution.weights.shape();
+    [shape[0], shape[1], shape[2..].iter().product()]
+}
+
+/// The weights of a network as the kernels read them, four of them a texel.
+pub(crate) fn packed(network: &Network) -> Vec<f32> {
+    let mut texels = Vec::new();
+    for operation in network.operations() {
+        if let Some(convolution) = network.convolution(&operation.name) {
+            pack(convolution, &mut texels);
+        }
+    }
+    texels.resize(texels.len().next_multiple_of(TEXTURE_ROW as usize / 4), 0.0);
+    texels
 }
 
 /// Of one operation: the bias of each block of four outputs, then of each `[block of inputs][tap][input]`, four outputs a texel.
 fn pack(convolution: &Convolution, texels: &mut Vec<f32>) {
-    let shape = convolution.weights.shape();
-    let (outputs, inputs, taps) = (shape[0], shape[1], shape[2..].iter().product::<usize>());
+    let [outputs, inputs, taps] = sides(convolution);
     let weights = convolution.weights.data();
     let blocks = outputs.div_ceil(4);
     texels.extend((0..4 * blocks).map(|output| convolution.bias.get(output).copied().unwrap_or(0.0)));
@@ -191,7 +207,21 @@ fn pack(convolution: &Convolution, texels: &mut Vec<f32>) {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::network::{Architecture, Extent};
+    use crate::network::{Architecture, Extent, tiny};
+
+    /// The places are those at which the weights of each operation are packed.
+    #[test]
+    fn weights_lie_at_their_places() {
+        let network = tiny::tiny(3);
+        let ((firsts, bytes), texels) = (weight_places(&network), packed(&network));
+        assert_eq!(bytes, 4 * texels.len() as u64);
+        for (operation, first) in network.operations().iter().zip(firsts) {
+            let Some(convolution) = network.convolution(&operation.name) else { continue };
+            let mut own = Vec::new();
+            pack(convolution, &mut own);
+            assert_eq!(texels[4 * first as usize..][..own.len()], own, "{}", operation.name);
+        }
+    }
 
     /// What is written never lies where values lie that are still read.
     #[test]

@@ -10,7 +10,7 @@ use crate::gpu::recording::level::Level;
 use crate::gpu::recording::planned::{DISPATCH_STRIDE, Planned, Resource};
 use crate::gpu::recording::pool::{Pool, Shared, Sized, SizedTexture, take};
 use crate::gpu::recording::step::{CopyTo, Part, Step};
-use crate::gpu::recording::weights::{Unwritten, Weights};
+use crate::gpu::recording::weights::Weights;
 use crate::gpu::recording::written::Written;
 use crate::network::Network;
 use crate::{Params, PixelFormat};
@@ -52,7 +52,7 @@ pub(crate) struct Builder<'a> {
     /// Buffers and textures are made as small as can be, and nothing is compiled: only the sizes are wanted.
     only_planned: bool,
     tables: Vec<(wgpu::Buffer, Vec<u32>)>,
-    unwritten: Vec<Unwritten>,
+    unwritten: Vec<Weights>,
     /// The kernels so far, and what they were compiled for.
     kernels: Vec<(usize, PixelFormat, Plan, Params, Compiled)>,
 }
@@ -175,10 +175,10 @@ impl<'a> Builder<'a> {
             self.used.weights = Some(weights.clone());
             return weights;
         }
-        let (weights, texels) = Weights::new(self.device, network, per_subgroup, self.only_planned);
+        let weights = Weights::new(self.device, network, per_subgroup, self.only_planned);
         self.used.weights = Some(weights.clone());
         if !self.only_planned {
-            self.unwritten.push((weights.clone(), texels));
+            self.unwritten.push(weights.clone());
         }
         weights
     }
@@ -399,8 +399,8 @@ impl<'a> Builder<'a> {
         for (buffer, contents) in &self.tables {
             queue.write_buffer(buffer, 0, bytemuck::cast_slice(contents));
         }
-        for (weights, texels) in &self.unwritten {
-            weights.write(queue, texels);
+        for weights in &self.unwritten {
+            weights.write(queue);
         }
         let mut blocks = vec![0u8; self.planned.len() * DISPATCH_STRIDE as usize];
         for (block, step) in blocks.chunks_exact_mut(DISPATCH_STRIDE as usize).zip(&self.planned) {

@@ -1,6 +1,6 @@
 //! The weights of a network on the device.
 
-use crate::gpu::layout::{TEXELS, TEXTURE_ROW, packed};
+use crate::gpu::layout::{TEXELS, TEXTURE_ROW, packed, weight_places};
 use crate::network::Network;
 
 /// The weights of a network, in a texture or in a buffer. They are written once, when they are made.
@@ -21,9 +21,6 @@ pub(crate) enum Held {
     Texture(wgpu::Texture, wgpu::TextureView),
 }
 
-/// Weights that are still to be written.
-pub(super) type Unwritten = (Weights, Vec<f32>);
-
 impl Weights {
     /// Whether these are the weights of a network, held where a plan wants them.
     pub(super) fn are_of(&self, network: &Network, per_subgroup: bool) -> bool {
@@ -31,9 +28,8 @@ impl Weights {
     }
 
     /// Those of a network; with `only_planned` without the memory.
-    pub(super) fn new(device: &wgpu::Device, network: &Network, per_subgroup: bool, only_planned: bool) -> Unwritten {
-        let (texels, firsts) = packed(network);
-        let bytes = 4 * texels.len() as u64;
+    pub(super) fn new(device: &wgpu::Device, network: &Network, per_subgroup: bool, only_planned: bool) -> Self {
+        let (firsts, bytes) = weight_places(network);
         let rows = (bytes / TEXTURE_ROW) as u32;
         let label = Some("gpu-stereo.network.weights");
         let held = if per_subgroup {
@@ -58,11 +54,12 @@ impl Weights {
             let view = texture.create_view(&wgpu::TextureViewDescriptor::default());
             Held::Texture(texture, view)
         };
-        (Self { network: network.clone(), held, bytes, firsts }, texels)
+        Self { network: network.clone(), held, bytes, firsts }
     }
 
-    pub(super) fn write(&self, queue: &wgpu::Queue, texels: &[f32]) {
-        let bytes = bytemuck::cast_slice(texels);
+    pub(super) fn write(&self, queue: &wgpu::Queue) {
+        let texels = packed(&self.network);
+        let bytes = bytemuck::cast_slice(&texels);
         match &self.held {
             Held::Buffer(buffer) => queue.write_buffer(buffer, 0, bytes),
             Held::Texture(texture, _) => {

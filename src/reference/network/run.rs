@@ -41,11 +41,8 @@ pub fn network(
         let mut sides = [None, None];
         for (side, to) in sides.iter_mut().enumerate().take(if row.both_sides { 2 } else { 1 }) {
             let read = |input: usize, side: usize| made[input][side].as_ref();
-            let inputs: Vec<&Values> = match row.kind {
-                Kind::VolumeConv3d => (0..2).filter_map(|side| read(row.inputs[0], side)).collect(),
-                Kind::Upsample => read(row.inputs[0], side).into_iter().collect(),
-                _ => row.inputs.iter().filter_map(|&input| read(input, side)).collect(),
-            };
+            let inputs: Vec<&Values> =
+                row.reads(side).into_iter().filter_map(|(input, side)| read(input, side)).collect();
             let values = match row.kind {
                 Kind::Input => network_input([left, right][side], &padded),
                 _ => {
