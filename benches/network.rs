@@ -16,7 +16,7 @@ use std::path::{Path, PathBuf};
 use std::time::Instant;
 
 use gpu_stereo::files::images::{Bits, read_pair};
-use gpu_stereo::{Image, Network, Params, StereoMatcher, native, reference};
+use gpu_stereo::{Image, Network, Params, StereoMatcher, cpu, reference};
 use npyz::WriterBuilder as _;
 use serde_json::json;
 
@@ -96,7 +96,7 @@ fn run() -> Result<(), Box<dyn std::error::Error>> {
         }
         let matched = match &matcher {
             Some(matcher) => matcher.compute_blocking(left, right)?,
-            None if options.by == "native" => native::compute(left, right, &params)?,
+            None if options.by == "native" => cpu::compute(left, right, &params)?,
             None => reference::compute_all(left, right, &params)?,
         };
         Ok(matched.unrounded.unwrap().data)

@@ -67,10 +67,11 @@
 //! # Features
 //!
 //! - `files`: the module `gpu_stereo::files`, which reads and writes images, maps, calibrations, lists and truths.
-//! - `native`: the module `gpu_stereo::native`, which computes [`Method::Psmnet`] on the CPU.
-//! - `cli` (default): the command `gpu-stereo`; brings `files` and `native` along.
+//! - `gpu`: the matcher on a device, by wgpu: [`StereoMatcher`], [`StereoStream`].
+//! - `cpu`: the module `gpu_stereo::cpu`, the matcher without a device.
+//! - `cli` (default): the command `gpu-stereo`; brings all others along.
 //!
-//! The library alone: `default-features = false`.
+//! The library alone: `default-features = false, features = ["gpu"]`, or `["cpu"]`, or both.
 //!
 //! # Browsers
 //!
@@ -83,32 +84,44 @@
 #![cfg_attr(test, allow(clippy::unwrap_used))]
 #![cfg_attr(docsrs, feature(doc_cfg))]
 #![cfg_attr(target_arch = "wasm32", allow(dead_code, unused_imports))] // what only blocking functions use
+#![cfg_attr(not(feature = "gpu"), allow(dead_code, unused_imports))] // what only the shaders' schedule uses
 
 #[cfg(test)]
 extern crate self as gpu_stereo; // for tests/support, which the unit tests share
 
 mod color;
+#[cfg(feature = "cpu")]
+#[cfg_attr(docsrs, doc(cfg(feature = "cpu")))]
+pub mod cpu;
 mod error;
 pub mod evaluation;
 #[cfg(feature = "files")]
 #[cfg_attr(docsrs, doc(cfg(feature = "files")))]
 pub mod files;
+#[cfg(feature = "gpu")]
 mod gpu;
 mod image;
 pub mod memory;
-#[cfg(feature = "native")]
-#[cfg_attr(docsrs, doc(cfg(feature = "native")))]
-pub mod native;
 pub mod network;
 mod params;
 pub mod reference;
 
 pub use color::turbo;
 pub use error::Error;
+#[cfg(feature = "gpu")]
+#[cfg_attr(docsrs, doc(cfg(feature = "gpu")))]
 pub use gpu::check::{Mismatch, StageCheck};
+#[cfg(feature = "gpu")]
+#[cfg_attr(docsrs, doc(cfg(feature = "gpu")))]
 pub use gpu::interop::{Inputs, Outputs, PixelBuffer, TextureLayer};
+#[cfg(feature = "gpu")]
+#[cfg_attr(docsrs, doc(cfg(feature = "gpu")))]
 pub use gpu::matcher::StereoMatcher;
+#[cfg(feature = "gpu")]
+#[cfg_attr(docsrs, doc(cfg(feature = "gpu")))]
 pub use gpu::reading::Reading;
+#[cfg(feature = "gpu")]
+#[cfg_attr(docsrs, doc(cfg(feature = "gpu")))]
 pub use gpu::stream::{StereoStream, StreamFrame};
 pub use image::{
     ConfidenceMap, DepthMap, DisparityMap, Energy, Image, Labels, Matched, PixelFormat, Pixels, StageTime, Unrounded,
@@ -118,4 +131,6 @@ pub use params::{
     Camera, Census, Cost, Distortion, Fill, Lens, Masks, Median, Method, ParamOption, Params, Paths, Prefilter, Preset,
     Rectification, RightView, Schedule, Smoothness, Subpixel, Wls,
 };
+#[cfg(feature = "gpu")]
+#[cfg_attr(docsrs, doc(cfg(feature = "gpu")))]
 pub use wgpu;

@@ -65,7 +65,7 @@ pub fn compute_traced(
 }
 
 /// As [`compute_timed`], with another way to run a network.
-#[cfg(feature = "native")]
+#[cfg(feature = "cpu")]
 pub(crate) fn compute_by(
     left: &Image,
     right: &Image,

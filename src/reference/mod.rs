@@ -35,7 +35,7 @@ mod winner;
 
 pub use beliefs::coarse_cost::{LARGEST_TERM, coarse_cost};
 pub use beliefs::messages::{Messages, beliefs, messages, shares};
-#[cfg(feature = "native")]
+#[cfg(feature = "cpu")]
 pub(crate) use chain::compute_by;
 pub use chain::{compute, compute_all, compute_timed, compute_traced, cost_table};
 pub use channels::{Images, images};

@@ -4,7 +4,7 @@
 
 use gpu_stereo::network::{Convolution, Tensor, Tensors};
 use gpu_stereo::reference::{self, Values};
-use gpu_stereo::{Architecture, Image, Matched, Network, Params, Pixels, StereoMatcher, native};
+use gpu_stereo::{Architecture, Image, Matched, Network, Params, Pixels, StereoMatcher, cpu};
 use serde_json::Value;
 use std::path::Path;
 
@@ -142,7 +142,7 @@ fn whole_networks(name: &str, compute: &dyn Fn(&Image, &Image, &Params) -> Match
 
 #[test]
 fn whole_networks_give_the_disparities_of_pytorch() {
-    whole_networks("native", &|left, right, params| native::compute(left, right, params).unwrap());
+    whole_networks("native", &|left, right, params| cpu::compute(left, right, params).unwrap());
 }
 
 #[test]

@@ -6,9 +6,7 @@ use crate::args::{Backend, DeviceArgs};
 use crate::terminal::{message, plain, to_microseconds, watched};
 use anyhow::{Result, bail};
 use gpu_stereo::network::{Operation, Padded};
-use gpu_stereo::{
-    Error, Image, Matched, Method, Params, StageCheck, StageTime, StereoMatcher, memory, native, reference,
-};
+use gpu_stereo::{Error, Image, Matched, Method, Params, StageCheck, StageTime, StereoMatcher, cpu, memory, reference};
 use serde::{Deserialize, Serialize};
 use std::time::Instant;
 
@@ -246,7 +244,7 @@ fn with_progress<T>(image: &Image, params: &Params, show: &(dyn Fn(f64) + Sync),
 /// What the CPU computes without an adapter: a network by matrix products, all else by the reference.
 pub fn without_adapter(left: &Image, right: &Image, params: &Params) -> Result<(Matched, Vec<StageTime>), Error> {
     match params.method {
-        Method::Psmnet => native::compute_timed(left, right, params),
+        Method::Psmnet => cpu::compute_timed(left, right, params),
         _ => reference::compute_timed(left, right, params),
     }
 }

@@ -1,5 +1,5 @@
 //! PSMNet on the CPU by matrix products: the schedule of the network's definition ([`network()`](crate::reference::network())) for
-//! machines without an adapter. It computes in f32; docs/NETWORKS.md has the tolerance. Needs the feature `native`.
+//! machines without an adapter. It computes in f32; docs/NETWORKS.md has the tolerance.
 
 mod activation;
 mod convolutions;
