@@ -260,5 +260,5 @@ impl std::fmt::Display for Cost {
     }
 }
 
-#[cfg(test)]
+#[cfg(all(test, feature = "gpu"))] // it compares with the kernels, too
 mod tests;
