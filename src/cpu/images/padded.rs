@@ -1,0 +1,50 @@
+//! Images that are continued by their borders in memory.
+
+use rayon::prelude::*;
+
+use bytemuck::Pod;
+
+use crate::cpu::aligned::Aligned;
+
+/// Columns before and behind the image: as far as any window reaches.
+pub const MARGIN: usize = 32;
+
+/// An image, each row continued by its first and last value to [`MARGIN`] columns on both sides.
+#[derive(Clone)]
+pub struct Padded<T> {
+    pub width: usize,
+    pub height: usize,
+    data: Aligned<T>,
+}
+
+impl<T: Pod + Send + Sync> Padded<T> {
+    /// An image whose rows are written by `write(y, row)`, rows in parallel, in bands of at least 16.
+    pub fn from_rows(width: usize, height: usize, write: impl Fn(usize, &mut [T]) + Sync) -> Self {
+        let stride = width + 2 * MARGIN;
+        let mut data = Aligned::zeroed(stride * height);
+        data.par_chunks_exact_mut(stride).enumerate().with_min_len(16).for_each(|(y, row)| {
+            write(y, &mut row[MARGIN..MARGIN + width]);
+            let (first, last) = (row[MARGIN], row[MARGIN + width - 1]);
+            row[..MARGIN].fill(first);
+            row[MARGIN + width..].fill(last);
+        });
+        Self { width, height, data }
+    }
+
+    /// Of row y, or the nearest one that there is, `width` values from column `dx` on, which is at least -[`MARGIN`] and at
+    /// most [`MARGIN`].
+    #[inline(always)]
+    pub fn row(&self, y: i64, dx: i64) -> &[T] {
+        let y = y.clamp(0, self.height as i64 - 1) as usize;
+        let at = y * (self.width + 2 * MARGIN) + (MARGIN as i64 + dx) as usize;
+        &self.data[at..at + self.width]
+    }
+
+    /// A row with its margins.
+    #[inline(always)]
+    pub fn whole_row(&self, y: i64) -> &[T] {
+        let y = y.clamp(0, self.height as i64 - 1) as usize;
+        let stride = self.width + 2 * MARGIN;
+        &self.data[y * stride..][..stride]
+    }
+}
