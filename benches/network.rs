@@ -15,8 +15,9 @@
 use std::path::{Path, PathBuf};
 use std::time::Instant;
 
+use gpu_stereo::cpu::CpuMatcher;
 use gpu_stereo::files::images::{Bits, read_pair};
-use gpu_stereo::{Image, Network, Params, StereoMatcher, cpu, reference};
+use gpu_stereo::{Image, Network, Params, StereoMatcher, reference};
 use npyz::WriterBuilder as _;
 use serde_json::json;
 
@@ -96,7 +97,9 @@ fn run() -> Result<(), Box<dyn std::error::Error>> {
         }
         let matched = match &matcher {
             Some(matcher) => matcher.compute_blocking(left, right)?,
-            None if options.by == "native" => cpu::compute(left, right, &params)?,
+            None if options.by == "native" => {
+                CpuMatcher::new(left.width(), left.height(), left.format(), &params)?.compute(left, right)?
+            }
             None => reference::compute_all(left, right, &params)?,
         };
         Ok(matched.unrounded.unwrap().data)

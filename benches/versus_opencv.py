@@ -4,10 +4,15 @@ What is compared, and why it is fair:
 
 - Input. Both sides start from the same decoded 8-bit gray images. They are written as gray PNGs for gpu-stereo, which
   decodes them before its clock starts; so neither decoding nor the conversion of colours is in either figure.
-- Ours is the whole frame: upload, every kernel, readback (`frame_ms` of `--json`). With `--json` every stage is a pass
-  of its own with timestamps, so the figure is at worst a little above that of a run without.
+- Ours is the whole frame (`frame_ms` of `--json`): with `--backend cpu` from the images to the map in memory; with
+  `gpu` upload, every kernel, readback. With `--json` every stage is a pass of its own with timestamps there, so the
+  figure is at worst a little above that of a run without.
 - OpenCV's is `compute` on arrays in memory, into an array that is reused, as a program would do it for a video.
-- Work after the winner, on both sides: uniqueness 10 %, left-right check 1 px, one 3x3 median, no speckle filter.
+- Presets with all that they switch on: `balanced` and `strict` beside MODE_HH4 with its speckle filter of the same
+  window (`strict` matches twice), `dense` (a second match, fillings, a weighted median) beside MODE_SGBM_3WAY with its
+  right matcher and the WLS filter of ximgproc, which fills and smooths in its way.
+- The others, work after the winner, on both sides: uniqueness 10 %, left-right check 1 px, one 3x3 median, no speckle
+  filter.
   StereoSGBM.compute ends with medianBlur(disp, disp, 3) of its own (modules/stereo/src/stereosgbm.cpp), so it is in
   its figure already, and a second one would be work that we do not do. StereoBM.compute has none (stereobm.cpp): there
   cv2.medianBlur is called inside the timing.
@@ -43,17 +48,21 @@ import cv2
 ROOT = pathlib.Path(__file__).resolve().parents[1]
 WORK = ROOT / "target" / "versus_opencv"
 
-# name, our options, OpenCV's matcher, time / OpenCV's to reach (on lavapipe)
-MODES = {
-    "8 paths": (["--paths", "8", "--block", "5"], "MODE_HH", 0.70),
-    "4 paths": (["--paths", "4", "--block", "5"], "MODE_HH4", 0.60),
-    "3 paths": (["--paths", "3", "--block", "5"], "MODE_SGBM_3WAY", 1.3),
-    "bm 15": (["--method", "bm", "--block", "15"], "StereoBM", 1.0),
-}
-# The most that the time a pixel and disparity may grow from 741x500, D = 64 to a larger size and to D = 256.
-GROWTH = 1.3
 POST = ("--preset classic --prefilter xsobel --prefilter-cap 31 --uniqueness 10 --lr-check 1 --speckle-window off "
         "--median 3").split()
+# name, our options, OpenCV's matcher, time / OpenCV's to reach with --backend cpu
+MODES = {
+    "8 paths": (["--paths", "8", "--block", "5", *POST], "MODE_HH", 0.18),
+    "4 paths": (["--paths", "4", "--block", "5", *POST], "MODE_HH4", 0.20),
+    "3 paths": (["--paths", "3", "--block", "5", *POST], "MODE_SGBM_3WAY", 0.60),
+    "bm 15": (["--method", "bm", "--block", "15", *POST], "StereoBM", 0.50),
+    "balanced": (["--preset", "balanced"], "MODE_HH4, speckle 100", 0.30),
+    "strict": (["--preset", "strict"], "MODE_HH4, speckle 200", 0.60),
+    "dense": (["--preset", "dense"], "MODE_SGBM_3WAY, WLS", 0.80),
+}
+BACKENDS = ["cpu", "gpu"]
+# The most that the time a pixel and disparity may grow from 741x500, D = 64 to a larger size and to D = 256.
+GROWTH = 1.2
 
 
 class Failed(Exception):
@@ -66,7 +75,11 @@ def arguments():
         allow_abbrev=False,  # benches/versus_opencv looks for --binary, too
     )
     parser.add_argument("--binary", type=pathlib.Path, help="gpu-stereo; default: build it")
-    parser.add_argument("--adapter", help="for gpu-stereo; default: the one that it chooses")
+    parser.add_argument("--backend", choices=BACKENDS, action="append",
+                        help="of gpu-stereo, may be given twice; default: cpu, and gpu where there is an adapter")
+    parser.add_argument("--adapter", help="for --backend gpu; default: the one that gpu-stereo chooses")
+    parser.add_argument("--only", choices=MODES, action="append", help="this row alone, may be given several times")
+    parser.add_argument("--no-growth", action="store_true", help="leave the growth out")
     parser.add_argument("--rounds", type=int, default=5, metavar="N", help="default 5")
     parser.add_argument("--repeat", type=int, default=10, metavar="N", help="frames a side and round, default 10")
     parser.add_argument("--quick", action="store_true", help="1 round of 3 frames: too few to be told to others")
@@ -125,10 +138,10 @@ def pairs(given):
     yield Pair("motorcycle", left, right), [64, 128] if given.long else [64]
 
 
-def ours(given, pair, disparities, options, repeat):
-    command = [str(given.binary), *pair.paths, "--disp", str(disparities), *options, *POST, "--json"]
+def ours(given, pair, disparities, options, repeat, backend):
+    command = [str(given.binary), *pair.paths, "--disp", str(disparities), *options, "--json", "--backend", backend]
     command += ["--repeat", str(repeat), "-o", str(WORK / "map.npy")]
-    if given.adapter is not None:
+    if given.adapter is not None and backend == "gpu":
         command += ["--adapter", given.adapter]
     done = subprocess.run(command, capture_output=True, text=True)
     if done.returncode != 0:
@@ -150,11 +163,23 @@ def opencv(mode, pair, disparities):
         matcher.setDisp12MaxDiff(1)
         matcher.setSpeckleWindowSize(0)
     else:
+        name, _, post = mode.partition(", ")
+        speckle = int(post.removeprefix("speckle ")) if post.startswith("speckle ") else 0
         matcher = cv2.StereoSGBM_create(
             minDisparity=0, numDisparities=disparities, blockSize=5, P1=8 * 25, P2=32 * 25, disp12MaxDiff=1,
-            preFilterCap=31, uniquenessRatio=10, speckleWindowSize=0, speckleRange=0,
-            mode=getattr(cv2, "STEREO_SGBM_" + mode),
+            preFilterCap=31, uniquenessRatio=10, speckleWindowSize=speckle, speckleRange=1 if speckle else 0,
+            mode=getattr(cv2, "STEREO_SGBM_" + name),
         )
+        if post == "WLS":
+            right, wls = cv2.ximgproc.createRightMatcher(matcher), cv2.ximgproc.createDisparityWLSFilter(matcher)
+            wls.setLambda(8000)
+            wls.setSigmaColor(1.5)
+
+            def smoothed():
+                found = matcher.compute(pair.left, pair.right)
+                wls.filter(found, pair.left, None, right.compute(pair.right, pair.left))
+
+            return smoothed
     kept = matcher.compute(pair.left, pair.right)
     filtered = kept.copy()
 
@@ -217,7 +242,7 @@ def check_cores(pair, seconds, modes):
         divided = use["cpu_by_busiest_thread"]
         if divided is not None and divided > 1.2:
             starved.append(f"{mode} {use['cpu_by_wall']:.2f}")
-        elif mode == "MODE_HH":
+        elif mode.startswith("MODE_HH,") or mode == "MODE_HH":
             # computeDisparitySGBM has no parallel_for_ (modules/stereo/src/stereosgbm.cpp); HH4, 3WAY and BM have one.
             warn("MODE_HH ran on one core: OpenCV has no parallel code for it, so its ratio compares all cores "
                  "with one")
@@ -238,27 +263,24 @@ def cpu_model():
 
 
 def machine(given, pair):
-    report = ours(given, pair, 16, MODES["4 paths"][0], 1)
+    reports = {backend: ours(given, pair, 16, MODES["4 paths"][0], 1, backend) for backend in given.backend}
     facts = {
         "cpu": cpu_model(),
         "cores": os.cpu_count(),
         "load": list(os.getloadavg()) if hasattr(os, "getloadavg") else None,
         "system": platform.platform(),
         "opencv": importlib.metadata.version("opencv-contrib-python-headless"),
-        "adapter": report["adapter"],
-        "driver": report["driver"],
-        "backend": report["backend"],
+        "ours": {name: {k: found[k] for k in ("adapter", "backend", "driver")} for name, found in reports.items()},
         "rounds": given.rounds,
         "repeat": given.repeat,
     }
     print(f"CPU: {facts['cpu']}, {facts['cores']} cores  ")
     print(f"OpenCV: {facts['opencv']}, {cv2.getNumThreads()} threads  ")
-    print(f"gpu-stereo: {facts['adapter']} ({facts['backend']}, {facts['driver']})  ")
+    for name, found in facts["ours"].items():
+        print(f"gpu-stereo --backend {name}: {found['adapter']} ({found['backend']}, {found['driver']})  ")
     print(f"Rounds: {given.rounds} of {given.repeat} frames a side")
     if facts["load"] and facts["load"][0] > 0.5:
         warn(f"the load was {facts['load'][0]:.1f} at the start: others use the cores, and figures are noisy")
-    if "llvmpipe" not in facts["adapter"]:
-        warn("the targets are meant for lavapipe, and this is another adapter")
     if given.quick:
         warn("--quick: one round; take no figure from this run")
     return facts
@@ -269,24 +291,24 @@ def compare(given, pair, disparities, name):
     rounds = []
     for number in range(given.rounds):
         sides = {}
-        for side in ("ours", "opencv") if number % 2 == 0 else ("opencv", "ours"):
-            if side == "ours":
-                sides[side] = ours(given, pair, disparities, options, given.repeat)["frame_ms"]
-            else:
+        order = [*given.backend, "opencv"]
+        for side in order if number % 2 == 0 else order[::-1]:
+            if side == "opencv":
                 sides[side] = theirs(mode, pair, disparities, given.repeat)
+            else:
+                sides[side] = ours(given, pair, disparities, options, given.repeat, side)["frame_ms"]
         rounds.append(sides)
-    medians = {side: statistics.median(sides[side]["median"] for sides in rounds) for side in ("ours", "opencv")}
-    least = {side: min(sides[side]["min"] for sides in rounds) for side in ("ours", "opencv")}
-    ratios = [sides["ours"]["median"] / sides["opencv"]["median"] for sides in rounds]
-    ratio = medians["ours"] / medians["opencv"]
+    median = {side: statistics.median(sides[side]["median"] for sides in rounds) for side in rounds[0]}
+    least = {side: min(sides[side]["min"] for sides in rounds) for side in rounds[0]}
+    of_rounds = {
+        side: [sides[side]["median"] / sides["opencv"]["median"] for sides in rounds] for side in given.backend
+    }
+    ratio = {side: median[side] / median["opencv"] for side in given.backend}
     return {
         "pair": pair.name, "width": pair.width, "height": pair.height, "disparities": disparities,
-        "ours": name, "opencv": mode,
-        "ours_ms": {"median": medians["ours"], "min": least["ours"]},
-        "opencv_ms": {"median": medians["opencv"], "min": least["opencv"]},
-        "ratio": ratio, "ratio_of_minima": least["ours"] / least["opencv"],
-        "ratio_of_rounds": [min(ratios), max(ratios)],
-        "target": target, "reached": ratio <= target, "rounds": rounds,
+        "ours": name, "opencv": mode, "median_ms": median, "min_ms": least, "ratio": ratio,
+        "ratio_of_rounds": {side: [min(ratios), max(ratios)] for side, ratios in of_rounds.items()},
+        "target": target, "reached": "cpu" in ratio and ratio["cpu"] <= target, "rounds": rounds,
     }
 
 
@@ -297,7 +319,7 @@ def growth(given, small, large, name):
     for number in range(given.rounds):
         for i in range(len(settings))[:: 1 if number % 2 == 0 else -1]:
             pair, disparities = settings[i]
-            frame = ours(given, pair, disparities, MODES[name][0], given.repeat)["frame_ms"]
+            frame = ours(given, pair, disparities, MODES[name][0], given.repeat, given.backend[0])["frame_ms"]
             times[i].append(frame["median"] * 1e6 / (pair.width * pair.height * disparities))
     of_rounds = [[now / base for now, base in zip(one, times[0])] for one in times]
     found = []
@@ -321,41 +343,61 @@ def growth_row(case):
 
 
 def row(case):
-    low, high = case["ratio_of_rounds"]
-    return (
-        f"| {case['pair']} {case['width']}x{case['height']} | {case['disparities']} "
-        f"| {case['ours']} | {case['opencv']} "
-        f"| {case['ours_ms']['median']:.1f} ({case['ours_ms']['min']:.1f}) "
-        f"| {case['opencv_ms']['median']:.1f} ({case['opencv_ms']['min']:.1f}) "
-        f"| {case['ratio']:.2f} | {low:.2f} to {high:.2f} | {case['target']:.2f} "
-        f"| {'yes' if case['reached'] else 'no'} |"
-    )
+    def ms(side):
+        return f"{case['median_ms'][side]:.1f} ({case['min_ms'][side]:.1f})"
+
+    cells = [f"{case['pair']} {case['width']}x{case['height']}", case["disparities"], case["ours"], case["opencv"]]
+    cells.append(ms("opencv"))
+    for side in case["ratio"]:
+        low, high = case["ratio_of_rounds"][side]
+        cells += [ms(side), f"{case['ratio'][side]:.2f} ({low:.2f} to {high:.2f})"]
+        if side == "cpu":
+            cells += [f"{case['target']:.2f}", "yes" if case["reached"] else "no"]
+    return "| " + " | ".join(str(cell) for cell in cells) + " |"
+
+
+def heading(given):
+    cells = ["pair", "D", "gpu-stereo", "OpenCV", "OpenCV, ms: median (min)"]
+    for side in given.backend:
+        cells += [f"{side}, ms", f"{side} / OpenCV (rounds)"]
+        if side == "cpu":
+            cells += ["to reach", "reached"]
+    return f"\n| {' | '.join(cells)} |\n{'|---' * len(cells)}|"
+
+
+def has_adapter(given):
+    listed = subprocess.run([str(given.binary), "--list-adapters", "--json"], capture_output=True, text=True)
+    return listed.returncode == 0 and json.loads(listed.stdout) != []
 
 
 def main():
     given = arguments()
     sys.stdout.reconfigure(line_buffering=True)  # a row when it is known, also into a file
     WORK.mkdir(parents=True, exist_ok=True)
+    if given.backend is None:
+        given.backend = BACKENDS if has_adapter(given) else ["cpu"]
+    names = [name for name in MODES if given.only is None or name in given.only]
     cases = list(pairs(given))
     first = cases[0][0]
     facts = machine(given, first)
-    cores = check_cores(first, 0.5 if given.quick else 2, [mode for _, mode, _ in MODES.values()])
+    cores = check_cores(first, 0.5 if given.quick else 2, [MODES[name][1] for name in names])
 
-    print("\n| pair | D | gpu-stereo | OpenCV | ours, ms: median (min) | OpenCV, ms: median (min) | ratio | of a round "
-          "| to reach | reached |\n|---|---|---|---|---|---|---|---|---|---|")
+    print(heading(given))
     found = []
-    for name in MODES:
+    for name in names:
         for pair, ranges in cases:
             for disparities in ranges:
                 found.append(compare(given, pair, disparities, name))
                 print(row(found[-1]))
     reached = sum(case["reached"] for case in found)
-    print(f"\n{reached} of {len(found)} ratios reached.")
+    if "cpu" in given.backend:
+        print(f"\n{reached} of {len(found)} ratios reached.")
 
-    print("\n| gpu-stereo | pair | D | ns a pixel and disparity | of that at 741x500, D = 64 | of a round | to reach "
-          "| reached |\n|---|---|---|---|---|---|---|---|")
+    if not given.no_growth:
+        print(f"\nGrowth with --backend {given.backend[0]}:\n\n| gpu-stereo | pair | D | ns a pixel and disparity "
+              "| of that at 741x500, D = 64 | of a round | to reach | reached |\n|---|---|---|---|---|---|---|---|")
     grown = []
-    for name in MODES:
+    for name in [] if given.no_growth else names:
         for case in growth(given, first, cases[-1][0], name):
             grown.append(case)
             print(growth_row(case))

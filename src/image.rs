@@ -48,6 +48,14 @@ impl PixelFormat {
         }
     }
 
+    /// Samples a pixel.
+    pub(crate) fn samples(self) -> usize {
+        match self {
+            PixelFormat::Gray8 | PixelFormat::Gray16 => 1,
+            PixelFormat::Rgba8 | PixelFormat::Rgba16 => 4,
+        }
+    }
+
     /// Whether a sample has 16 bits.
     pub(crate) fn is_deep(self) -> bool {
         matches!(self, PixelFormat::Gray16 | PixelFormat::Rgba16)
@@ -270,6 +278,25 @@ pub struct StageTime {
     pub name: String,
     /// Milliseconds.
     pub ms: f64,
+}
+
+/// Both images of a pair are what a matcher was made for.
+pub(crate) fn check_made_for(
+    [left, right]: [&Image; 2],
+    (width, height): (u32, u32),
+    format: PixelFormat,
+) -> Result<(), Error> {
+    check_pair(left, right)?;
+    match [left, right].into_iter().find(|i| (i.width(), i.height(), i.format()) != (width, height, format)) {
+        None => Ok(()),
+        Some(image) => Err(Error::Image(format!(
+            "an image is {}x{} in {:?}, but the matcher was made for {width}x{height} in {format:?}; resize \
+             it, or make another one",
+            image.width(),
+            image.height(),
+            image.format(),
+        ))),
+    }
 }
 
 /// Both images of a pair have one size.

@@ -89,6 +89,8 @@
 #[cfg(test)]
 extern crate self as gpu_stereo; // for tests/support, which the unit tests share
 
+#[cfg(any(feature = "cpu", feature = "gpu"))]
+mod check;
 mod color;
 #[cfg(feature = "cpu")]
 #[cfg_attr(docsrs, doc(cfg(feature = "cpu")))]
@@ -106,11 +108,11 @@ pub mod network;
 mod params;
 pub mod reference;
 
+#[cfg(any(feature = "cpu", feature = "gpu"))]
+#[cfg_attr(docsrs, doc(cfg(any(feature = "cpu", feature = "gpu"))))]
+pub use check::{Mismatch, StageCheck};
 pub use color::turbo;
 pub use error::Error;
-#[cfg(feature = "gpu")]
-#[cfg_attr(docsrs, doc(cfg(feature = "gpu")))]
-pub use gpu::check::{Mismatch, StageCheck};
 #[cfg(feature = "gpu")]
 #[cfg_attr(docsrs, doc(cfg(feature = "gpu")))]
 pub use gpu::interop::{Inputs, Outputs, PixelBuffer, TextureLayer};

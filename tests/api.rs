@@ -6,11 +6,12 @@ mod support;
 
 use std::collections::BTreeSet;
 
+use gpu_stereo::cpu::CpuMatcher;
 use gpu_stereo::reference::{self, Direction, Volume};
 use gpu_stereo::{
     Camera, Cost, DepthMap, DisparityMap, Error, Image, Inputs, Matched, Median, Method, Outputs, Params, Paths,
-    PixelFormat, Pixels, Prefilter, StageCheck, StageTime, StereoMatcher, StereoStream, StreamFrame, Subpixel, Wls,
-    wgpu,
+    PixelFormat, Pixels, Prefilter, Preset, StageCheck, StageTime, StereoMatcher, StereoStream, StreamFrame, Subpixel,
+    Wls, wgpu,
 };
 
 type Change = fn(&mut Params);
@@ -76,6 +77,7 @@ fn a_refused_parameter_is_named_with_what_is_allowed() {
                 params.validate().unwrap_err(),
                 StereoMatcher::new(&device, &queue, 4, 4, PixelFormat::Gray8, &params).unwrap_err(),
                 reference::compute(&left, &right, &params).unwrap_err(),
+                CpuMatcher::new(4, 4, PixelFormat::Gray8, &params).unwrap_err(),
             ];
             for error in errors {
                 assert!(matches!(error, Error::Parameter { .. }), "{error:?}");
@@ -182,6 +184,51 @@ fn images_of_the_wrong_size_or_format_are_refused() {
     assert!(matcher.compute_blocking(&left, &right).is_ok(), "a refused pair spoilt the matcher");
 }
 
+/// The matcher without a device: pairs that it was not made for, other sizes and settings, times, and spoilt stages.
+#[test]
+fn a_matcher_without_a_device() {
+    let (left, right) = support::pair(33, 21, 3);
+    let (other, _) = support::pair(33, 20, 3);
+    let colour = support::as_format(&left, 2);
+    let mut params = Params::preset(Preset::Balanced, 16);
+    (params.confidence, params.depth) = (true, Some(Camera::new(700.0, 0.2)));
+    let mut matcher = CpuMatcher::new(33, 21, PixelFormat::Gray8, &params).unwrap();
+    for (left, right, words) in [
+        (&left, &other, ["33x21", "33x20"]),
+        (&other, &other, ["33x20", "33x21"]),
+        (&left, &colour, ["Rgba8", "Gray8"]),
+    ] {
+        let errors = [matcher.compute(left, right).unwrap_err(), matcher.check(left, right).unwrap_err()];
+        for error in errors {
+            assert!(matches!(error, Error::Image(_)) && words.iter().all(|word| error.to_string().contains(word)));
+        }
+    }
+    let expected = reference::compute_all(&left, &right, &params).unwrap();
+    let (matched, times) = matcher.compute_timed(&left, &right).unwrap();
+    assert!(matched == expected);
+    assert_eq!(times.iter().map(|time| time.name.as_str()).filter(|name| *name == "median").count(), 1, "{times:?}");
+
+    let stages = matcher.check(&left, &right).unwrap();
+    let names: Vec<&str> = stages.iter().map(|stage| stage.stage.as_str()).collect();
+    for name in
+        ["matching_cost", "sgm_aggregate", "winner", "lr_check", "speckle", "median", "confidence", "depth", "maps"]
+    {
+        assert!(names.contains(&name), "{name} is not in {names:?}");
+        // A single bit of a single number is found in its stage, and in no other.
+        let spoilt = matcher.check_with(&left, &right, |stage, bytes| bytes[11] ^= u8::from(stage == name)).unwrap();
+        let wrong: Vec<_> = spoilt.iter().filter(|stage| stage.mismatches > 0).collect();
+        assert!(wrong.len() == 1 && wrong[0].stage == name && wrong[0].mismatches == 1, "{name}: {wrong:?}");
+    }
+
+    matcher.set_params(&Params::bm(9)).unwrap();
+    matcher.resize(33, 20).unwrap();
+    assert!(
+        matcher.set_params(&Params::bm(0)).is_err() && matcher.params().disparities == 9 && matcher.size() == (33, 20)
+    );
+    let expected = reference::compute_all(&other, &other, &Params::bm(9)).unwrap();
+    assert!(matcher.compute(&other, &other).unwrap() == expected);
+}
+
 #[test]
 fn what_does_not_fit_the_device_is_told_in_bytes() {
     let setup = support::device_with(|_, limits| limits.max_storage_buffer_binding_size = 24 << 10);
@@ -237,6 +284,7 @@ fn webgpu_default_limits_suffice() {
 fn matchers_may_be_sent_and_shared() {
     fn send_and_sync<T: Send + Sync + 'static>() {}
     send_and_sync::<StereoMatcher>();
+    send_and_sync::<CpuMatcher>();
     send_and_sync::<StereoStream>();
     send_and_sync::<StreamFrame>();
     send_and_sync::<(Params, Image, Matched, StageCheck, StageTime)>();

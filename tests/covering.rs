@@ -268,6 +268,7 @@ impl Bench<'_> {
         let matched = matcher.compute_blocking(&left, &right).unwrap();
         let expected = reference::compute_all(&left, &right, params).unwrap();
         assert!(matched == expected, "the whole chain differs from the reference, case {case}");
+        support::assert_native(&left, &right, params, &expected, &case);
     }
 }
 

@@ -1,4 +1,5 @@
-//! Every stage of every chain equals the reference to the bit, on awkward sizes and random parameters.
+//! Every stage of every chain equals the reference to the bit, on awkward sizes and random parameters. What the native schedule
+//! gives is compared beside what the device gives, and stage by stage where the settings are random.
 #![allow(clippy::unwrap_used)]
 
 mod support;
@@ -23,6 +24,7 @@ fn check(setup: &(wgpu::Adapter, wgpu::Device, wgpu::Queue), left: &Image, right
     let matched = matcher.compute_blocking(left, right).unwrap();
     let expected = gpu_stereo::reference::compute_all(left, right, params).unwrap();
     assert!(matched == expected, "the whole chain differs from the reference, case {case:?}");
+    support::assert_native(left, right, params, &expected, &case);
 }
 
 /// One pixel wide or high, odd, narrower than the disparity range, not a multiple of a word or a workgroup.
@@ -152,6 +154,21 @@ fn second_match() {
             (params.right_view, params.adaptive_p2) = (RightView::Match, true);
             check(if seed % 3 == 0 { &small } else { &full }, &left, &right, &params, seed);
         }
+    }
+}
+
+/// Of the native schedule every stage, without a device.
+#[test]
+fn native_stages() {
+    for seed in 100..160 {
+        let mut random = ChaCha8Rng::seed_from_u64(seed);
+        let mut params = support::random_params(&mut random);
+        let (left, right) = support::pair(random.random_range(1..90), random.random_range(1..50), seed);
+        let format = random.random_range(0..4);
+        params.masks = (seed % 4 == 3).then(|| support::masks(left.width(), left.height(), seed));
+        params.labels = seed % 2 == 1;
+        let [left, right] = [left, right].map(|image| support::as_format(&image, format));
+        support::check_native(&left, &right, &params, &(left.width(), left.height(), &params, seed));
     }
 }
 

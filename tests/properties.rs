@@ -1,5 +1,5 @@
-//! What must hold whatever the implementation: shifts, mirrors, flat pairs, determinism. Each on the reference, and on
-//! the device where there is one.
+//! What must hold whatever the implementation: shifts, mirrors, flat pairs, determinism. Each on the reference, on the native
+//! schedule, and on the device where there is one.
 #![allow(clippy::unwrap_used)]
 
 mod support;
@@ -14,14 +14,16 @@ use rand_chacha::ChaCha8Rng;
 
 const INVALID: i16 = DisparityMap::INVALID;
 
-/// The reference's map, and the device's, which must be the same.
+/// The reference's map, and the native schedule's and the device's, which must be the same.
 fn compute(
     setup: &Option<(wgpu::Adapter, wgpu::Device, wgpu::Queue)>,
     left: &Image,
     right: &Image,
     params: &Params,
 ) -> DisparityMap {
-    let expected = reference::compute(left, right, params).unwrap();
+    let expected = reference::compute_all(left, right, params).unwrap();
+    support::assert_native(left, right, params, &expected, params);
+    let expected = expected.map;
     if let Some((adapter, device, queue)) = setup {
         let matcher = StereoMatcher::new(device, queue, left.width(), left.height(), left.format(), params).unwrap();
         let map = matcher.compute_blocking(left, right).unwrap().map;

@@ -85,7 +85,7 @@ impl CommandLine {
     pub fn run(self) -> Result<Outcome> {
         let Self { verb, single } = self;
         let device = verb.as_ref().map_or(Some(&single.device), Verb::device);
-        if single.list_adapters || device.is_some_and(|device| device.backend != args::Backend::Cpu) {
+        if single.list_adapters || device.is_some_and(|device| device.backend.takes_adapters()) {
             adapter::quiet_drivers();
         }
         if single.list_adapters {

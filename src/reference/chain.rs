@@ -3,12 +3,12 @@
 use crate::image::check_pair;
 use crate::params::{Descriptor, Filter};
 use crate::reference::energy::energy_of;
-use crate::reference::trace::{Receiver, Trace};
+use crate::reference::stages::Stages;
+use crate::reference::trace::{Bytes, Receiver, Trace};
 use crate::reference::{
-    Channel, Content, Descriptors, Inference, Plane, Values, Views, Volume, beliefs, block_match, block_statistics,
-    block_sums, coarse_cost, confidence, cost_columns, depth, filtered, gray, halve, images, lr_check, matching_cost,
-    messages, mi_histogram, mi_table, mirror, mirrored, network, penalties, rectify, round_disparities, rounds,
-    sgm_aggregate, stage, validity, winner,
+    Content, Descriptors, Plane, Views, Volume, beliefs, block_match, block_statistics, block_sums, coarse_cost,
+    confidence, cost_columns, depth, halve, images, lr_check, matching_cost, messages, mi_histogram, mi_table, mirror,
+    mirrored, penalties, rectify, round_disparities, rounds, sgm_aggregate, validity, winner,
 };
 use crate::{
     ConfidenceMap, DisparityMap, Energy, Error, Image, Labels, Matched, Method, Params, Prefilter, StageTime, Unrounded,
@@ -35,7 +35,7 @@ pub fn compute_all(left: &Image, right: &Image, params: &Params) -> Result<Match
 /// # Errors
 /// As [`compute`].
 pub fn compute_timed(left: &Image, right: &Image, params: &Params) -> Result<(Matched, Vec<StageTime>), Error> {
-    follow(left, right, params, None, &mut inference)
+    follow(left, right, params, None, &mut Definition)
 }
 
 /// As [`compute_all`], and calls `receive` with the name and the bytes of the result of each stage, in the order in which
@@ -61,40 +61,49 @@ pub fn compute_traced(
     params: &Params,
     receive: &mut dyn FnMut(&str, &[u8]),
 ) -> Result<Matched, Error> {
-    Ok(follow(left, right, params, Some(receive), &mut inference)?.0)
+    let mut receive = |stage: &str, result: &dyn Bytes| {
+        let mut bytes = Vec::new();
+        result.append_to(&mut bytes);
+        receive(stage, &bytes);
+    };
+    Ok(follow(left, right, params, Some(&mut receive), &mut Definition)?.0)
 }
 
-/// As [`compute_timed`], with another way to run a network.
-#[cfg(feature = "cpu")]
-pub(crate) fn compute_by(
-    left: &Image,
-    right: &Image,
-    params: &Params,
-    infer: Inference<'_>,
-) -> Result<(Matched, Vec<StageTime>), Error> {
-    follow(left, right, params, None, infer)
+/// All stages by the functions that define them.
+pub(crate) struct Definition;
+
+impl Stages for Definition {
+    fn views(
+        &mut self,
+        sides: [&Image; 2],
+        luma: &Plane<u8>,
+        content: Option<&Content>,
+        params: &Params,
+        trace: &mut Trace<'_>,
+    ) -> (Views, Vec<u8>) {
+        views_of(sides, luma, content, params, self, trace)
+    }
+
+    fn winner(
+        &mut self,
+        sides: &[Descriptors; 2],
+        table: &[u8],
+        penalties: Option<&Volume<u8>>,
+        luma: Option<&Plane<u8>>,
+        params: &Params,
+        trace: &mut Trace<'_>,
+    ) -> Views {
+        trace.winner(sides, table, penalties, luma, params)
+    }
 }
 
-/// The network of the settings, from the definition.
-fn inference(
-    left: &Image,
-    right: &Image,
-    params: &Params,
-    report: &mut dyn FnMut(&str, Option<&Values>),
-) -> Result<Plane<f32>, Error> {
-    let Some(with) = &params.network else { return Err(Error::Misuse("method psmnet needs a network".into())) };
-    let mut receive = |at: usize, _, values: &Values| report(stage(with.operations()[at].kind), Some(values));
-    let Plane { width, height, data } = network(left, right, with, params, &mut receive)?;
-    Ok(Plane { width, height, data: data.into_iter().map(|value| value as f32).collect() })
-}
-
-/// The whole chain.
-fn follow(
+/// The whole chain, its stages as `stages` computes them.
+pub(crate) fn follow(
     left: &Image,
     right: &Image,
     params: &Params,
     receiver: Option<Receiver<'_>>,
-    infer: Inference<'_>,
+    stages: &mut dyn Stages,
 ) -> Result<(Matched, Vec<StageTime>), Error> {
     params.validate()?;
     check_pair(left, right)?;
@@ -117,22 +126,22 @@ fn follow(
         Some(second) => {
             let content = content.map(Content::mirrored);
             let [left, right] = [mirrored(right)?, mirrored(left)?];
-            let luma = gray(&left, Channel::Luma);
+            let luma = stages.luma(&left);
             Some(match second.method {
-                Method::Psmnet => trace.inferred([&left, &right], &second, &mut *infer)?.0.left,
-                _ => views(&left, &right, &luma, content.as_ref(), &second, &mut trace).0.left,
+                Method::Psmnet => trace.inferred([&left, &right], &second, stages)?.0.left,
+                _ => stages.views([&left, &right], &luma, content.as_ref(), &second, &mut trace).0.left,
             })
         }
         None => None,
     };
-    let luma = gray(left, Channel::Luma);
+    let luma = stages.luma(left);
     let (views, table, unrounded) = match params.method {
         Method::Psmnet => {
-            let (views, unrounded) = trace.inferred([left, right], params, infer)?;
+            let (views, unrounded) = trace.inferred([left, right], params, stages)?;
             (views, Vec::new(), Some(unrounded))
         }
         _ => {
-            let (views, table) = views(left, right, &luma, content, params, &mut trace);
+            let (views, table) = stages.views([left, right], &luma, content, params, &mut trace);
             (views, table, None)
         }
     };
@@ -145,7 +154,7 @@ fn follow(
     }
     let mut map = trace.valid(left, content, 0);
     for &filter in Filter::ALL {
-        let Some(filtered) = filtered(filter, &map, &right, &luma, params) else { continue };
+        let Some(filtered) = stages.filtered(filter, &map, &right, &luma, params) else { continue };
         map = trace.stage(filter.stage(), filtered);
         if filter.gives_disparities() {
             map = trace.valid(map, content, 0);
@@ -164,13 +173,13 @@ fn follow(
     Ok((Matched { map, right, confidence, labels, unrounded, depth }, trace.times))
 }
 
-/// From the images, of which `luma` is that of the left one, to the winner of both views; and [`cost_table`].
-fn views(
-    left: &Image,
-    right: &Image,
+/// From the images, of which `luma` is that of the left one, to the winner of both views, and [`cost_table`]: stage by stage.
+pub(crate) fn views_of(
+    [left, right]: [&Image; 2],
     luma: &Plane<u8>,
     content: Option<&Content>,
     params: &Params,
+    stages: &mut dyn Stages,
     trace: &mut Trace<'_>,
 ) -> (Views, Vec<u8>) {
     let adaptive = params.adaptive_p2 && params.method == Method::Sgm;
@@ -184,8 +193,8 @@ fn views(
         trace.show("window_sums", || [&left, &right].map(|images| images.window_sums(params.block)));
     }
     let sides = trace.stage("descriptors", [left.descriptors(params), right.descriptors(params)]);
-    let table = trace.table(&sides, content, params);
-    let views = trace.winner(&sides, &table, penalties.as_ref(), Some(luma), params);
+    let table = trace.table(&sides, content, params, stages);
+    let views = stages.winner(&sides, &table, penalties.as_ref(), Some(luma), params, trace);
     if params.labels {
         trace.show("labels", || &views.labels);
         trace.show("energy", || {
@@ -199,12 +208,18 @@ fn views(
 /// What matches cost in the last round of [`rounds`], for a cost that has a table; else nothing. `content`: where the pair
 /// has it, `None` for everywhere.
 pub fn cost_table(sides: &[Descriptors; 2], content: Option<&Content>, params: &Params) -> Vec<u8> {
-    Trace::new(None).table(sides, content, params)
+    Trace::new(None).table(sides, content, params, &mut Definition)
 }
 
 impl Trace<'_> {
     /// [`cost_table`].
-    fn table(&mut self, sides: &[Descriptors; 2], content: Option<&Content>, params: &Params) -> Vec<u8> {
+    pub(crate) fn table(
+        &mut self,
+        sides: &[Descriptors; 2],
+        content: Option<&Content>,
+        params: &Params,
+        stages: &mut dyn Stages,
+    ) -> Vec<u8> {
         if !params.has_table() {
             return Vec::new();
         }
@@ -216,7 +231,8 @@ impl Trace<'_> {
         }
         let mut table = self.round(&pyramid[rounds[0].halvings as usize], None, 0);
         for (before, here) in rounds.iter().zip(&rounds[1..]) {
-            let views = self.winner(&pyramid[before.halvings as usize], &table, None, None, &before.params);
+            let sides = &pyramid[before.halvings as usize];
+            let views = stages.winner(sides, &table, None, None, &before.params, self);
             let content = content.map(|content| content.halved(before.halvings));
             let right = self.valid(views.right, content.as_ref(), 1);
             let mut map = self.valid(views.left, content.as_ref(), 0);
@@ -234,8 +250,8 @@ impl Trace<'_> {
         self.stage("mi_table", mi_table(&counts, (left.width * left.height) as u64))
     }
 
-    /// From what the cost compares to the winner of both views.
-    fn winner(
+    /// From what the cost compares to the winner of both views, stage by stage.
+    pub(crate) fn winner(
         &mut self,
         [left, right]: &[Descriptors; 2],
         table: &[u8],
@@ -278,9 +294,9 @@ impl Trace<'_> {
         &mut self,
         [left, right]: [&Image; 2],
         params: &Params,
-        infer: Inference<'_>,
+        stages: &mut dyn Stages,
     ) -> Result<(Views, Unrounded), Error> {
-        let disparities = infer(left, right, params, &mut |stage, values| {
+        let disparities = stages.infer(left, right, params, &mut |stage, values| {
             self.stage(stage, values);
         })?;
         let left = self.stage("round_disparities", round_disparities(&disparities, params.disparities as usize));

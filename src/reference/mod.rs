@@ -27,16 +27,18 @@ mod cost;
 mod energy;
 mod filters;
 mod images;
+mod needs;
 mod network;
 mod paths;
 mod plane;
+mod stages;
 mod trace;
 mod winner;
 
 pub use beliefs::coarse_cost::{LARGEST_TERM, coarse_cost};
 pub use beliefs::messages::{Messages, beliefs, messages, shares};
 #[cfg(feature = "cpu")]
-pub(crate) use chain::compute_by;
+pub(crate) use chain::{Definition, follow, views_of};
 pub use chain::{compute, compute_all, compute_timed, compute_traced, cost_table};
 pub use channels::{Images, images};
 pub use cost::cost_columns::{cost_columns, pixel_cost};
@@ -52,7 +54,8 @@ pub use images::halve::{Round, halve, rounds};
 pub use images::prefilter::prefilter;
 pub use images::rectify::rectify;
 pub use images::window_sums::window_sum;
-pub(crate) use network::{Inference, stage};
+pub use needs::ensure_memory;
+pub(crate) use network::{Report, stage};
 pub use network::{
     Values, average_pool, conv3d_transposed, convolution, cropped, disparity_regression, feature_volume, neighbours,
     network, network_input, operation, round_disparities, upsample,
@@ -60,6 +63,10 @@ pub use network::{
 pub use paths::penalties::penalties;
 pub use paths::sgm_aggregate::{Direction, aggregate_direction, sgm_aggregate};
 pub use plane::{Plane, Volume};
+#[cfg(feature = "cpu")]
+pub(crate) use stages::Stages;
+#[cfg(feature = "cpu")]
+pub(crate) use trace::{Bytes, Part, Trace};
 pub use winner::block_match::{block_match, block_sums};
 pub use winner::block_statistics::{BlockStatistics, block_statistics};
 pub use winner::mirror::{mirror, mirrored};

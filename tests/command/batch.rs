@@ -1,6 +1,6 @@
 //! `gpu-stereo batch` as a user meets it: lists, shares of them, several processes at once, what failed.
 //!
-//! On the CPU reference, so that no adapter is needed, but for one test of mixed pairs.
+//! On the CPU, so that no adapter is needed, but for one test of mixed pairs.
 
 use crate::support::{SHIFT, command, contents, is_one_line_error, refuses, run, stderr, stdout, succeeds, texture};
 use image::{DynamicImage, GrayImage, Luma};
@@ -106,7 +106,7 @@ fn a_list_gives_what_single_runs_give() {
         fs::write(at(list), text).unwrap();
         let output = succeeds(folder.path(), &of(&[list], &["-j", "3"]));
         assert!(maps(&folder) == expected, "{list}");
-        for words in ["CPU reference", "4 done, 0 failed, 0 there already", "written  maps"] {
+        for words in ["CPU with ", "4 done, 0 failed, 0 there already", "written  maps"] {
             assert!(stdout(&output).contains(words), "{}", stdout(&output));
         }
         assert!(stderr(&output).contains("4/4") && stderr(&output).contains("pairs a second"), "{}", stderr(&output));
@@ -396,7 +396,7 @@ fn failures_are_told_and_logged_and_the_log_is_a_list() {
     }
     let failures = told_of["failures"].take();
     let expected = json!({
-        "adapter": "CPU reference", "backend": "cpu", "driver": concat!("gpu-stereo ", env!("CARGO_PKG_VERSION")),
+        "adapter": crate::support::cpu(), "backend": "cpu", "driver": concat!("gpu-stereo ", env!("CARGO_PKG_VERSION")),
         "min_disparity": 0, "disparities": 16, "shard": null, "pairs": 5, "done": 2, "failed": 3, "skipped": 0,
         "seconds": 0, "pairs_per_second": 0, "peak_device_bytes": 0, "failures": null, "warnings": [], "output": "maps",
     });

@@ -1,6 +1,6 @@
 //! Calibrations of every kind, model and size: read as they are meant, or refused with an advice that leads on.
 //!
-//! Everything runs on the CPU reference, so that no adapter is needed.
+//! Everything runs on the CPU, so that no adapter is needed.
 
 use image::GrayImage;
 use std::fs;

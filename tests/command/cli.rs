@@ -1,6 +1,6 @@
 //! The command as a user meets it: the built program on small images, its files, its words and its exit codes.
 //!
-//! Everything runs on the CPU reference, so that no adapter is needed; where adapters matter the tests say so.
+//! Everything runs on the CPU, so that no adapter is needed; where adapters matter the tests say so.
 
 use crate::support::{
     SHIFT, command, contents, is_one_line_error, on, pair, refuses, run, scene, stderr, stdout, succeeds, texture,
@@ -98,8 +98,7 @@ fn without_outputs_the_default_files_are_written() {
     assert_eq!(stderr(&output), "");
     assert!(share_of(&read_kitti(&folder.path().join("disparity.png")), SHIFT as f32) > 0.7);
     assert!(image::open(folder.path().join("disparity_color.png")).is_ok());
-    for told in ["CPU reference", "48 x 30", "16 disparities, 0 to 15 px", " ms", "disparity.png, disparity_color.png"]
-    {
+    for told in ["CPU with ", "48 x 30", "16 disparities, 0 to 15 px", " ms", "disparity.png, disparity_color.png"] {
         assert!(stdout(&output).contains(told), "{told:?} is not in {}", stdout(&output));
     }
 }
@@ -625,7 +624,9 @@ fn a_failing_run_keeps_the_old_output() {
 #[test]
 fn options_that_contradict_each_other() {
     let folder = scene();
-    refuses(folder.path(), &on("left.png", "right.png", &["--check"]), &["--check", "--backend is cpu"]);
+    let reference = ["left.png", "right.png", "--disp", "16", "--backend", "reference"];
+    refuses(folder.path(), &[&reference[..], &["--check"]].concat(), &["--check", "--backend is reference"]);
+    refuses(folder.path(), &[&reference[..], &["--adapter", "0"]].concat(), &["--adapter", "--backend reference"]);
     refuses(folder.path(), &on("left.png", "right.png", &["--adapter", "0"]), &["--adapter", "--backend cpu"]);
     let shaders = ["--dump-shaders", "shaders"];
     refuses(folder.path(), &on("left.png", "right.png", &shaders), &["--dump-shaders", "--backend is cpu"]);
@@ -634,7 +635,7 @@ fn options_that_contradict_each_other() {
 
 // Studies.
 
-/// `sweep` or `compare` on the scene, with the reference.
+/// `sweep` or `compare` on the scene, without an adapter.
 fn study<'a>(name: &'a str, more: &[&'a str]) -> Vec<&'a str> {
     [&[name, "left.png", "right.png", "--backend", "cpu"], more].concat()
 }
@@ -1168,7 +1169,7 @@ fn an_unknown_adapter() {
 /// Vulkan is told of no driver, and nothing else gives adapters here.
 #[cfg(target_os = "linux")]
 #[test]
-fn without_any_adapter_the_reference_computes_and_says_so() {
+fn without_any_adapter_the_cpu_computes_and_says_so() {
     let folder = scene();
     let bare = |args: &[&str]| {
         let mut command = command(folder.path());
@@ -1176,7 +1177,6 @@ fn without_any_adapter_the_reference_computes_and_says_so() {
         command.args(["left.png", "right.png", "--disp", "16"]).args(args).output().unwrap()
     };
     is_one_line_error(&bare(&["--backend", "gpu"]), &["--backend is gpu", "no usable adapter"]);
-    is_one_line_error(&bare(&["--check"]), &["--check", "no usable adapter"]);
     is_one_line_error(&bare(&["--dump-shaders", "s"]), &["--dump-shaders", "no usable adapter"]);
     is_one_line_error(&bare(&["--adapter", "0"]), &["--adapter is \"0\"", "no adapter"]);
     assert_eq!(fs::read_dir(folder.path()).unwrap().count(), 2);
@@ -1184,8 +1184,16 @@ fn without_any_adapter_the_reference_computes_and_says_so() {
     let output = bare(&["-o", "auto.npy"]);
     assert_eq!(output.status.code(), Some(0));
     assert_eq!(stderr(&output).lines().count(), 1);
-    assert!(stderr(&output).contains("CPU reference"), "{}", stderr(&output));
-    succeeds(folder.path(), &on("left.png", "right.png", &["-o", "cpu.npy"]));
+    assert!(stderr(&output).contains("computing on the CPU"), "{}", stderr(&output));
+    assert!(stdout(&output).contains("adapter  CPU with "), "{}", stdout(&output));
+    for backend in ["cpu", "reference"] {
+        let map = format!("{backend}.npy");
+        succeeds(folder.path(), &["left.png", "right.png", "--disp", "16", "--backend", backend, "-o", &map]);
+    }
     let read = |name: &str| fs::read(folder.path().join(name)).unwrap();
-    assert!(read("auto.npy") == read("cpu.npy"));
+    assert!(read("auto.npy") == read("cpu.npy") && read("auto.npy") == read("reference.npy"));
+    // The comparison with the reference needs no adapter.
+    let output = bare(&["--check", "-q"]);
+    assert_eq!(output.status.code(), Some(0));
+    assert!(stdout(&output).contains("| matching_cost ") && stdout(&output).contains("| maps "), "{}", stdout(&output));
 }

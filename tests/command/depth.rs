@@ -1,7 +1,7 @@
 //! Depth and points of the command: the files, read by tests/command/depth.py and computed again from the disparities; calibrations
 //! of every kind; and those that are no calibration.
 //!
-//! Everything runs on the CPU reference, so that no adapter is needed.
+//! Everything runs on the CPU, so that no adapter is needed.
 
 use image::RgbImage;
 use std::fs;

@@ -1,7 +1,7 @@
 //! What the command takes for an image: turned ones, samples of 10 bits in 16, and files that are none or pretend to be
 //! huge.
 //!
-//! On the CPU reference, so that no adapter is needed.
+//! On the CPU, so that no adapter is needed.
 
 use crate::support::{contents, is_one_line_error, on, pair, refuses, scene, stderr, stdout, succeeds, texture};
 use image::codecs::{jpeg::JpegEncoder, png::PngEncoder, webp::WebPEncoder};

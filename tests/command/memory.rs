@@ -15,20 +15,22 @@ fn limited(kibibytes: u64, arguments: &str) -> Output {
 const PAIR: &str = "data/corridor/left.png data/corridor/right.png";
 
 #[test]
-fn the_reference_is_refused_before_it_allocates() {
+fn what_computes_without_an_adapter_is_refused_before_it_allocates() {
     // 400 x 300 pixels at 2000 disparities: five bytes each are 1.2 GB.
-    let arguments = format!("{PAIR} --disp 2000 --backend cpu --preset classic -o never-written.pfm");
-    let out = limited(600_000, &arguments);
-    let told = String::from_utf8_lossy(&out.stderr);
-    assert!(!out.status.success(), "{told}");
-    assert_eq!(told.lines().count(), 1, "{told}");
-    for part in ["the CPU reference of 400x300 pixels at 2000 disparities needs", "ulimit -v) leaves", "--disp", "crop"]
-    {
-        assert!(told.contains(part), "{told:?} does not say {part:?}");
+    for (backend, what) in [("cpu", "the native schedule"), ("reference", "the CPU reference")] {
+        let arguments = format!("{PAIR} --disp 2000 --backend {backend} --preset classic -o never-written.pfm");
+        let out = limited(600_000, &arguments);
+        let told = String::from_utf8_lossy(&out.stderr);
+        assert!(!out.status.success(), "{told}");
+        assert_eq!(told.lines().count(), 1, "{told}");
+        let first = format!("{what} of 400x300 pixels at 2000 disparities needs");
+        for part in [&first, "ulimit -v) leaves", "--disp", "crop"] {
+            assert!(told.contains(part), "{told:?} does not say {part:?}");
+        }
+        // The same range where there is room for a few disparities.
+        let out = limited(600_000, &format!("{PAIR} --disp 16 --backend {backend} --preset classic"));
+        assert!(out.status.success(), "{}", String::from_utf8_lossy(&out.stderr));
     }
-    // The same range where there is room for a few disparities.
-    let out = limited(600_000, &format!("{PAIR} --disp 16 --backend cpu --preset classic"));
-    assert!(out.status.success(), "{}", String::from_utf8_lossy(&out.stderr));
 }
 
 #[test]

@@ -1,7 +1,7 @@
 //! `gpu-stereo batch` and `video` after everything that can go wrong with a folder: changed images, killed processes, other
 //! runs at the same time, full disks, names and files that are in the way.
 //!
-//! On the CPU reference, so that no adapter is needed.
+//! On the CPU, so that no adapter is needed.
 
 use crate::support::{SHIFT, command, contents, is_one_line_error, refuses, run, stderr, succeeds, texture};
 use image::{GrayImage, Luma};

@@ -93,7 +93,14 @@ pub fn scene() -> TempDir {
     folder
 }
 
-/// A run of two images of [`scene`] on the reference.
+/// What `--json` names as adapter without one: the CPU with its instruction set.
+pub fn cpu() -> String {
+    let params = gpu_stereo::Params::sgm(1);
+    let matcher = gpu_stereo::cpu::CpuMatcher::new(1, 1, gpu_stereo::PixelFormat::Gray8, &params).unwrap();
+    format!("CPU with {}", matcher.instructions())
+}
+
+/// A run of two images of [`scene`] without an adapter.
 pub fn on<'a>(left: &'a str, right: &'a str, more: &[&'a str]) -> Vec<&'a str> {
     [&[left, right, "--disp", "16", "--backend", "cpu"], more].concat()
 }

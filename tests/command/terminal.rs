@@ -1,5 +1,5 @@
 //! What the command prints and refuses, whatever names it is given: no control character reaches stdout or
-//! stderr, each output is judged before any work, and a tip never misleads. On the CPU reference, so no adapter is needed.
+//! stderr, each output is judged before any work, and a tip never misleads. On the CPU, so no adapter is needed.
 
 use crate::support::{command, contents, is_one_line_error, refuses, run, scene, stderr, stdout, succeeds};
 use std::ffi::{OsStr, OsString};

@@ -1,6 +1,6 @@
 //! `gpu-stereo video` as a user meets it: many frames, their files, what is told of those that fail.
 //!
-//! On the CPU reference, so that no adapter is needed, but for one test of the stream.
+//! On the CPU, so that no adapter is needed, but for one test of the stream.
 
 use crate::support::{SHIFT, command, contents, is_one_line_error, refuses, run, stderr, stdout, succeeds, texture};
 use image::{GrayImage, Luma};
@@ -98,7 +98,7 @@ fn folders_give_what_single_runs_give() {
     }
     assert_eq!(names(&at("maps")).len(), 4 * formats.len() + 2);
     let told = stdout(&output);
-    for words in ["CPU reference", "size     49 x 31", "4 done, 0 failed, 0 there already", "written  maps"] {
+    for words in ["CPU with ", "size     49 x 31", "4 done, 0 failed, 0 there already", "written  maps"] {
         assert!(told.contains(words), "{told}");
     }
     assert!(stderr(&output).contains("4/4") && stderr(&output).contains("frames a second"), "{}", stderr(&output));
@@ -184,7 +184,7 @@ fn json_has_exactly_the_promised_fields() {
     let error = told["failures"][0]["error"].take();
     assert!(error.as_str().unwrap().contains("right/a_2.png"), "{error}");
     let expected = serde_json::json!({
-        "adapter": "CPU reference", "backend": "cpu", "driver": concat!("gpu-stereo ", env!("CARGO_PKG_VERSION")),
+        "adapter": crate::support::cpu(), "backend": "cpu", "driver": concat!("gpu-stereo ", env!("CARGO_PKG_VERSION")),
         "width": 49, "height": 31, "min_disparity": 0, "disparities": 16,
         "frames": 4, "done": 3, "failed": 1, "skipped": 0, "seconds": 0, "frames_per_second": 0,
         "peak_device_bytes": 0, "failures": [{"frame": "left/f2.png", "error": null}], "warnings": [], "output": "maps",

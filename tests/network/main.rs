@@ -2,9 +2,10 @@
 //! in the native schedule and on the device. The weights are made by formulas on both sides.
 #![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)]
 
+use gpu_stereo::cpu::CpuMatcher;
 use gpu_stereo::network::{Convolution, Tensor, Tensors};
 use gpu_stereo::reference::{self, Values};
-use gpu_stereo::{Architecture, Image, Matched, Network, Params, Pixels, StereoMatcher, cpu};
+use gpu_stereo::{Architecture, Image, Matched, Network, Params, Pixels, StereoMatcher};
 use serde_json::Value;
 use std::path::Path;
 
@@ -142,7 +143,10 @@ fn whole_networks(name: &str, compute: &dyn Fn(&Image, &Image, &Params) -> Match
 
 #[test]
 fn whole_networks_give_the_disparities_of_pytorch() {
-    whole_networks("native", &|left, right, params| cpu::compute(left, right, params).unwrap());
+    whole_networks("native", &|left, right, params| {
+        let matcher = CpuMatcher::new(left.width(), left.height(), left.format(), params).unwrap();
+        matcher.compute(left, right).unwrap()
+    });
 }
 
 #[test]

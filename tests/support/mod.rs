@@ -99,6 +99,36 @@ pub fn assert_equal(checks: &[StageCheck], adapter: &wgpu::Adapter, case: &dyn s
     }
 }
 
+/// Fails unless the native schedule gives `expected`, all maps of the reference.
+#[track_caller]
+pub fn assert_native(
+    left: &Image,
+    right: &Image,
+    params: &Params,
+    expected: &gpu_stereo::Matched,
+    case: &dyn std::fmt::Debug,
+) {
+    let matcher = gpu_stereo::cpu::CpuMatcher::new(left.width(), left.height(), left.format(), params).unwrap();
+    assert!(matcher.compute(left, right).unwrap() == *expected, "the native schedule differs, case {case:?}");
+}
+
+/// Fails with the first stage of the native schedule that differs from the reference.
+#[track_caller]
+pub fn check_native(left: &Image, right: &Image, params: &Params, case: &dyn std::fmt::Debug) {
+    let matcher = gpu_stereo::cpu::CpuMatcher::new(left.width(), left.height(), left.format(), params).unwrap();
+    for check in matcher.check(left, right).unwrap() {
+        assert!(check.elements > 0, "stage {} compared nothing", check.stage);
+        assert!(
+            check.mismatches == 0,
+            "stage {} of the native schedule: {} of {} elements differ from the reference, first {:?}, case {case:?}",
+            check.stage,
+            check.mismatches,
+            check.elements,
+            check.first
+        );
+    }
+}
+
 /// The costs that go with every method and block, and whose images are not matched in rounds: all but two.
 pub fn costs() -> Vec<&'static str> {
     let cost = Params::OPTIONS.iter().find(|option| option.name == "cost").unwrap();

@@ -57,7 +57,7 @@ pub struct BenchArgs {
     #[command(flatten)]
     pub device: DeviceArgs,
 
-    /// Run N frames for each map after one warm-up [default: 1 on an adapter; on the reference one, without warm-up]
+    /// Run N frames for each map after one warm-up [default: 1 on an adapter; on the CPU one, without warm-up]
     #[arg(long, value_name = "N", allow_negative_numbers = true, help_heading = OUTPUT)]
     pub repeat: Option<Whole>,
 

@@ -6,7 +6,8 @@ use clap::ValueEnum;
 /// Where to compute.
 #[derive(Clone, Debug, clap::Args)]
 pub struct DeviceArgs {
-    /// auto: the best GPU, else a CPU adapter, else the CPU reference; gpu: any adapter; cpu: the reference
+    /// auto: the best GPU, else the CPU; gpu: any adapter, a CPU adapter such as lavapipe, too; cpu: this program's schedule
+    /// for CPUs, without an adapter; reference: the definition, slow
     #[arg(long, value_enum, default_value_t = Backend::Auto, help_heading = DEVICE)]
     pub backend: Backend,
 
@@ -22,6 +23,20 @@ pub enum Backend {
     Auto,
     /// Any adapter, a CPU adapter such as lavapipe included
     Gpu,
-    /// The reference in plain Rust
+    /// The native schedule
     Cpu,
+    /// The reference in plain Rust
+    Reference,
+}
+
+impl Backend {
+    /// Whether it may compute on an adapter.
+    pub fn takes_adapters(self) -> bool {
+        matches!(self, Self::Auto | Self::Gpu)
+    }
+
+    /// Its name on the command line.
+    pub fn name(self) -> String {
+        self.to_possible_value().map(|value| value.get_name().to_owned()).unwrap_or_default()
+    }
 }

@@ -18,7 +18,7 @@ Examples:
   gpu-stereo left.png right.png --disp 128 --paths 8 --uniqueness 15 -o out.pfm -o out.npy
       writes the same map in two formats
   gpu-stereo left.png right.png --disp 64 --check
-      compares every stage on the adapter with the CPU reference, bit for bit
+      compares every stage with the CPU reference, bit for bit
   gpu-stereo left.png right.png --disp 64 --timings --repeat 20
       milliseconds a stage, median of 20 frames after one warm-up
   gpu-stereo left.png right.png --disp 64 --calib calib.txt --depth depth.png --points scene.ply

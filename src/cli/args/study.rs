@@ -61,7 +61,8 @@ pub struct StudyArgs {
     #[arg(long, value_name = "PX", allow_negative_numbers = true, help_heading = OUTPUT)]
     pub tile_width: Option<Whole>,
 
-    /// Run N frames for each map after one warm-up [default: 5 on an adapter; on the reference one, without warm-up]
+    /// Run N frames for each map after one warm-up [default: 5; one, without
+    /// warm-up, of what takes long on the CPU: bp, psmnet, --backend reference]
     #[arg(long, value_name = "N", allow_negative_numbers = true, help_heading = OUTPUT)]
     pub repeat: Option<Whole>,
 

@@ -21,7 +21,7 @@ use serde::Serialize;
 use sheet::{Order, Sheet, SheetPlan};
 use std::path::PathBuf;
 
-/// Frames per map on an adapter, after a warm-up. The reference computes one, since its time hardly matters.
+/// Frames per map after a warm-up. What takes long is computed once.
 const REPEAT: u32 = 5;
 const TILE_WIDTHS: std::ops::RangeInclusive<i64> = 16..=4096;
 
@@ -189,7 +189,7 @@ impl Study {
         doubts.iter().for_each(|doubt| warnings::warn(doubt));
         let evidence = diagnosis::evidence(&left, &right, &Params::sgm(1))?; // no variant rectifies
         let masks = images::reported(self.masks.read_for(&left)?);
-        let mut engine: Option<Engine> = None;
+        let (mut engine, mut names): (Option<Engine>, _) = (None, EngineNames::default());
         let mut sheet = None;
         let mut variants = Vec::new();
         let (first, last) = self.range();
@@ -202,7 +202,8 @@ impl Study {
             let params = &params;
             let context = || label.clone();
             let ready = Engine::again(&mut engine, &self.device, &left, params).with_context(context)?;
-            let repeat = self.repeat.or_else(|| (ready.device_bytes() > 0).then_some(REPEAT));
+            let repeat = self.repeat.or_else(|| ready.is_quick(params).then_some(REPEAT));
+            names.add(ready.names([params]));
             if sheet.is_none() {
                 sheet = Some(self.blank(ready, &left, repeat, (first, last))?);
             }
@@ -229,13 +230,13 @@ impl Study {
             progress.done(&format!("{}: {}", found.label, found.note()));
             variants.push(found);
         }
-        let (Some(engine), Some(sheet)) = (engine, sheet) else {
+        let Some(sheet) = sheet else {
             bail!("there is nothing to compute; give a setting");
         };
         outputs::write_sheet(&self.outputs, &sheet.finish())?;
         let outputs = self.outputs.iter().map(|output| output.path.clone()).collect();
         let (width, height, warnings) = (left.width(), left.height(), warnings::all());
-        Ok(StudyReport { names: engine.names(self.settings()), width, height, variants, warnings, outputs })
+        Ok(StudyReport { names, width, height, variants, warnings, outputs })
     }
 
     fn settings(&self) -> impl Iterator<Item = &Params> {

@@ -11,8 +11,12 @@ use std::path::PathBuf;
 
 /// The line on the adapter.
 pub fn adapter_line(names: &EngineNames) -> String {
-    let EngineNames { adapter, backend, driver } = names;
-    format!("adapter  {}\n", plain(&format!("{adapter} ({backend}, {driver})")))
+    let EngineNames { adapter, backend, driver, also } = names;
+    let mut text = format!("adapter  {}\n", plain(&format!("{adapter} ({backend}, {driver})")));
+    if let Some(also) = also {
+        text += &format!("         {} runs the shaders with --backend gpu\n", plain(also));
+    }
+    text
 }
 
 /// The line on the disparities searched.

@@ -92,12 +92,13 @@ pub fn choose(names: &[String], wanted: &str) -> Result<usize> {
 
 /// Checks that --adapter and --backend do not contradict each other and that the environment variables about adapters are valid.
 pub fn ensure_consistent(device: &DeviceArgs) -> Result<()> {
-    if device.backend != Backend::Cpu {
+    if device.backend.takes_adapters() {
         environment::ensure_known()?;
     }
     match &device.adapter {
-        Some(adapter) if device.backend == Backend::Cpu => {
-            bail!("--adapter is {adapter:?}, but --backend cpu uses none; drop one of the two")
+        Some(adapter) if !device.backend.takes_adapters() => {
+            let backend = device.backend.name();
+            bail!("--adapter is {adapter:?}, but --backend {backend} uses none; drop one of the two")
         }
         _ => Ok(()),
     }
@@ -105,7 +106,7 @@ pub fn ensure_consistent(device: &DeviceArgs) -> Result<()> {
 
 /// Checks that the adapter asked for exists, before long work begins.
 pub fn ensure_there(device: &DeviceArgs) -> Result<()> {
-    if device.backend == Backend::Cpu {
+    if !device.backend.takes_adapters() {
         return Ok(());
     }
     let names: Vec<_> = ranked()?.iter().map(|adapter| adapter.get_info().name).collect();

@@ -1,4 +1,4 @@
-//! What runs pairs: an adapter or the reference, one pair or many at a time, and the folder of their maps.
+//! What runs pairs: an adapter, the native schedule or the reference, one pair or many at a time, and the folder of their maps.
 
 pub mod adapter;
 pub mod compute;

@@ -11,4 +11,4 @@ mod run;
 mod tests;
 mod transposed;
 
-pub use run::{compute, compute_timed, disparities};
+pub use run::disparities;

@@ -6,29 +6,8 @@ use super::images::{average_pool, concat, input, upsample};
 use super::regression::disparity_regression;
 use super::transposed::transposed;
 use crate::network::{Convolution, Kind, Operation, Padded};
-use crate::reference::{Plane, compute_by, stage};
-use crate::{Error, Image, Matched, Network, Params, StageTime};
-
-/// What [`crate::reference::compute_all`] computes with the method [`crate::Method::Psmnet`], in a small part of its time: the
-/// network by matrix products in f32, all that follows it by the reference's stages. Other methods are the reference's.
-///
-/// # Errors
-/// As [`crate::reference::compute`].
-pub fn compute(left: &Image, right: &Image, params: &Params) -> Result<Matched, Error> {
-    Ok(compute_timed(left, right, params)?.0)
-}
-
-/// As [`compute`], with the time of each stage.
-///
-/// # Errors
-/// As [`compute`].
-pub fn compute_timed(left: &Image, right: &Image, params: &Params) -> Result<(Matched, Vec<StageTime>), Error> {
-    compute_by(left, right, params, &mut |left, right, params, report| {
-        let Some(network) = &params.network else { return Err(Error::Misuse("method psmnet needs a network".into())) };
-        let mut receive = |at: usize| report(stage(network.operations()[at].kind), None);
-        disparities(left, right, network, params, &mut receive)
-    })
-}
+use crate::reference::Plane;
+use crate::{Error, Image, Network, Params};
 
 /// Runs a network on a pair: the disparities of the left image in pixels. `receive` is called with the number of each
 /// operation when it is done.

@@ -1,8 +1,8 @@
 //! The comparison of what each kind of step writes with the reference.
 
 use crate::PixelFormat;
+use crate::check::StageCheck;
 use crate::gpu::check::expected::Expected;
-use crate::gpu::check::report::StageCheck;
 use crate::gpu::layout::Rows;
 use crate::gpu::maps::{confidence_of, depth_of, labels_of, map_of};
 use crate::gpu::recording::{Level, Written};

@@ -3,7 +3,4 @@
 mod compare;
 mod expected;
 mod network;
-mod report;
 mod run;
-
-pub use report::{Mismatch, StageCheck};

@@ -1,9 +1,9 @@
 //! The comparison of the operations of a network with the definition in doubles, computed from what the device made before.
 
 use crate::Network;
+use crate::check::StageCheck;
 use crate::gpu::check::compare::Comparison;
 use crate::gpu::check::expected::Made;
-use crate::gpu::check::report::StageCheck;
 use crate::gpu::layout::{Layers, Place};
 use crate::network::{Kind, Operation, Padded};
 use crate::reference::{self, Plane, Values};

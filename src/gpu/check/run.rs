@@ -1,8 +1,8 @@
 //! The check: runs the steps one by one, and compares what each left with the reference.
 
+use crate::check::StageCheck;
 use crate::gpu::check::compare::Comparison;
 use crate::gpu::check::expected::Expected;
-use crate::gpu::check::report::StageCheck;
 use crate::gpu::recording::{Step, Written, record_steps};
 use crate::gpu::{readback, scopes};
 use crate::reference::{self, Content};

@@ -14,7 +14,7 @@ use crate::gpu::readback::{self, Waiter};
 use crate::gpu::recording::{Level, Pool, Step, levels, rooms};
 use crate::gpu::scopes::{self, Verdict};
 use crate::gpu::uploads::Uploads;
-use crate::image::check_pair;
+use crate::image::check_made_for;
 use crate::{Error, Image, Params, PixelFormat};
 
 /// Matches pairs on the caller's device.
@@ -212,18 +212,7 @@ impl StereoMatcher {
 
     /// Whether a pair is what the matcher was made for.
     pub(crate) fn accepts(&self, left: &Image, right: &Image) -> Result<(), Error> {
-        check_pair(left, right)?;
-        let ((width, height), format) = (self.size(), self.format);
-        match [left, right].into_iter().find(|i| (i.width(), i.height(), i.format()) != (width, height, format)) {
-            None => Ok(()),
-            Some(image) => Err(Error::Image(format!(
-                "an image is {}x{} in {:?}, but the matcher was made for {width}x{height} in {format:?}; resize \
-                 it, or make another one",
-                image.width(),
-                image.height(),
-                image.format(),
-            ))),
-        }
+        check_made_for([left, right], self.size(), self.format)
     }
 
     /// Bytes of an image of the largest pair, in whole rows of its texture.

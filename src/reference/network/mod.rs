@@ -16,7 +16,7 @@ pub use input::network_input;
 pub use operation::operation;
 pub use pooling::average_pool;
 pub use regression::{disparity_regression, round_disparities};
-pub(crate) use run::{Inference, stage};
+pub(crate) use run::{Report, stage};
 pub use run::{cropped, network};
 pub use upsampling::{neighbours, upsample};
 pub use values::Values;

@@ -2,10 +2,8 @@ use crate::network::{Kind, Operation, Padded};
 use crate::reference::{Plane, Values, network_input, operation};
 use crate::{Error, Image, Network, Params};
 
-/// A way to run the network of the settings on a pair: the disparities of the left image in pixels. It reports the stage of
-/// each operation when that is done, with what it made if that is of f64.
-pub(crate) type Inference<'a> =
-    &'a mut dyn FnMut(&Image, &Image, &Params, &mut dyn FnMut(&str, Option<&Values>)) -> Result<Plane<f32>, Error>;
+/// Receives the stage of each operation when that is done, with what it made if that is of f64.
+pub(crate) type Report<'a> = &'a mut dyn FnMut(&str, Option<&Values>);
 
 /// The stage that an operation is part of.
 pub(crate) fn stage(kind: Kind) -> &'static str {

@@ -110,7 +110,7 @@ fn picture_tables(scenes: &[SceneReport]) -> Result<String> {
 /// Writes report.md and results.json.
 pub fn write_report(folder: &Path, found: &BenchReport) -> Result<()> {
     let mut text = String::from("# Scores of a data set\n\n");
-    let EngineNames { adapter, backend, driver } = &found.names;
+    let EngineNames { adapter, backend, driver, .. } = &found.names;
     writeln!(text, "{}\n", escaped(&format!("{adapter}, {backend} ({driver}).")))?;
     text += "Figures are defined in docs/EVALUATION.md; ms are of a frame: upload, kernels, readback. \"noc\" is without \
                  occluded pixels. \"pooled\" is over the pixels of all scenes together, the others are means of the scenes.\n";

@@ -133,7 +133,7 @@ impl<'a> Run<'a> {
 
     /// What was found before.
     fn keep(&mut self, task: &Task<'_>, kept: &Kept) -> Result<SceneReport> {
-        self.names.get_or_insert_with(|| kept.names.clone());
+        self.names.get_or_insert_default().add(kept.names.clone());
         kept.warnings.iter().for_each(|line| warnings::warn_by(line, |line| self.progress.message(line)));
         SceneReport::of_kept(task.scene, task.variant, kept)
     }
@@ -141,15 +141,15 @@ impl<'a> Run<'a> {
     /// Matches, scores and writes.
     fn compute(&mut self, task: &Task<'_>, inputs: &[KnownFile], loaded: &Loaded) -> Result<SceneReport> {
         let result = self.matched(task, loaded);
-        if let Some(engine) = &self.engine {
-            let settings = self.bench.variants.iter().map(|variant| &variant.params);
-            self.names.get_or_insert_with(|| engine.names(settings));
+        let names = self.engine.as_ref().map(|engine| engine.names([&task.variant.params]));
+        if let Some(names) = names.clone() {
+            self.names.get_or_insert_default().add(names);
         }
         let (params, map, report) = result?;
         loaded.warn(task.scene, task.variant, &params, &self.progress);
         let report = report.scored(loaded, &(&map).into())?;
         let outputs = self.write(task, &report, loaded, &map, &params).map_err(Unwritten)?;
-        let found = report.kept(self.names.clone().unwrap_or_default(), &warnings::all()[task.warned..]);
+        let found = report.kept(names.unwrap_or_default(), &warnings::all()[task.warned..]);
         let label = task.scene.label();
         let of = [&label, &task.variant.label, &task.key].map(String::as_str);
         self.log.keep(of, inputs, outputs, found).map_err(Unwritten)?;

@@ -164,7 +164,7 @@ impl Report {
             text += &check_table(check);
         }
         if !self.check_passed() {
-            message("check failed: the adapter and the CPU reference differ; no file was written");
+            message("check failed: the result differs from the CPU reference; no file was written");
         }
         terminal::print(&text)
     }

@@ -66,9 +66,11 @@ pub fn resolve(typed: SingleArgs) -> Result<Job> {
     args::report_unused(&[(given, &params)]);
     network::give(&typed.network, [&mut params])?;
     let needs_adapter = needs_adapter(&typed);
-    if let Some(what) = needs_adapter.filter(|_| typed.device.backend == Backend::Cpu) {
-        bail!("{what}, but --backend is cpu; use auto or gpu");
+    if let Some(what) = needs_adapter.filter(|_| !typed.device.backend.takes_adapters()) {
+        bail!("{what}, but --backend is {}; use gpu", typed.device.backend.name());
     }
+    let compares = !typed.check || typed.device.backend != Backend::Reference;
+    ensure!(compares, "--check compares with the reference, but --backend is reference; use auto, gpu or cpu");
     adapter::ensure_consistent(&typed.device)?;
     let repeat = typed.repeat.as_ref().map(args::repeat).transpose()?.or(typed.timings.then_some(1));
     let (Some(left), Some(right)) = (typed.left, typed.right) else {
@@ -136,11 +138,7 @@ pub fn resolve(typed: SingleArgs) -> Result<Job> {
 
 /// What of the run only an adapter can do.
 fn needs_adapter(typed: &SingleArgs) -> Option<&'static str> {
-    match (typed.check, &typed.dump_shaders) {
-        (true, _) => Some("--check compares an adapter with the CPU reference"),
-        (false, Some(_)) => Some("--dump-shaders writes the kernels that an adapter runs"),
-        (false, None) => None,
-    }
+    typed.dump_shaders.is_some().then_some("--dump-shaders writes the kernels that an adapter runs")
 }
 
 /// The cameras that the options name.

@@ -1,8 +1,8 @@
-//! Pairs in flight: a stream on the adapter for each pixel format, or the reference.
+//! Pairs in flight: a stream on the adapter for each pixel format, or one pair at a time on the CPU.
 
 use super::work::{MatchedPair, PairKind, Setup};
 use crate::engine::adapter::Opened;
-use crate::engine::compute::{self, Engine, EngineNames, OnAdapter};
+use crate::engine::compute::{Engine, EngineNames, OnAdapter, OnCpu};
 use anyhow::{Result, anyhow};
 use gpu_stereo::{Error, Image, Matched, Params, PixelFormat, StereoMatcher, StereoStream};
 use std::collections::VecDeque;
@@ -23,7 +23,7 @@ pub struct Flow {
 enum FlowEngine {
     Streams(Box<Streams>),
     /// With the result of the last pair.
-    Reference(Box<Params>, Option<Box<Matched>>),
+    Cpu(OnCpu, Option<Box<Matched>>),
 }
 
 /// A stream for each pixel format, so that kernels are compiled once. The last one is in use.
@@ -86,16 +86,15 @@ impl Flow {
     pub fn open(setup: &Setup<'_>, left: &Image) -> Result<Self> {
         let engine = Engine::open(setup.device, None, left, setup.params)?;
         let names = engine.names([setup.params]);
-        let params = setup.params.clone();
         let engine = match engine {
-            Engine::Reference => FlowEngine::Reference(Box::new(params), None),
+            Engine::Cpu(on) => FlowEngine::Cpu(on, None),
             Engine::Adapter(on) => {
                 let OnAdapter { opened, matcher } = *on;
                 let stream = StereoStream::new(matcher, setup.in_flight);
                 opened.fault()?;
                 let stream = stream?;
                 let peak_bytes = stream.matcher().device_bytes();
-                let in_flight = setup.in_flight;
+                let (params, in_flight) = (setup.params.clone(), setup.in_flight);
                 FlowEngine::Streams(Box::new(Streams { opened, all: vec![stream], params, in_flight, peak_bytes }))
             }
         };
@@ -112,7 +111,7 @@ impl Flow {
         }
         match &mut self.engine {
             FlowEngine::Streams(on) => on.fit(left, self.waiting.is_empty())?,
-            FlowEngine::Reference(params, _) => compute::ensure_reference(params, left)?,
+            FlowEngine::Cpu(on, _) => on.fit(left)?,
         }
         self.format = format;
         Ok(())
@@ -127,7 +126,7 @@ impl Flow {
     pub fn capacity(&self) -> usize {
         match &self.engine {
             FlowEngine::Streams(on) => on.in_flight,
-            FlowEngine::Reference(..) => 1,
+            FlowEngine::Cpu(..) => 1,
         }
     }
 
@@ -135,7 +134,7 @@ impl Flow {
     pub fn device_bytes(&self) -> u64 {
         match &self.engine {
             FlowEngine::Streams(on) => on.peak_bytes,
-            FlowEngine::Reference(..) => 0,
+            FlowEngine::Cpu(..) => 0,
         }
     }
 
@@ -147,9 +146,7 @@ impl Flow {
                 on.opened.fault()?;
                 pushed?.ok_or_else(|| anyhow!("the stream is full before its time"))?;
             }
-            FlowEngine::Reference(params, result) => {
-                *result = Some(Box::new(compute::without_adapter(&left, right, params)?.0));
-            }
+            FlowEngine::Cpu(on, result) => *result = Some(Box::new(on.compute(&left, right)?.0)),
         }
         self.waiting.push_back((place, left));
         Ok(())
@@ -163,7 +160,7 @@ impl Flow {
                 on.opened.fault()?;
                 frame.map(|frame| frame.result).transpose()?
             }
-            FlowEngine::Reference(_, result) => result.take().map(|matched| *matched),
+            FlowEngine::Cpu(_, result) => result.take().map(|matched| *matched),
         };
         let ended = || Error::Lost("the stream gave no result".into());
         let Some((place, left)) = self.waiting.pop_front() else { return Ok(None) };

@@ -1,4 +1,4 @@
-//! What a check reports.
+//! What a check reports: how far a schedule agrees with the reference.
 
 /// The first element of a stage that differs from the reference.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -13,7 +13,7 @@ pub struct Mismatch {
     pub d: Option<u32>,
     /// The value of the reference; of the stages of a network in millionths.
     pub expected: i64,
-    /// The value on the device, in the same unit.
+    /// The value of the schedule that is checked, in the same unit.
     pub got: i64,
 }
 
@@ -33,7 +33,7 @@ pub struct StageCheck {
 
 impl StageCheck {
     /// Compares one element of a stage that computes with floats.
-    pub(super) fn compare_close(&mut self, [x, y, d]: [usize; 3], expected: f64, got: f64, tolerance: f64) {
+    pub(crate) fn compare_close(&mut self, [x, y, d]: [usize; 3], expected: f64, got: f64, tolerance: f64) {
         self.elements += 1;
         if (expected - got).abs() <= tolerance {
             return;
@@ -46,7 +46,7 @@ impl StageCheck {
     }
 
     /// Compares one element.
-    pub(super) fn compare(&mut self, x: usize, y: usize, d: Option<usize>, expected: i64, got: i64) {
+    pub(crate) fn compare(&mut self, x: usize, y: usize, d: Option<usize>, expected: i64, got: i64) {
         self.elements += 1;
         if expected != got {
             self.mismatches += 1;

@@ -1,35 +1,26 @@
-//! The engine computes the maps of pairs of one size and format: on an adapter, or by the CPU reference.
+//! The engine computes the maps of pairs of one size and format: on an adapter, by the native schedule or by the reference.
 
-use super::adapter::{self, Opened};
-use super::environment;
+use super::names::EngineNames;
+use super::on_cpu::{self, OnCpu};
 use crate::args::{Backend, DeviceArgs};
+use crate::engine::adapter::{self, Opened};
+use crate::engine::environment;
 use crate::terminal::{message, plain, to_microseconds, watched};
 use anyhow::{Result, bail};
-use gpu_stereo::network::{Operation, Padded};
-use gpu_stereo::{Error, Image, Matched, Method, Params, StageCheck, StageTime, StereoMatcher, cpu, memory, reference};
-use serde::{Deserialize, Serialize};
+use gpu_stereo::wgpu::DeviceType;
+use gpu_stereo::{Error, Image, Matched, Method, Params, StageCheck, StageTime, StereoMatcher};
+use serde::Serialize;
 use std::time::Instant;
 
-/// An adapter with a matcher, or the CPU reference.
+/// An adapter with a matcher, or what computes without one.
 pub enum Engine {
     Adapter(Box<OnAdapter>),
-    Reference,
+    Cpu(OnCpu),
 }
 
 pub struct OnAdapter {
     pub opened: Opened,
     pub matcher: StereoMatcher,
-}
-
-/// The names of the adapter and its driver; `--json` prints them as they are.
-#[derive(Clone, Debug, Default, Serialize, Deserialize)]
-pub struct EngineNames {
-    /// The adapter's name.
-    pub adapter: String,
-    /// The graphics interface, or `cpu` for the reference.
-    pub backend: String,
-    /// The driver's name and version.
-    pub driver: String,
 }
 
 /// Frame times in milliseconds.
@@ -60,8 +51,10 @@ impl Engine {
     /// only an adapter can do.
     pub fn open(device: &DeviceArgs, needed_for: Option<&str>, image: &Image, params: &Params) -> Result<Self> {
         let (backend, wanted) = (device.backend, device.adapter.as_deref());
-        if backend == Backend::Cpu {
-            return Self::reference(image, params);
+        match backend {
+            Backend::Cpu => return Ok(Self::Cpu(OnCpu::native(image, params, None)?)),
+            Backend::Reference => return Ok(Self::Cpu(OnCpu::reference(image, params)?)),
+            Backend::Auto | Backend::Gpu => {}
         }
         let mut adapters = adapter::ranked()?;
         if let Some(wanted) = wanted {
@@ -69,13 +62,20 @@ impl Engine {
             adapters = vec![adapters.swap_remove(adapter::choose(&names, wanted)?)];
         }
         let only = adapters.len() == 1 && wanted.is_some();
+        let takes_all = backend == Backend::Gpu || wanted.is_some() || needed_for.is_some();
+        let mut passed = None;
         for adapter in &adapters {
+            let info = adapter.get_info();
+            if info.device_type == DeviceType::Cpu && !takes_all && !on_cpu_adapters(params.method) {
+                passed.get_or_insert(info.name);
+                continue;
+            }
             let opened = adapter::open(adapter).and_then(|opened| Self::on(opened, image, params));
             match opened {
                 Ok(engine) => return Ok(engine),
                 // An adapter that cannot run the kernels is skipped, and that is reported.
                 Err(error @ (Error::Adapter(_) | Error::Device(_))) if !only => {
-                    message(&format!("note: {}: {error}", plain(&adapter.get_info().name)));
+                    message(&format!("note: {}: {error}", plain(&info.name)));
                 }
                 Err(error) => return Err(error.into()),
             }
@@ -87,26 +87,34 @@ impl Engine {
         if let Some(what) = needed_for {
             bail!("{what}, but there is no usable adapter{why}; install a Vulkan driver");
         }
-        let by = if params.method == Method::Psmnet { "on the CPU" } else { "with the CPU reference" };
-        message(&format!("note: no usable GPU or CPU adapter{why}; computing {by}"));
-        Self::reference(image, params)
+        if adapters.is_empty() && !why.is_empty() {
+            message(&format!("note: there is no adapter{why}; computing on the CPU"));
+        }
+        Ok(Self::Cpu(OnCpu::native(image, params, passed)?))
     }
 
-    /// The engine in `kept` with other settings, or a new one if there is none; it stays in `kept`.
+    /// The engine in `kept` with other settings, or a new one if there is none or another one computes faster with these; it
+    /// stays in `kept`.
     pub fn again<'a>(
         kept: &'a mut Option<Self>,
         device: &DeviceArgs,
         image: &Image,
         params: &Params,
     ) -> Result<&'a Self> {
-        let engine = match kept.take() {
+        let by_method = device.backend == Backend::Auto && device.adapter.is_none();
+        let fits = |kept: &Self| match kept {
+            Self::Adapter(on) => on.opened.info.device_type != DeviceType::Cpu || on_cpu_adapters(params.method),
+            Self::Cpu(OnCpu::Native { adapter, .. }) => adapter.is_none() || !on_cpu_adapters(params.method),
+            Self::Cpu(OnCpu::Reference(_)) => true,
+        };
+        let engine = match kept.take().filter(|kept| !by_method || fits(kept)) {
             None => Self::open(device, None, image, params)?,
             Some(Self::Adapter(on)) => {
                 let OnAdapter { opened, matcher } = *on;
                 drop(matcher); // its memory goes to the next one
                 Self::on(opened, image, params)?
             }
-            Some(Self::Reference) => Self::reference(image, params)?,
+            Some(Self::Cpu(on)) => Self::Cpu(on.again(image, params)?),
         };
         Ok(kept.insert(engine))
     }
@@ -117,12 +125,6 @@ impl Engine {
         opened.fault()?;
         let matcher = matcher?;
         Ok(Self::Adapter(Box::new(OnAdapter { opened, matcher })))
-    }
-
-    /// The reference, if its volumes fit.
-    fn reference(image: &Image, params: &Params) -> Result<Self> {
-        ensure_reference(params, image)?;
-        Ok(Self::Reference)
     }
 
     /// `repeat` frames after a warm-up; `None`: the first frame is the only one. `show`: is told which share of a frame is
@@ -136,7 +138,7 @@ impl Engine {
         repeat: Option<u32>,
         show: &(dyn Fn(f64) + Sync),
     ) -> Result<Computed, Error> {
-        let compute = || with_progress(left, params, show, || self.compute(left, right, params, timed));
+        let compute = || with_progress(left, params, show, || self.compute(left, right, timed));
         let before_first = Instant::now();
         let (mut matched, stages) = compute()?;
         let first = Instant::now();
@@ -155,13 +157,7 @@ impl Engine {
         Ok(Computed { matched, first, times, stages: median_stages(stages) })
     }
 
-    fn compute(
-        &self,
-        left: &Image,
-        right: &Image,
-        params: &Params,
-        timed: bool,
-    ) -> Result<(Matched, Vec<StageTime>), Error> {
+    fn compute(&self, left: &Image, right: &Image, timed: bool) -> Result<(Matched, Vec<StageTime>), Error> {
         match self {
             Self::Adapter(on) => {
                 let OnAdapter { opened, matcher } = on.as_ref();
@@ -173,29 +169,22 @@ impl Engine {
                 opened.fault()?;
                 frame
             }
-            Self::Reference if timed => without_adapter(left, right, params),
-            Self::Reference => without_adapter(left, right, params).map(|(matched, _)| (matched, Vec::new())),
+            Self::Cpu(on) if timed => on.compute(left, right),
+            Self::Cpu(on) => on.compute(left, right).map(|(matched, _)| (matched, Vec::new())),
         }
     }
 
     /// Compares each stage with the reference.
     pub fn check(&self, left: &Image, right: &Image, params: &Params) -> Result<Vec<StageCheck>> {
-        // Column sums of four bytes, the cost, every direction, and an aggregate of two bytes.
-        let more = match params.method {
-            Method::Sgm => params.paths.count().into(),
-            Method::Bp => BELIEF_BYTES,
-            Method::Psmnet => 1, // doubles
-            _ => 0,
-        };
-        ensure_memory("the reference that --check compares with", params, left, 7 + more)?;
         match self {
             Self::Adapter(on) => {
+                on_cpu::ensure_check(left, params, 0)?;
                 let OnAdapter { opened, matcher } = on.as_ref();
                 let stages = matcher.check_blocking(left, right);
                 opened.fault()?;
                 Ok(stages?)
             }
-            Self::Reference => Ok(Vec::new()), // refused before: there is nothing to compare
+            Self::Cpu(on) => on.check(left, right),
         }
     }
 
@@ -203,34 +192,43 @@ impl Engine {
     pub fn shaders(&self) -> Vec<(String, &str)> {
         match self {
             Self::Adapter(on) => on.matcher.shaders(),
-            Self::Reference => Vec::new(), // refused before: there are none
+            Self::Cpu(_) => Vec::new(), // refused before: there are none
         }
     }
 
-    /// The names of the adapter and its driver. Without one networks are computed by the CPU, all else by the reference.
+    /// The names of the adapter and its driver, or of what computes without one.
     pub fn names<'a>(&self, settings: impl IntoIterator<Item = &'a Params>) -> EngineNames {
         match self {
             Self::Adapter(on) => {
                 let info = &on.opened.info;
                 let (adapter, backend) = (info.name.clone(), info.backend.to_string());
-                EngineNames { adapter, backend, driver: adapter::driver(info) }
+                EngineNames { adapter, backend, driver: adapter::driver(info), also: None }
             }
-            Self::Reference => {
-                let version = concat!("gpu-stereo ", env!("CARGO_PKG_VERSION"));
-                let by_networks = settings.into_iter().all(|params| params.method == Method::Psmnet);
-                let adapter = if by_networks { "CPU" } else { "CPU reference" };
-                EngineNames { adapter: adapter.into(), backend: "cpu".into(), driver: version.into() }
-            }
+            Self::Cpu(on) => on.names(settings),
         }
     }
 
-    /// Bytes in use on the device, 0 for the reference.
+    /// Whether frames are usually timed by several of them: where one takes little time, and the first more than others.
+    pub fn is_quick(&self, params: &Params) -> bool {
+        match self {
+            Self::Adapter(_) => true,
+            Self::Cpu(on) => on.is_quick(params),
+        }
+    }
+
+    /// Bytes in use on the device, 0 without one.
     pub fn device_bytes(&self) -> u64 {
         match self {
             Self::Adapter(on) => on.matcher.device_bytes(),
-            Self::Reference => 0,
+            Self::Cpu(_) => 0,
         }
     }
+}
+
+/// Whether `--backend auto` takes a CPU adapter, where there is no GPU: for methods that the native schedule computes as slowly as
+/// the reference does.
+fn on_cpu_adapters(method: Method) -> bool {
+    matches!(method, Method::Bp)
 }
 
 /// Does `work`, and tells `show` meanwhile how far a network is.
@@ -240,57 +238,6 @@ fn with_progress<T>(image: &Image, params: &Params, show: &(dyn Fn(f64) + Sync),
     let before = network.done();
     watched(|| network.done().saturating_sub(before) as f64 / all as f64, show, work)
 }
-
-/// What the CPU computes without an adapter: a network by matrix products, all else by the reference.
-pub fn without_adapter(left: &Image, right: &Image, params: &Params) -> Result<(Matched, Vec<StageTime>), Error> {
-    match params.method {
-        Method::Psmnet => cpu::compute_timed(left, right, params),
-        _ => reference::compute_timed(left, right, params),
-    }
-}
-
-/// Refuses images for which the reference has too little memory, and images of another size than their masks.
-pub fn ensure_reference(params: &Params, image: &Image) -> Result<()> {
-    params.accepts(image.width(), image.height())?;
-    // At the peak: column sums of four bytes, and with sgm the costs of one that are made of them; with bp messages; with a
-    // network floats of four.
-    let (what, bytes) = match params.method {
-        Method::Sgm => ("the CPU reference", 5),
-        Method::Bp => ("the CPU reference", BELIEF_BYTES),
-        Method::Psmnet => ("the network on the CPU", 4),
-        _ => ("the CPU reference", 4),
-    };
-    ensure_memory(what, params, image, bytes)
-}
-
-/// Refuses what the host's memory cannot hold: cost volumes of `bytes` per pixel and disparity, or of a network as many for each
-/// value that is needed at once, and what the reference keeps per pixel. Otherwise the system would kill the process without a
-/// message, or a failed allocation would abort it.
-fn ensure_memory(what: &str, params: &Params, image: &Image, bytes: u64) -> Result<()> {
-    if !params.memory_check {
-        return Ok(());
-    }
-    let (width, height) = (u64::from(image.width()), u64::from(image.height()));
-    let columns = width + u64::from(params.block) - 1;
-    let values = match &params.network {
-        Some(network) => {
-            let padded = Padded::new(image.width(), image.height(), params.disparities);
-            Operation::peak(network.operations(), &padded)
-        }
-        None => columns * height * u64::from(params.disparities),
-    };
-    let needed = bytes * values + PIXEL_BYTES * width * height;
-    let what = format!("{what} of {width}x{height} pixels at {} disparities", params.disparities);
-    memory::ensure(&what, needed)?;
-    Ok(())
-}
-
-/// About the bytes per pixel and disparity that belief propagation takes in the reference: the cost, four messages of each level,
-/// data terms of two bytes of the coarse ones, and what half of the pixels send at a time.
-const BELIEF_BYTES: u64 = 12;
-
-/// About the bytes per pixel that the images, planes and maps of the reference take.
-const PIXEL_BYTES: u64 = 36;
 
 fn milliseconds(since: Instant) -> f64 {
     since.elapsed().as_secs_f64() * 1e3

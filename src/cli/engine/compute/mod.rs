@@ -1,0 +1,9 @@
+//! What computes the maps of pairs: an adapter, the native schedule or the reference.
+
+mod engine;
+mod names;
+mod on_cpu;
+
+pub use engine::{Computed, Engine, FrameMs, OnAdapter};
+pub use names::EngineNames;
+pub use on_cpu::OnCpu;

@@ -1,0 +1,116 @@
+//! What computes without an adapter: the native schedule, or the reference.
+
+use super::names::EngineNames;
+use anyhow::Result;
+use gpu_stereo::cpu::CpuMatcher;
+use gpu_stereo::{Error, Image, Matched, Method, Params, StageCheck, StageTime, reference};
+
+/// Bytes for each pixel and disparity that the native schedule keeps for a comparison: the cost and the aggregate.
+const KEPT_BYTES: u64 = 3;
+
+/// A schedule for the CPU, made for pairs of one size and format.
+pub enum OnCpu {
+    /// The native schedule.
+    Native {
+        /// It.
+        matcher: Box<CpuMatcher>,
+        /// A CPU adapter that is there, too.
+        adapter: Option<String>,
+    },
+    /// The definition.
+    Reference(Box<Params>),
+}
+
+impl OnCpu {
+    /// The native schedule for pairs that are as `image` is, if the memory that is left holds them.
+    pub fn native(image: &Image, params: &Params, adapter: Option<String>) -> Result<Self, Error> {
+        let matcher = CpuMatcher::new(image.width(), image.height(), image.format(), params)?;
+        Ok(Self::Native { matcher: Box::new(matcher), adapter })
+    }
+
+    /// The reference for pairs that are as `image` is, if the memory that is left holds them.
+    pub fn reference(image: &Image, params: &Params) -> Result<Self, Error> {
+        params.accepts(image.width(), image.height())?;
+        reference::ensure_memory("the CPU reference", [image.width(), image.height()], params, 0)?;
+        Ok(Self::Reference(Box::new(params.clone())))
+    }
+
+    /// The same for pairs that are as `image` is, with other settings.
+    pub fn again(&self, image: &Image, params: &Params) -> Result<Self, Error> {
+        match self {
+            Self::Native { adapter, .. } => Self::native(image, params, adapter.clone()),
+            Self::Reference(_) => Self::reference(image, params),
+        }
+    }
+
+    /// The same for pairs that are as `image` is, with the settings that it has.
+    pub fn fit(&mut self, image: &Image) -> Result<(), Error> {
+        let (width, height) = (image.width(), image.height());
+        let params = match self {
+            Self::Native { matcher, .. } if matcher.format() == image.format() => return matcher.resize(width, height),
+            Self::Native { matcher, .. } => matcher.params().clone(),
+            Self::Reference(params) => params.as_ref().clone(),
+        };
+        *self = self.again(image, &params)?;
+        Ok(())
+    }
+
+    /// The maps of a pair, with the time of each stage.
+    pub fn compute(&self, left: &Image, right: &Image) -> Result<(Matched, Vec<StageTime>), Error> {
+        match self {
+            Self::Native { matcher, .. } => matcher.compute_timed(left, right),
+            Self::Reference(params) => reference::compute_timed(left, right, params),
+        }
+    }
+
+    /// Compares each stage with the reference.
+    pub fn check(&self, left: &Image, right: &Image) -> Result<Vec<StageCheck>> {
+        match self {
+            Self::Native { matcher, .. } => {
+                ensure_check(left, matcher.params(), KEPT_BYTES)?;
+                Ok(matcher.check(left, right)?)
+            }
+            Self::Reference(_) => Ok(Vec::new()), // refused before: there is nothing to compare
+        }
+    }
+
+    /// What it is called. Networks and belief propagation have no instruction set to choose.
+    pub fn names<'a>(&self, settings: impl IntoIterator<Item = &'a Params>) -> EngineNames {
+        let driver = concat!("gpu-stereo ", env!("CARGO_PKG_VERSION")).to_owned();
+        let (adapter, backend) = match self {
+            Self::Native { matcher, .. } if settings.into_iter().any(|params| has_own_stages(params.method)) => {
+                (format!("CPU with {}", matcher.instructions()), "cpu")
+            }
+            Self::Native { .. } => ("CPU".into(), "cpu"),
+            Self::Reference(_) => ("CPU reference".into(), "reference"),
+        };
+        let also = match self {
+            Self::Native { adapter, .. } => adapter.clone(),
+            Self::Reference(_) => None,
+        };
+        EngineNames { adapter, backend: backend.into(), driver, also }
+    }
+
+    /// Whether a frame takes so little time that it is usually computed several times.
+    pub fn is_quick(&self, params: &Params) -> bool {
+        matches!(self, Self::Native { .. }) && has_own_stages(params.method)
+    }
+}
+
+/// Whether the native schedule computes the stages of a method by functions that are compiled for several instruction sets.
+fn has_own_stages(method: Method) -> bool {
+    matches!(method, Method::Sgm | Method::Bm)
+}
+
+/// Refuses a comparison with the reference for which less memory is left than it takes: every path and the aggregate, and what
+/// the other schedule keeps.
+pub fn ensure_check(image: &Image, params: &Params, kept: u64) -> Result<(), Error> {
+    let more = match params.method {
+        Method::Sgm => 2 + u64::from(params.paths.count()),
+        Method::Bp => 7,
+        Method::Psmnet => 4, // doubles
+        _ => 3,
+    };
+    let size = [image.width(), image.height()];
+    reference::ensure_memory("the reference that --check compares with", size, params, more + kept)
+}

@@ -1,0 +1,156 @@
+use crate::{DisparityMap, Fill, Params};
+use rayon::prelude::*;
+
+const INVALID: i16 = DisparityMap::INVALID;
+
+/// [`crate::reference::fill`]: the nearest values along rays are carried from pixel to pixel.
+pub(super) fn fill(map: &DisparityMap, right: &DisparityMap, params: &Params) -> DisparityMap {
+    let mut map = map.clone();
+    let width = map.width as usize;
+    match params.fill {
+        Fill::None => return map,
+        Fill::Background => {}
+        Fill::Rays => {
+            map.data.par_chunks_mut(width).zip(right.data.par_chunks(width)).for_each(|(row, right)| {
+                let mismatches = mismatches(right, params);
+                fill_row(row, |x| !mismatches[x]);
+            });
+            along_rays(&mut map, |_, _, values| median(values));
+        }
+        Fill::Hirschmuller => {
+            let mismatches: Vec<bool> =
+                right.data.par_chunks(width).flat_map_iter(|row| mismatches(row, params)).collect();
+            along_rays(
+                &mut map,
+                |x, y, values| {
+                    if mismatches[y * width + x] { median(values) } else { second_lowest(values) }
+                },
+            );
+        }
+    }
+    map.data.par_chunks_mut(width).for_each(|row| fill_row(row, |_| true));
+    fill_columns(&mut map);
+    map
+}
+
+/// Which pixels of a row are mismatches, from that row of the right view.
+fn mismatches(right: &[i16], params: &Params) -> Vec<bool> {
+    let width = right.len() as i64;
+    let most = i64::from(params.lr_check.unwrap_or(1));
+    let (first, last) = (i64::from(params.min_disparity), i64::from(params.disparities) - 1);
+    // How many right pixels are seen from a column, as differences from column to column.
+    let mut steps = vec![0i32; right.len() + 1];
+    for (u, &seen) in (0..).zip(right) {
+        if seen != INVALID {
+            let x = u + i64::from(seen >> 4);
+            let from = (x - most).max(u + first).max(0);
+            let end = (x + most).min(u + first + last).min(width - 1) + 1;
+            if from < end {
+                steps[from as usize] += 1;
+                steps[end as usize] -= 1;
+            }
+        }
+    }
+    let mut count = 0;
+    let step = |step: &i32| {
+        count += step;
+        count > 0
+    };
+    steps[..right.len()].iter().map(step).collect()
+}
+
+/// The smaller one of two values, of which either may be invalid.
+fn farther(a: i16, b: i16) -> i16 {
+    if a == INVALID || b == INVALID { a.max(b) } else { a.min(b) }
+}
+
+/// Fills the invalid pixels of a row that are `wanted` with the farther one of the two nearest values.
+fn fill_row(row: &mut [i16], wanted: impl Fn(usize) -> bool) {
+    let (mut x, mut before) = (0, INVALID);
+    while x < row.len() {
+        if row[x] != INVALID {
+            before = row[x];
+            x += 1;
+            continue;
+        }
+        let end = row[x..].iter().position(|&value| value != INVALID).map_or(row.len(), |count| x + count);
+        let value = farther(before, row.get(end).copied().unwrap_or(INVALID));
+        for (x, to) in (x..).zip(&mut row[x..end]) {
+            *to = if wanted(x) { value } else { INVALID };
+        }
+        x = end;
+    }
+}
+
+/// Rows without a value take the farther one of the nearest rows on either side.
+fn fill_columns(map: &mut DisparityMap) {
+    let (width, height) = (map.width as usize, map.height as usize);
+    // A row has values everywhere or nowhere.
+    let has: Vec<bool> = map.data.chunks_exact(width).map(|row| row[0] != INVALID).collect();
+    for y in (0..height).filter(|&y| !has[y]) {
+        let above = (0..y).rev().find(|&y| has[y]);
+        let below = (y + 1..height).find(|&y| has[y]);
+        for x in 0..width {
+            let value = |y: Option<usize>| y.map_or(INVALID, |y| map.data[y * width + x]);
+            map.data[y * width + x] = farther(value(above), value(below));
+        }
+    }
+}
+
+/// Of each pixel the nearest values in rows before it, of three directions: straight, from the left and from the right.
+type Carried = [Vec<i16>; 3];
+
+/// The nearest values above, or with `upwards` below.
+fn carried(data: &[i16], width: usize, upwards: bool) -> Carried {
+    let height = data.len() / width;
+    let mut all: Carried = std::array::from_fn(|_| vec![INVALID; data.len()]);
+    let mut last: Carried = std::array::from_fn(|_| vec![INVALID; width]);
+    let at = |n: usize| if upwards { height - 1 - n } else { n } * width;
+    for n in 1..height {
+        let values = &data[at(n - 1)..][..width];
+        for ((all, last), (to, from)) in all.iter_mut().zip(&mut last).zip([(0, 0), (1, 0), (0, 1)]) {
+            let row = &mut all[at(n)..][..width];
+            let before = values[from..].iter().zip(&last[from..]);
+            for (to, (&value, &carried)) in row[to..].iter_mut().zip(before) {
+                *to = if value == INVALID { carried } else { value };
+            }
+            last.copy_from_slice(row);
+        }
+    }
+    all
+}
+
+/// Fills invalid pixels by `value` of the column, the row and the nearest values along eight rays in ascending order.
+fn along_rays(map: &mut DisparityMap, value: impl Fn(usize, usize, &[i16]) -> i16 + Sync) {
+    let width = map.width as usize;
+    let (above, below) = rayon::join(|| carried(&map.data, width, false), || carried(&map.data, width, true));
+    map.data.par_chunks_mut(width).enumerate().for_each(|(y, row)| {
+        let (mut x, mut before) = (0, INVALID);
+        while x < row.len() {
+            if row[x] != INVALID {
+                before = row[x];
+                x += 1;
+                continue;
+            }
+            let end = row[x..].iter().position(|&value| value != INVALID).map_or(row.len(), |count| x + count);
+            let after = row.get(end).copied().unwrap_or(INVALID);
+            for (x, to) in (x..).zip(&mut row[x..end]) {
+                let [[a, b, c], [d, e, f]] = [&above, &below].map(|of| of.each_ref().map(|of| of[y * width + x]));
+                let mut values = [before, after, a, b, c, d, e, f];
+                values.sort_unstable();
+                let valid = values.iter().take_while(|&&value| value == INVALID).count();
+                *to = value(x, y, &values[valid..]);
+            }
+            x = end;
+        }
+    });
+}
+
+fn second_lowest(values: &[i16]) -> i16 {
+    values.get(1).or(values.first()).copied().unwrap_or(INVALID)
+}
+
+/// The lower one of an even number.
+fn median(values: &[i16]) -> i16 {
+    values.get(values.len().saturating_sub(1) / 2).copied().unwrap_or(INVALID)
+}

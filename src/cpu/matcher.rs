@@ -1,0 +1,141 @@
+//! The matcher without a device.
+
+use crate::check::StageCheck;
+use crate::cpu::chain::Native;
+use crate::cpu::check;
+use crate::cpu::instructions::Instructions;
+use crate::image::check_made_for;
+use crate::reference::{ensure_memory, follow};
+use crate::{Error, Image, Matched, Method, Params, PixelFormat, StageTime};
+
+/// Matches pairs on the CPU, by the native schedule: the same results as [`crate::reference::compute_all`], to the bit, in a
+/// small part of its time; those of a network within the tolerance of docs/NETWORKS.md. It works on the threads of rayon's
+/// pool that it is called in.
+///
+/// ```
+/// use gpu_stereo::cpu::CpuMatcher;
+/// use gpu_stereo::{Image, Params, PixelFormat, Pixels};
+///
+/// let texture = |x: u32, y: u32| (x * x * 31 + x * y * 17 + y * 7) as u8;
+/// let view = |shift| (0..32 * 8).map(|i| texture(i % 32 + shift, i / 32)).collect();
+/// let left = Image::new(32, 8, Pixels::Gray8(view(0)))?;
+/// let right = Image::new(32, 8, Pixels::Gray8(view(3)))?; // shows 3 pixels to the left what the left image shows
+///
+/// let matcher = CpuMatcher::new(32, 8, PixelFormat::Gray8, &Params::sgm(16))?; // once
+/// let matched = matcher.compute(&left, &right)?; // for each pair
+/// assert_eq!(matched.map.get(20, 4), Some(3.0));
+/// # Ok::<(), gpu_stereo::Error>(())
+/// ```
+#[derive(Debug)]
+pub struct CpuMatcher {
+    size: [u32; 2],
+    format: PixelFormat,
+    params: Params,
+    instructions: Instructions,
+}
+
+impl CpuMatcher {
+    /// A matcher for pairs of `width` x `height` pixels in `format`.
+    ///
+    /// # Errors
+    /// [`Error::Parameter`] as [`Params::validate`]; [`Error::Image`] if the size is not that of the masks or of the
+    /// rectification; [`Error::Memory`] if the memory that is left does not hold the pair ([`Params::memory_check`]).
+    pub fn new(width: u32, height: u32, format: PixelFormat, params: &Params) -> Result<Self, Error> {
+        params.validate()?;
+        params.accepts(width, height)?;
+        let what = match params.method {
+            Method::Sgm | Method::Bm => "the native schedule",
+            Method::Bp => "belief propagation on the CPU",
+            Method::Psmnet => "the network on the CPU",
+        };
+        ensure_memory(what, [width, height], params, 0)?;
+        let instructions = Instructions::best()?;
+        Ok(Self { size: [width, height], format, params: params.clone(), instructions })
+    }
+
+    /// Makes the matcher fit for pairs of another size. If it fails, the matcher stays as it was.
+    ///
+    /// # Errors
+    /// As [`CpuMatcher::new`].
+    pub fn resize(&mut self, width: u32, height: u32) -> Result<(), Error> {
+        *self = Self::new(width, height, self.format, &self.params)?;
+        Ok(())
+    }
+
+    /// Goes on with other settings. If it fails, the matcher stays as it was.
+    ///
+    /// # Errors
+    /// As [`CpuMatcher::new`].
+    pub fn set_params(&mut self, params: &Params) -> Result<(), Error> {
+        *self = Self::new(self.size[0], self.size[1], self.format, params)?;
+        Ok(())
+    }
+
+    /// The settings.
+    pub fn params(&self) -> &Params {
+        &self.params
+    }
+
+    /// Columns and rows of the pairs.
+    pub fn size(&self) -> (u32, u32) {
+        self.size.into()
+    }
+
+    /// The samples of the pairs.
+    pub fn format(&self) -> PixelFormat {
+        self.format
+    }
+
+    /// The instruction set that it computes with: `AVX-512`, `AVX2`, `NEON`, or `plain` for what the program is compiled for. It
+    /// is the best one of the machine; the environment variable `GPU_STEREO_INSTRUCTIONS` may ask for a lesser one.
+    pub fn instructions(&self) -> &'static str {
+        self.instructions.name()
+    }
+
+    /// Computes the maps of a pair.
+    ///
+    /// # Errors
+    /// [`Error::Image`] if a size or a format is not the matcher's; [`Error::Network`] if a network lacks weights.
+    pub fn compute(&self, left: &Image, right: &Image) -> Result<Matched, Error> {
+        Ok(self.compute_timed(left, right)?.0)
+    }
+
+    /// As [`CpuMatcher::compute`], with the time of each stage. Stages that are computed together are one row, named by the last of
+    /// them.
+    ///
+    /// # Errors
+    /// As [`CpuMatcher::compute`].
+    pub fn compute_timed(&self, left: &Image, right: &Image) -> Result<(Matched, Vec<StageTime>), Error> {
+        self.accepts(left, right)?;
+        follow(left, right, &self.params, None, &mut Native::new(self.instructions))
+    }
+
+    /// Computes a pair and compares what each stage made with the reference, number by number. What stages of a network made is
+    /// not compared; what follows them starts from the disparities that they gave.
+    ///
+    /// It takes the memory of the reference, a byte a pixel and disparity for the cost, two for the aggregate and four for the
+    /// column sums, and once more that of the stages that are compared.
+    ///
+    /// # Errors
+    /// As [`CpuMatcher::compute`].
+    pub fn check(&self, left: &Image, right: &Image) -> Result<Vec<StageCheck>, Error> {
+        self.check_with(left, right, |_, _| {})
+    }
+
+    /// As [`CpuMatcher::check`], with a chance to spoil the bytes that a stage made: the test of the test.
+    #[doc(hidden)]
+    pub fn check_with(
+        &self,
+        left: &Image,
+        right: &Image,
+        mut spoil: impl FnMut(&str, &mut [u8]),
+    ) -> Result<Vec<StageCheck>, Error> {
+        self.accepts(left, right)?;
+        check::check(left, right, &self.params, self.instructions, &mut spoil)
+    }
+
+    /// Whether a pair is what the matcher was made for.
+    fn accepts(&self, left: &Image, right: &Image) -> Result<(), Error> {
+        check_made_for([left, right], self.size(), self.format)
+    }
+}
