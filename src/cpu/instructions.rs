@@ -3,13 +3,29 @@
 //! The code is plain Rust in the form that the compiler vectorises, and is compiled once for each set. The crate
 //! `fearless_simd` tells which sets the machine has and compiles a function for each of them.
 
-#[cfg(any(target_arch = "x86_64", target_arch = "aarch64"))]
 use fearless_simd::{Level, Simd};
 
 use crate::Error;
 
 /// The environment variable that chooses the set: one of the words of [`Instructions::word`].
 pub const VARIABLE: &str = "GPU_STEREO_INSTRUCTIONS";
+
+/// The vectors of what the program is compiled for.
+#[cfg(target_arch = "x86_64")]
+type Base = fearless_simd::Sse2;
+#[cfg(target_arch = "aarch64")]
+type Base = fearless_simd::Neon;
+#[cfg(not(any(target_arch = "x86_64", target_arch = "aarch64")))]
+type Base = fearless_simd::Fallback;
+
+/// Code that is written once, with vectors of the crate `fearless_simd`, for every set.
+pub trait Kernel {
+    /// What it returns.
+    type Output;
+
+    /// Runs it with the vectors of a set. Implement it with `#[inline(always)]`.
+    fn run<V: Simd>(self, simd: V) -> Self::Output;
+}
 
 /// An instruction set that this machine has.
 #[derive(Clone, Copy, Debug)]
@@ -20,7 +36,7 @@ pub struct Instructions {
 #[derive(Clone, Copy, Debug)]
 enum Set {
     /// What the program is compiled for: on x86-64 SSE2.
-    Plain,
+    Plain(Base),
     #[cfg(target_arch = "x86_64")]
     Avx2(fearless_simd::Avx2),
     #[cfg(target_arch = "x86_64")]
@@ -56,7 +72,7 @@ impl Instructions {
     /// All sets of this machine, the best one last.
     pub fn all() -> Vec<Self> {
         let sets = [
-            Some(Set::Plain),
+            base(),
             #[cfg(target_arch = "x86_64")]
             Level::new().as_avx2().map(Set::Avx2),
             #[cfg(target_arch = "x86_64")]
@@ -70,7 +86,7 @@ impl Instructions {
     /// Its name in prose.
     pub fn name(self) -> &'static str {
         match self.set {
-            Set::Plain => "plain",
+            Set::Plain(_) => "plain",
             #[cfg(target_arch = "x86_64")]
             Set::Avx2(_) => "AVX2",
             #[cfg(target_arch = "x86_64")]
@@ -83,7 +99,7 @@ impl Instructions {
     /// Its name in the environment variable.
     fn word(self) -> &'static str {
         match self.set {
-            Set::Plain => "plain",
+            Set::Plain(_) => "plain",
             #[cfg(target_arch = "x86_64")]
             Set::Avx2(_) => "avx2",
             #[cfg(target_arch = "x86_64")]
@@ -98,7 +114,7 @@ impl Instructions {
     #[inline(always)]
     pub fn run<R>(self, f: impl FnOnce() -> R) -> R {
         match self.set {
-            Set::Plain => f(),
+            Set::Plain(_) => f(),
             #[cfg(target_arch = "x86_64")]
             Set::Avx2(set) => set.vectorize(f),
             #[cfg(target_arch = "x86_64")]
@@ -107,6 +123,42 @@ impl Instructions {
             Set::Neon(set) => set.vectorize(f),
         }
     }
+
+    /// Runs a kernel, compiled for this set.
+    #[inline(always)]
+    pub fn launch<K: Kernel>(self, kernel: K) -> K::Output {
+        match self.set {
+            Set::Plain(set) => set.vectorize(
+                #[inline(always)]
+                || kernel.run(set),
+            ),
+            #[cfg(target_arch = "x86_64")]
+            Set::Avx2(set) => set.vectorize(
+                #[inline(always)]
+                || kernel.run(set),
+            ),
+            #[cfg(target_arch = "x86_64")]
+            Set::Avx512(set) => set.vectorize(
+                #[inline(always)]
+                || kernel.run(set),
+            ),
+            #[cfg(target_arch = "aarch64")]
+            Set::Neon(set) => set.vectorize(
+                #[inline(always)]
+                || kernel.run(set),
+            ),
+        }
+    }
+}
+
+/// What the program is compiled for.
+fn base() -> Option<Set> {
+    #[cfg(target_arch = "x86_64")]
+    return Level::baseline().as_sse2().map(Set::Plain);
+    #[cfg(target_arch = "aarch64")]
+    return Level::baseline().as_neon().map(Set::Plain);
+    #[cfg(not(any(target_arch = "x86_64", target_arch = "aarch64")))]
+    return Some(Set::Plain(fearless_simd::Fallback::new()));
 }
 
 #[cfg(test)]

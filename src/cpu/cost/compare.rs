@@ -1,35 +1,36 @@
 //! How much two pixels differ, for [`LANES`] disparities at once: the twins of
 //! [`pixel_cost`](crate::reference::pixel_cost).
-#![allow(clippy::needless_range_loop)] // loops by index over arrays are what is vectorised
 
-use bytemuck::Pod;
+use fearless_simd::{Simd, SimdFrom, u8x32, u16x16};
 
 use crate::cpu::LANES;
+use crate::cpu::cost::sums::Value;
 
 /// A cost of two pixels, which are `P` bytes each. `left` is one pixel, `right` are the pixels at the disparities.
 pub trait Compare<const P: usize>: Copy {
     /// What holds the cost of two pixels.
-    type Value: Pod + Into<u32>;
+    type Value: Value;
 
-    fn compare(self, left: [u8; P], right: [&[u8; LANES]; P]) -> [Self::Value; LANES];
+    fn compare<V: Simd>(self, simd: V, left: [u8; P], right: [u8x32<V>; P]) -> <Self::Value as Value>::Vector<V>;
 }
 
-/// `abs_diff` in bytes: that of the standard library is computed in 32 bits.
+/// Absolute differences of one byte.
 #[inline(always)]
-fn difference(a: u8, b: u8) -> u8 {
-    a.max(b) - a.min(b)
+fn difference<V: Simd>(simd: V, left: u8, right: u8x32<V>) -> u8x32<V> {
+    let left = simd.splat_u8x32(left);
+    simd.sub_u8x32(simd.max_u8x32(left, right), simd.min_u8x32(left, right))
 }
 
 /// floor((a + b) / 2).
 #[inline(always)]
-fn mean(a: u8, b: u8) -> u8 {
-    (a & b) + ((a ^ b) >> 1)
+fn mean<V: Simd>(simd: V, a: u8x32<V>, b: u8x32<V>) -> u8x32<V> {
+    simd.add_u8x32(simd.and_u8x32(a, b), simd.shr_u8x32(simd.xor_u8x32(a, b), 1))
 }
 
 /// One value for three colours.
 #[inline(always)]
-fn colours(red: u8, green: u8, blue: u8) -> u8 {
-    mean(mean(red, blue), green)
+fn colours<V: Simd>(simd: V, [red, green, blue]: [u8x32<V>; 3]) -> u8x32<V> {
+    mean(simd, mean(simd, red, blue), green)
 }
 
 /// The sum of absolute differences: at most 255.
@@ -40,12 +41,10 @@ impl<const P: usize> Compare<P> for Differences {
     type Value = u8;
 
     #[inline(always)]
-    fn compare(self, left: [u8; P], right: [&[u8; LANES]; P]) -> [u8; LANES] {
-        let mut cost = [0; LANES];
-        for d in 0..LANES {
-            for p in 0..P {
-                cost[d] += difference(left[p], right[p][d]);
-            }
+    fn compare<V: Simd>(self, simd: V, left: [u8; P], right: [u8x32<V>; P]) -> u8x32<V> {
+        let mut cost = difference(simd, left[0], right[0]);
+        for p in 1..P {
+            cost = simd.add_u8x32(cost, difference(simd, left[p], right[p]));
         }
         cost
     }
@@ -59,13 +58,15 @@ impl Compare<3> for ColourDifferences {
     type Value = u8;
 
     #[inline(always)]
-    fn compare(self, left: [u8; 3], right: [&[u8; LANES]; 3]) -> [u8; LANES] {
-        let mut cost = [0; LANES];
-        for d in 0..LANES {
-            let one = |p: usize| difference(left[p], right[p][d]);
-            cost[d] = colours(one(0), one(1), one(2));
-        }
-        cost
+    fn compare<V: Simd>(self, simd: V, left: [u8; 3], right: [u8x32<V>; 3]) -> u8x32<V> {
+        colours(
+            simd,
+            [
+                difference(simd, left[0], right[0]),
+                difference(simd, left[1], right[1]),
+                difference(simd, left[2], right[2]),
+            ],
+        )
     }
 }
 
@@ -73,23 +74,26 @@ impl Compare<3> for ColourDifferences {
 #[derive(Clone, Copy)]
 pub struct Intervals;
 
-/// The smaller of the distances of each value from the other one's interval.
+/// How far a value lies outside an interval.
 #[inline(always)]
-fn interval(left: [u8; 3], right: [u8; 3]) -> u8 {
-    let outside = |v: u8, low: u8, high: u8| low.saturating_sub(v).max(v.saturating_sub(high));
-    outside(left[0], right[1], right[2]).min(outside(right[0], left[1], left[2]))
+fn outside<V: Simd>(simd: V, value: u8x32<V>, low: u8x32<V>, high: u8x32<V>) -> u8x32<V> {
+    simd.max_u8x32(simd.saturating_sub_u8x32(low, value), simd.saturating_sub_u8x32(value, high))
+}
+
+/// The smaller of the distances of each value from the other one's interval, of the channel that begins at `p`.
+#[inline(always)]
+fn interval<V: Simd, const P: usize>(simd: V, left: &[u8; P], right: &[u8x32<V>; P], p: usize) -> u8x32<V> {
+    let (low, high) = (simd.splat_u8x32(left[p + 1]), simd.splat_u8x32(left[p + 2]));
+    let of_left = outside(simd, simd.splat_u8x32(left[p]), right[p + 1], right[p + 2]);
+    simd.min_u8x32(of_left, outside(simd, right[p], low, high))
 }
 
 impl Compare<3> for Intervals {
     type Value = u8;
 
     #[inline(always)]
-    fn compare(self, left: [u8; 3], right: [&[u8; LANES]; 3]) -> [u8; LANES] {
-        let mut cost = [0; LANES];
-        for d in 0..LANES {
-            cost[d] = interval(left, [right[0][d], right[1][d], right[2][d]]);
-        }
-        cost
+    fn compare<V: Simd>(self, simd: V, left: [u8; 3], right: [u8x32<V>; 3]) -> u8x32<V> {
+        interval(simd, &left, &right, 0)
     }
 }
 
@@ -97,24 +101,20 @@ impl Compare<9> for Intervals {
     type Value = u8;
 
     #[inline(always)]
-    fn compare(self, left: [u8; 9], right: [&[u8; LANES]; 9]) -> [u8; LANES] {
-        let mut cost = [0; LANES];
-        for d in 0..LANES {
-            let one = |p: usize| {
-                interval([left[p], left[p + 1], left[p + 2]], [right[p][d], right[p + 1][d], right[p + 2][d]])
-            };
-            cost[d] = colours(one(0), one(3), one(6));
-        }
-        cost
+    fn compare<V: Simd>(self, simd: V, left: [u8; 9], right: [u8x32<V>; 9]) -> u8x32<V> {
+        colours(
+            simd,
+            [interval(simd, &left, &right, 0), interval(simd, &left, &right, 3), interval(simd, &left, &right, 6)],
+        )
     }
 }
 
-/// Bits that differ in the first `B` bytes of two pixels at one disparity.
+/// Bits that differ in the first `B` bytes of two pixels.
 #[inline(always)]
-fn bits<const B: usize, const P: usize>(left: &[u8; P], right: &[&[u8; LANES]; P], d: usize) -> u8 {
-    let mut bits = 0;
+fn bits<V: Simd, const B: usize, const P: usize>(simd: V, left: &[u8; P], right: &[u8x32<V>; P]) -> u8x32<V> {
+    let mut bits = simd.splat_u8x32(0);
     for p in 0..B {
-        bits += (left[p] ^ right[p][d]).count_ones() as u8;
+        bits = simd.add_u8x32(bits, simd.count_ones_u8x32(simd.xor_u8x32(right[p], simd.splat_u8x32(left[p]))));
     }
     bits
 }
@@ -127,12 +127,8 @@ impl<const P: usize> Compare<P> for Bits {
     type Value = u8;
 
     #[inline(always)]
-    fn compare(self, left: [u8; P], right: [&[u8; LANES]; P]) -> [u8; LANES] {
-        let mut cost = [0; LANES];
-        for d in 0..LANES {
-            cost[d] = bits::<P, P>(&left, &right, d);
-        }
-        cost
+    fn compare<V: Simd>(self, simd: V, left: [u8; P], right: [u8x32<V>; P]) -> u8x32<V> {
+        bits::<V, P, P>(simd, &left, &right)
     }
 }
 
@@ -144,13 +140,10 @@ impl<const B: usize, const P: usize> Compare<P> for BitsAndGradients<B> {
     type Value = u8;
 
     #[inline(always)]
-    fn compare(self, left: [u8; P], right: [&[u8; LANES]; P]) -> [u8; LANES] {
-        let mut cost = [0; LANES];
-        for d in 0..LANES {
-            let gradients = difference(left[B], right[B][d]) + difference(left[B + 1], right[B + 1][d]);
-            cost[d] = 2 * bits::<B, P>(&left, &right, d) + gradients;
-        }
-        cost
+    fn compare<V: Simd>(self, simd: V, left: [u8; P], right: [u8x32<V>; P]) -> u8x32<V> {
+        let bits = bits::<V, B, P>(simd, &left, &right);
+        let (horizontal, vertical) = (difference(simd, left[B], right[B]), difference(simd, left[B + 1], right[B + 1]));
+        simd.add_u8x32(simd.add_u8x32(bits, bits), simd.add_u8x32(horizontal, vertical))
     }
 }
 
@@ -161,18 +154,24 @@ pub struct BitsAndValue<const B: usize> {
     pub of_value: u16,
 }
 
+impl<const B: usize> BitsAndValue<B> {
+    #[inline(always)]
+    fn weighted<V: Simd>(self, simd: V, bits: u16x16<V>, value: u16x16<V>) -> u16x16<V> {
+        let bits = simd.mul_u16x16(bits, simd.splat_u16x16(self.of_bits));
+        let value = simd.mul_u16x16(value, simd.splat_u16x16(self.of_value));
+        simd.shr_u16x16(simd.add_u16x16(simd.add_u16x16(bits, value), simd.splat_u16x16(8)), 4)
+    }
+}
+
 impl<const B: usize, const P: usize> Compare<P> for BitsAndValue<B> {
     type Value = u8;
 
     #[inline(always)]
-    fn compare(self, left: [u8; P], right: [&[u8; LANES]; P]) -> [u8; LANES] {
-        let mut cost = [0; LANES];
-        for d in 0..LANES {
-            let value = u16::from(difference(left[B], right[B][d]));
-            let weighted = self.of_value * value + self.of_bits * u16::from(bits::<B, P>(&left, &right, d));
-            cost[d] = ((weighted + 8) >> 4).min(255) as u8;
-        }
-        cost
+    fn compare<V: Simd>(self, simd: V, left: [u8; P], right: [u8x32<V>; P]) -> u8x32<V> {
+        let bits = simd.widen_u8x32(bits::<V, B, P>(simd, &left, &right));
+        let value = simd.widen_u8x32(difference(simd, left[B], right[B]));
+        let (low, high) = (self.weighted(simd, bits.0, value.0), self.weighted(simd, bits.1, value.1));
+        simd.saturating_narrow_u16x16(low, high)
     }
 }
 
@@ -184,9 +183,10 @@ impl Compare<1> for Table<'_> {
     type Value = u8;
 
     #[inline(always)]
-    fn compare(self, left: [u8; 1], right: [&[u8; LANES]; 1]) -> [u8; LANES] {
+    fn compare<V: Simd>(self, simd: V, left: [u8; 1], right: [u8x32<V>; 1]) -> u8x32<V> {
         let row = &self.0[usize::from(left[0]) * 256..][..256];
-        right[0].map(|value| row[usize::from(value)])
+        let right: &[u8; LANES] = &right[0];
+        u8x32::simd_from(simd, right.map(|value| row[usize::from(value)]))
     }
 }
 
@@ -198,13 +198,9 @@ impl Compare<1> for Squares {
     type Value = u16;
 
     #[inline(always)]
-    fn compare(self, left: [u8; 1], right: [&[u8; LANES]; 1]) -> [u16; LANES] {
-        let mut cost = [0; LANES];
-        for d in 0..LANES {
-            let difference = u16::from(difference(left[0], right[0][d]));
-            cost[d] = difference * difference;
-        }
-        cost
+    fn compare<V: Simd>(self, simd: V, left: [u8; 1], right: [u8x32<V>; 1]) -> [u16x16<V>; 2] {
+        let difference = simd.widen_u8x32(difference(simd, left[0], right[0]));
+        [simd.mul_u16x16(difference.0, difference.0), simd.mul_u16x16(difference.1, difference.1)]
     }
 }
 
@@ -216,11 +212,9 @@ impl Compare<1> for Products {
     type Value = u16;
 
     #[inline(always)]
-    fn compare(self, left: [u8; 1], right: [&[u8; LANES]; 1]) -> [u16; LANES] {
-        let mut cost = [0; LANES];
-        for d in 0..LANES {
-            cost[d] = u16::from(left[0]) * u16::from(right[0][d]);
-        }
-        cost
+    fn compare<V: Simd>(self, simd: V, left: [u8; 1], right: [u8x32<V>; 1]) -> [u16x16<V>; 2] {
+        let right = simd.widen_u8x32(right[0]);
+        let left = simd.splat_u16x16(left[0].into());
+        [simd.mul_u16x16(right.0, left), simd.mul_u16x16(right.1, left)]
     }
 }

@@ -1,6 +1,7 @@
 //! The matching cost, row by row.
 
 mod compare;
+mod kernels;
 mod pixels;
 mod quantise;
 mod rows;

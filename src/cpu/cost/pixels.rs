@@ -2,12 +2,15 @@
 
 use std::ops::Range;
 
+use fearless_simd::Simd;
+
 use crate::cpu::LANES;
 use crate::cpu::cost::compare::{
     Bits, BitsAndGradients, BitsAndValue, ColourDifferences, Compare, Differences, Intervals, Products, Squares, Table,
 };
+use crate::cpu::cost::sums::Value;
 use crate::cpu::images::Planes;
-use crate::cpu::instructions::Instructions;
+use crate::cpu::instructions::{Instructions, Kernel};
 use crate::params::{Census, Cost, Params};
 
 /// A pair, and how its pixels are compared.
@@ -84,10 +87,7 @@ impl<'a> Pixels<'a> {
     }
 
     fn fill<const P: usize, C: Compare<P>>(&self, cost: C, at: At, out: &mut [C::Value]) {
-        self.instructions.run(
-            #[inline(always)]
-            || fill(self.left, self.right, cost, at, out),
-        );
+        self.instructions.launch(Fill { sides: [self.left, self.right], cost, at, out });
     }
 }
 
@@ -98,18 +98,34 @@ struct At {
     d: usize,
 }
 
-#[inline(always)]
-fn fill<const P: usize, C: Compare<P>>(left: &Planes, right: &Planes, cost: C, at: At, out: &mut [C::Value]) {
-    let At { y, columns, d } = at;
-    let (count, from) = (columns.len(), columns.start);
-    // The right pixels of the last column come first.
-    let first = left.stride() - columns.end + d;
-    let (left_row, right_row) = (left.row(y), right.row(y));
-    let left: [&[u8]; P] = std::array::from_fn(|p| &left_row[p * left.stride() + from..][..count]);
-    let right: [&[u8]; P] = std::array::from_fn(|p| &right_row[p * right.stride() + first..][..count + LANES - 1]);
-    for (i, out) in out.as_chunks_mut::<LANES>().0[..count].iter_mut().enumerate() {
-        let right = std::array::from_fn(|p| lanes(right[p], count - 1 - i));
-        *out = cost.compare(std::array::from_fn(|p| left[p][i]), right);
+/// Compares a piece of a row.
+struct Fill<'a, const P: usize, C: Compare<P>> {
+    sides: [&'a Planes; 2],
+    cost: C,
+    at: At,
+    out: &'a mut [C::Value],
+}
+
+impl<const P: usize, C: Compare<P>> Kernel for Fill<'_, P, C> {
+    type Output = ();
+
+    #[inline(always)]
+    fn run<V: Simd>(self, simd: V) {
+        let Self { sides: [left, right], cost, at: At { y, columns, d }, out } = self;
+        let (count, from) = (columns.len(), columns.start);
+        // The right pixels of the last column come first.
+        let first = left.stride() - columns.end + d;
+        let (left_row, right_row) = (left.row(y), right.row(y));
+        let left: [&[u8]; P] = std::array::from_fn(|p| &left_row[p * left.stride() + from..][..count]);
+        let right: [&[u8]; P] = std::array::from_fn(|p| &right_row[p * right.stride() + first..][..count + LANES - 1]);
+        for (i, out) in out.as_chunks_mut::<LANES>().0[..count].iter_mut().enumerate() {
+            let (mut here, mut there) = ([0; P], [simd.splat_u8x32(0); P]);
+            for p in 0..P {
+                here[p] = left[p][i];
+                there[p] = u8::load(simd, lanes(right[p], count - 1 - i));
+            }
+            C::Value::store(cost.compare(simd, here, there), out);
+        }
     }
 }
 

@@ -1,15 +1,10 @@
 //! From block sums to costs of a byte, as in stage `matching_cost`: (sum * scale + 2^23) >> 24.
-#![allow(clippy::needless_range_loop)] // loops by index over arrays are what is vectorised
+
+use fearless_simd::{Simd, SimdFrom, u8x32, u16x16};
 
 use crate::cpu::LANES;
+use crate::cpu::cost::sums::{Finish, Sum, Value};
 use crate::params::Params;
-
-/// What becomes of sums. They are sums of values times `factor`, plus `bias`.
-pub trait Finish<S>: Copy {
-    type Out;
-
-    fn finish(self, sums: [S; LANES]) -> [Self::Out; LANES];
-}
 
 /// Costs from sums of 16 bits with one multiplication of which the upper half is kept:
 /// (((factor * sum + bias) * multiplier) >> 16) >> shift.
@@ -66,13 +61,21 @@ impl Finish<u16> for Words {
     type Out = u8;
 
     #[inline(always)]
-    fn finish(self, sums: [u16; LANES]) -> [u8; LANES] {
-        let mut cost = [0; LANES];
-        for d in 0..LANES {
-            cost[d] = ((u32::from(sums[d]) * u32::from(self.multiplier)) >> 16 >> self.shift) as u8;
-        }
-        cost
+    fn finish<V: Simd>(self, simd: V, sums: [u16x16<V>; 2], beyond: u8x32<V>, to: &mut [u8; LANES]) {
+        let low = simd.shr_u16x16(upper_half(simd, sums[0], self.multiplier), self.shift);
+        let high = simd.shr_u16x16(upper_half(simd, sums[1], self.multiplier), self.shift);
+        u8::store(simd.or_u8x32(simd.relaxed_narrow_u16x16(low, high), beyond), to);
     }
+}
+
+/// The upper 16 bits of products.
+#[inline(always)]
+fn upper_half<V: Simd>(simd: V, values: u16x16<V>, multiplier: u16) -> u16x16<V> {
+    let (values, mut upper): (&[u16; 16], _) = (&values, [0; 16]);
+    for (upper, &value) in upper.iter_mut().zip(values) {
+        *upper = ((u32::from(value) * u32::from(multiplier)) >> 16) as u16;
+    }
+    u16x16::simd_from(simd, upper)
 }
 
 /// Costs as the definition says.
@@ -92,12 +95,14 @@ impl Finish<u32> for Wide {
     type Out = u8;
 
     #[inline(always)]
-    fn finish(self, sums: [u32; LANES]) -> [u8; LANES] {
-        let mut cost = [0; LANES];
-        for d in 0..LANES {
-            cost[d] = (((sums[d] >> self.narrowing).wrapping_mul(self.scale).wrapping_add(1 << 23)) >> 24) as u8;
+    fn finish<V: Simd>(self, simd: V, sums: <u32 as Sum>::Vector<V>, beyond: u8x32<V>, to: &mut [u8; LANES]) {
+        let mut cost = sums;
+        for cost in &mut cost {
+            let scaled = simd.mul_u32x8(simd.shr_u32x8(*cost, self.narrowing), simd.splat_u32x8(self.scale));
+            *cost = simd.shr_u32x8(simd.add_u32x8(scaled, simd.splat_u32x8(1 << 23)), 24);
         }
-        cost
+        let (low, high) = (simd.relaxed_narrow_u32x8(cost[0], cost[1]), simd.relaxed_narrow_u32x8(cost[2], cost[3]));
+        u8::store(simd.or_u8x32(simd.relaxed_narrow_u16x16(low, high), beyond), to);
     }
 }
 
@@ -111,8 +116,11 @@ impl Finish<u16> for Sums {
     type Out = u16;
 
     #[inline(always)]
-    fn finish(self, sums: [u16; LANES]) -> [u16; LANES] {
-        sums
+    fn finish<V: Simd>(self, simd: V, sums: [u16x16<V>; 2], beyond: u8x32<V>, to: &mut [u16; LANES]) {
+        let (low, high) = simd.widen_u8x32(beyond);
+        let all = simd.splat_u16x16(257);
+        let (low, high) = (simd.mul_u16x16(low, all), simd.mul_u16x16(high, all));
+        <u16 as Sum>::store([simd.or_u16x16(sums[0], low), simd.or_u16x16(sums[1], high)], to);
     }
 }
 
@@ -120,20 +128,17 @@ impl Finish<u32> for Sums {
     type Out = u32;
 
     #[inline(always)]
-    fn finish(self, sums: [u32; LANES]) -> [u32; LANES] {
-        sums.map(|sum| sum >> self.narrowing)
+    fn finish<V: Simd>(self, simd: V, sums: <u32 as Sum>::Vector<V>, beyond: u8x32<V>, to: &mut [u32; LANES]) {
+        let (low, high) = simd.widen_u8x32(beyond);
+        let (a, b) = simd.widen_u16x16(low);
+        let (c, d) = simd.widen_u16x16(high);
+        let mut narrowed = sums;
+        for (sum, beyond) in narrowed.iter_mut().zip([a, b, c, d]) {
+            let all = simd.mul_u32x8(beyond, simd.splat_u32x8(0x0101_0101));
+            *sum = simd.or_u32x8(simd.shr_u32x8(*sum, self.narrowing), all);
+        }
+        u32::store(narrowed, to);
     }
-}
-
-/// Costs of single pixels of a byte where the scale is a power of two, [`Params::scale_shift`].
-#[inline(always)]
-pub fn shifted(values: &[u8; LANES], shift: u32) -> [u8; LANES] {
-    let half = (1u8 << shift) >> 1;
-    let mut cost = [0; LANES];
-    for d in 0..LANES {
-        cost[d] = values[d].wrapping_add(half) >> shift;
-    }
-    cost
 }
 
 #[cfg(test)]
@@ -158,14 +163,14 @@ mod tests {
                     found += 1;
                     for sum in 0..=largest {
                         let value = sum * u32::from(words.factor) + u32::from(words.bias);
-                        let value = u16::try_from(value).unwrap();
-                        let expected = ((sum * scale + (1 << 23)) >> 24) as u8;
-                        let what = || format!("sum {sum} of {largest}, scale {scale}: {words:?}");
-                        assert_eq!(words.finish([value; LANES])[0], expected, "{}", what());
+                        let made = ((u32::from(u16::try_from(value).unwrap()) * u32::from(words.multiplier)) >> 16)
+                            >> words.shift;
+                        let expected = (sum * scale + (1 << 23)) >> 24;
+                        assert_eq!(made, expected, "sum {sum} of {largest}, scale {scale}: {words:?}");
                     }
                 }
             }
         }
-        println!("{found}");
+        assert!(found > 400, "{found} ranges of sums");
     }
 }

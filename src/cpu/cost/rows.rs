@@ -6,12 +6,16 @@ use bytemuck::Pod;
 
 use crate::cpu::LANES;
 use crate::cpu::aligned::Aligned;
+use crate::cpu::cost::kernels::{Add, Shift, Slide};
 use crate::cpu::cost::pixels::Pixels;
-use crate::cpu::cost::quantise::{Finish, Sums, Wide, Words, shifted};
-use crate::cpu::cost::sums::{Sum, add, exchange, slide};
+use crate::cpu::cost::quantise::{Sums, Wide, Words};
+use crate::cpu::cost::sums::{Finish, Sum, Value};
 use crate::cpu::images::Planes;
 use crate::cpu::instructions::Instructions;
 use crate::params::Params;
+
+/// Columns that are worked on at once: their pixel costs stay in the first cache.
+const TILE: usize = 128;
 
 /// Rows of stage `matching_cost`, for one thread: any row, any columns. Rows that follow one another, up or down, with the
 /// same columns share their sums over columns.
@@ -31,9 +35,9 @@ pub struct CostRows<'a> {
     /// Pixel costs of two rows, `[column][LANES]`.
     bytes: [Aligned<u8>; 2],
     words: [Aligned<u16>; 2],
-    /// Sums over columns, `[disparities / LANES][column][LANES]`.
-    narrow: Aligned<u16>,
-    wide: Aligned<u32>,
+    /// Sums over columns, `[disparities / LANES][column][LANES]`, and the sums that slide along a row.
+    narrow: [Aligned<u16>; 2],
+    wide: [Aligned<u32>; 2],
     /// The row and the columns of those sums, and whether they are those of costs.
     at: Option<(usize, Range<usize>, bool)>,
 }
@@ -77,8 +81,8 @@ impl<'a> CostRows<'a> {
             instructions,
             bytes: [Aligned::zeroed(0), Aligned::zeroed(0)],
             words: [Aligned::zeroed(0), Aligned::zeroed(0)],
-            narrow: Aligned::zeroed(0),
-            wide: Aligned::zeroed(0),
+            narrow: [Aligned::zeroed(0), Aligned::zeroed(0)],
+            wide: [Aligned::zeroed(0), Aligned::zeroed(0)],
             at: None,
         }
     }
@@ -88,8 +92,8 @@ impl<'a> CostRows<'a> {
     pub fn row(&mut self, y: usize, columns: Range<usize>, cost: &mut [u8]) {
         match self.quantise {
             Quantise::Shift(shift) => self.single(y, columns, shift, cost),
-            Quantise::Words(words) => self.narrow((y, columns, true), words, [words.factor, words.bias], cost, u8::MAX),
-            Quantise::Wide(wide) => self.wide((y, columns, true), wide, cost, u8::MAX),
+            Quantise::Words(words) => self.narrow((y, columns, true), words, [words.factor, words.bias], cost),
+            Quantise::Wide(wide) => self.wide((y, columns, true), wide, cost),
         }
     }
 
@@ -101,12 +105,12 @@ impl<'a> CostRows<'a> {
     /// The block sums of a row, laid out in the same way; the largest number beyond the disparities. For sums of 16 bits
     /// ([`CostRows::sums_are_narrow`]).
     pub fn narrow_sums(&mut self, y: usize, columns: Range<usize>, sums: &mut [u16]) {
-        self.narrow((y, columns, false), Sums { narrowing: 0 }, [1, 0], sums, u16::MAX);
+        self.narrow((y, columns, false), Sums { narrowing: 0 }, [1, 0], sums);
     }
 
     /// The same of larger sums, narrowed as [`block_sums`](crate::reference::block_sums) are.
     pub fn wide_sums(&mut self, y: usize, columns: Range<usize>, sums: &mut [u32]) {
-        self.wide((y, columns, false), Sums { narrowing: self.narrowing }, sums, u32::MAX);
+        self.wide((y, columns, false), Sums { narrowing: self.narrowing }, sums);
     }
 
     /// Columns of the planes, of the blocks around these columns of the image.
@@ -116,24 +120,16 @@ impl<'a> CostRows<'a> {
 
     /// Costs of single pixels.
     fn single(&mut self, y: usize, columns: Range<usize>, shift: u32, cost: &mut [u8]) {
-        let Self { pixels, bytes: [values, _], padded, disparities, .. } = self;
-        resize(values, columns.len() * LANES);
-        for d in (0..*padded).step_by(LANES) {
-            pixels.bytes(y as i64, columns.clone(), d, values);
-            let from = (*disparities - d).min(LANES);
-            self.instructions.run(
-                #[inline(always)]
-                || {
-                    let rows = cost[d..].chunks_mut(*padded);
-                    for (out, values) in rows.zip(values.as_chunks::<LANES>().0) {
-                        let mut finished = shifted(values, shift);
-                        for lane in &mut finished[from..] {
-                            *lane = u8::MAX;
-                        }
-                        out[..LANES].copy_from_slice(&finished);
-                    }
-                },
-            );
+        let Self { pixels, bytes: [values, _], padded, disparities, instructions, .. } = self;
+        resize(values, TILE * LANES);
+        for from in columns.clone().step_by(TILE) {
+            let tile = from..columns.end.min(from + TILE);
+            for d in (0..*padded).step_by(LANES) {
+                let values = &mut values[..tile.len() * LANES];
+                pixels.bytes(y as i64, tile.clone(), d, values);
+                let out = &mut cost[(from - columns.start) * *padded + d..];
+                instructions.launch(Shift { values, shift, lanes: *disparities - d, out, stride: *padded });
+            }
         }
     }
 
@@ -143,14 +139,11 @@ impl<'a> CostRows<'a> {
         finish: F,
         [factor, bias]: [u16; 2],
         out: &mut [F::Out],
-        beyond: F::Out,
-    ) where
-        F::Out: Copy,
-    {
+    ) {
         let y = at.0 as i64;
         let (change, around) = self.change(at);
         let Self { pixels, block, padded, disparities, bytes, words, narrow, instructions, .. } = self;
-        let to = To { out, stride: *padded, disparities: *disparities, beyond };
+        let to = To { out, stride: *padded, disparities: *disparities };
         let with = Summed { around, block: *block, factor, bias, change, y, instructions: *instructions };
         if self.multiplies {
             let fill = |y, columns, d, out: &mut [u16]| pixels.words(y, columns, d, out);
@@ -161,14 +154,11 @@ impl<'a> CostRows<'a> {
         }
     }
 
-    fn wide<F: Finish<u32>>(&mut self, at: (usize, Range<usize>, bool), finish: F, out: &mut [F::Out], beyond: F::Out)
-    where
-        F::Out: Copy,
-    {
+    fn wide<F: Finish<u32>>(&mut self, at: (usize, Range<usize>, bool), finish: F, out: &mut [F::Out]) {
         let y = at.0 as i64;
         let (change, around) = self.change(at);
         let Self { pixels, block, padded, disparities, bytes, words, wide, instructions, .. } = self;
-        let to = To { out, stride: *padded, disparities: *disparities, beyond };
+        let to = To { out, stride: *padded, disparities: *disparities };
         let with = Summed { around, block: *block, factor: 1, bias: 0, change, y, instructions: *instructions };
         if self.multiplies {
             let fill = |y, columns, d, out: &mut [u16]| pixels.words(y, columns, d, out);
@@ -212,53 +202,63 @@ struct To<'a, O> {
     out: &'a mut [O],
     stride: usize,
     disparities: usize,
-    beyond: O,
 }
 
 impl<S: Sum> Summed<S> {
-    /// All disparities, by [`LANES`]. `fill` gives the pixel costs of a row.
-    fn rows<V: Pod + Into<u32>, F: Finish<S>>(
+    /// All columns, by [`TILE`], and all disparities, by [`LANES`]. `fill` gives the pixel costs of a row.
+    fn rows<V: Value, F: Finish<S, Out: Copy>>(
         &self,
         fill: impl Fn(i64, Range<usize>, usize, &mut [V]),
-        [new, old]: &mut [Aligned<V>; 2],
-        columns: &mut Aligned<S>,
+        values: &mut [Aligned<V>; 2],
+        [columns, sums]: &mut [Aligned<S>; 2],
         finish: F,
         to: To<'_, F::Out>,
-    ) where
-        F::Out: Copy,
-    {
+    ) {
         let len = self.around.len() * LANES;
-        resize(new, len);
-        resize(old, len);
+        values.iter_mut().for_each(|values| resize(values, TILE * LANES));
         resize(columns, self.around.len() * to.stride);
-        let (block, factor, bias) = (self.block, self.factor, self.bias);
-        for (d, columns) in (0..to.stride).step_by(LANES).zip(columns.chunks_exact_mut(len)) {
-            match self.change {
-                Change::All => {
-                    columns.fill(S::zeroed());
-                    let radius = (block / 2) as i64;
-                    for y in self.y - radius..=self.y + radius {
-                        fill(y, self.around.clone(), d, new);
-                        self.instructions.run(
-                            #[inline(always)]
-                            || add(new, factor, columns),
-                        );
+        resize(sums, to.stride);
+        sums.fill(self.bias);
+        let [new, old] = values;
+        for from in self.around.clone().step_by(TILE) {
+            let tile = from..self.around.end.min(from + TILE);
+            let (new, old) = (&mut new[..tile.len() * LANES], &mut old[..tile.len() * LANES]);
+            let first = from - self.around.start;
+            let chunks = (0..to.stride).step_by(LANES).zip(columns.chunks_exact_mut(len));
+            for ((d, columns), sums) in chunks.zip(sums.as_chunks_mut::<LANES>().0) {
+                let rows = match self.change {
+                    Change::All => {
+                        let radius = (self.block / 2) as i64;
+                        let columns = &mut columns[first * LANES..][..tile.len() * LANES];
+                        columns.fill(S::zeroed());
+                        for y in self.y - radius..=self.y + radius {
+                            fill(y, tile.clone(), d, new);
+                            self.instructions.launch(Add { values: new, factor: self.factor, columns });
+                        }
+                        None
                     }
-                }
-                Change::One([enters, leaves]) => {
-                    fill(enters, self.around.clone(), d, new);
-                    fill(leaves, self.around.clone(), d, old);
-                    self.instructions.run(
-                        #[inline(always)]
-                        || exchange(new, old, factor, columns),
-                    );
-                }
+                    Change::One([enters, leaves]) => {
+                        fill(enters, tile.clone(), d, new);
+                        fill(leaves, tile.clone(), d, old);
+                        Some([&*new, &*old])
+                    }
+                };
+                let (block, factor, lanes) = (self.block, self.factor, to.disparities - d);
+                let (out, stride) = (&mut to.out[d..], to.stride);
+                let tile = first..first + tile.len();
+                self.instructions.launch(Slide {
+                    rows,
+                    factor,
+                    columns,
+                    tile,
+                    block,
+                    sums,
+                    finish,
+                    lanes,
+                    out,
+                    stride,
+                });
             }
-            let lanes = (to.disparities - d).min(LANES);
-            self.instructions.run(
-                #[inline(always)]
-                || slide(columns, block, bias, finish, (&mut to.out[d..], to.stride), (lanes, to.beyond)),
-            );
         }
     }
 }

@@ -1,104 +1,179 @@
-//! Sums of pixel costs over blocks, from sums over columns that are brought from row to row.
-#![allow(clippy::needless_range_loop)] // loops by index over arrays are what is vectorised
+//! Sums of pixel costs over blocks, [`LANES`] disparities at once.
 
 use bytemuck::Pod;
+use fearless_simd::{Simd, SimdFrom, u8x32, u16x16, u32x8};
 
 use crate::cpu::LANES;
-use crate::cpu::cost::quantise::Finish;
+
+/// The cost of a pixel: a byte, or a product of 16 bits.
+pub trait Value: Pod {
+    /// [`LANES`] of them.
+    type Vector<V: Simd>: Copy;
+
+    fn store<V: Simd>(vector: Self::Vector<V>, to: &mut [Self; LANES]);
+    fn load<V: Simd>(simd: V, from: &[Self; LANES]) -> Self::Vector<V>;
+    fn words<V: Simd>(simd: V, vector: Self::Vector<V>) -> [u16x16<V>; 2];
+}
+
+impl Value for u8 {
+    type Vector<V: Simd> = u8x32<V>;
+
+    #[inline(always)]
+    fn store<V: Simd>(vector: u8x32<V>, to: &mut [u8; LANES]) {
+        *to = *vector;
+    }
+
+    #[inline(always)]
+    fn load<V: Simd>(simd: V, from: &[u8; LANES]) -> u8x32<V> {
+        u8x32::simd_from(simd, *from)
+    }
+
+    #[inline(always)]
+    fn words<V: Simd>(simd: V, vector: u8x32<V>) -> [u16x16<V>; 2] {
+        let (low, high) = simd.widen_u8x32(vector);
+        [low, high]
+    }
+}
+
+impl Value for u16 {
+    type Vector<V: Simd> = [u16x16<V>; 2];
+
+    #[inline(always)]
+    fn store<V: Simd>(vector: [u16x16<V>; 2], to: &mut [u16; LANES]) {
+        for (to, vector) in to.as_chunks_mut::<16>().0.iter_mut().zip(vector) {
+            *to = *vector;
+        }
+    }
+
+    #[inline(always)]
+    fn load<V: Simd>(simd: V, from: &[u16; LANES]) -> [u16x16<V>; 2] {
+        let mut vectors = [simd.splat_u16x16(0); 2];
+        for (vector, from) in vectors.iter_mut().zip(from.as_chunks::<16>().0) {
+            *vector = u16x16::simd_from(simd, *from);
+        }
+        vectors
+    }
+
+    #[inline(always)]
+    fn words<V: Simd>(_: V, vector: [u16x16<V>; 2]) -> [u16x16<V>; 2] {
+        vector
+    }
+}
 
 /// A number that sums are kept in. Sums are exact modulo its range.
 pub trait Sum: Pod {
-    fn of(value: u32) -> Self;
-    fn plus(self, other: Self) -> Self;
-    fn minus(self, other: Self) -> Self;
-    fn times(self, other: Self) -> Self;
+    /// [`LANES`] of them.
+    type Vector<V: Simd>: Copy;
+
+    fn splat<V: Simd>(simd: V, value: Self) -> Self::Vector<V>;
+    fn load<V: Simd>(simd: V, from: &[Self; LANES]) -> Self::Vector<V>;
+    fn store<V: Simd>(vector: Self::Vector<V>, to: &mut [Self; LANES]);
+    fn plus<V: Simd>(simd: V, a: Self::Vector<V>, b: Self::Vector<V>) -> Self::Vector<V>;
+    fn minus<V: Simd>(simd: V, a: Self::Vector<V>, b: Self::Vector<V>) -> Self::Vector<V>;
+    /// Values times `factor`.
+    fn of<V: Simd>(simd: V, values: [u16x16<V>; 2], factor: Self) -> Self::Vector<V>;
+    /// Values less other ones, times `factor`.
+    fn change<V: Simd>(simd: V, new: [u16x16<V>; 2], old: [u16x16<V>; 2], factor: Self) -> Self::Vector<V>;
 }
 
-macro_rules! sums {
-    ($($number:ty)+) => {$(
-        impl Sum for $number {
-            #[inline(always)]
-            fn of(value: u32) -> Self {
-                value as Self
-            }
+impl Sum for u16 {
+    type Vector<V: Simd> = [u16x16<V>; 2];
 
-            #[inline(always)]
-            fn plus(self, other: Self) -> Self {
-                self.wrapping_add(other)
-            }
+    #[inline(always)]
+    fn splat<V: Simd>(simd: V, value: u16) -> [u16x16<V>; 2] {
+        [simd.splat_u16x16(value); 2]
+    }
 
-            #[inline(always)]
-            fn minus(self, other: Self) -> Self {
-                self.wrapping_sub(other)
-            }
+    #[inline(always)]
+    fn load<V: Simd>(simd: V, from: &[u16; LANES]) -> [u16x16<V>; 2] {
+        <u16 as Value>::load(simd, from)
+    }
 
-            #[inline(always)]
-            fn times(self, other: Self) -> Self {
-                self.wrapping_mul(other)
-            }
+    #[inline(always)]
+    fn store<V: Simd>(vector: [u16x16<V>; 2], to: &mut [u16; LANES]) {
+        <u16 as Value>::store(vector, to);
+    }
+
+    #[inline(always)]
+    fn plus<V: Simd>(simd: V, a: [u16x16<V>; 2], b: [u16x16<V>; 2]) -> [u16x16<V>; 2] {
+        [simd.add_u16x16(a[0], b[0]), simd.add_u16x16(a[1], b[1])]
+    }
+
+    #[inline(always)]
+    fn minus<V: Simd>(simd: V, a: [u16x16<V>; 2], b: [u16x16<V>; 2]) -> [u16x16<V>; 2] {
+        [simd.sub_u16x16(a[0], b[0]), simd.sub_u16x16(a[1], b[1])]
+    }
+
+    #[inline(always)]
+    fn of<V: Simd>(simd: V, values: [u16x16<V>; 2], factor: u16) -> [u16x16<V>; 2] {
+        let factor = simd.splat_u16x16(factor);
+        [simd.mul_u16x16(values[0], factor), simd.mul_u16x16(values[1], factor)]
+    }
+
+    #[inline(always)]
+    fn change<V: Simd>(simd: V, new: [u16x16<V>; 2], old: [u16x16<V>; 2], factor: u16) -> [u16x16<V>; 2] {
+        Self::of(simd, Self::minus(simd, new, old), factor)
+    }
+}
+
+impl Sum for u32 {
+    type Vector<V: Simd> = [u32x8<V>; 4];
+
+    #[inline(always)]
+    fn splat<V: Simd>(simd: V, value: u32) -> [u32x8<V>; 4] {
+        [simd.splat_u32x8(value); 4]
+    }
+
+    #[inline(always)]
+    fn load<V: Simd>(simd: V, from: &[u32; LANES]) -> [u32x8<V>; 4] {
+        let mut vectors = [simd.splat_u32x8(0); 4];
+        for (vector, from) in vectors.iter_mut().zip(from.as_chunks::<8>().0) {
+            *vector = u32x8::simd_from(simd, *from);
         }
-    )+};
+        vectors
+    }
+
+    #[inline(always)]
+    fn store<V: Simd>(vector: [u32x8<V>; 4], to: &mut [u32; LANES]) {
+        for (to, vector) in to.as_chunks_mut::<8>().0.iter_mut().zip(vector) {
+            *to = *vector;
+        }
+    }
+
+    #[inline(always)]
+    fn plus<V: Simd>(simd: V, a: [u32x8<V>; 4], b: [u32x8<V>; 4]) -> [u32x8<V>; 4] {
+        [simd.add_u32x8(a[0], b[0]), simd.add_u32x8(a[1], b[1]), simd.add_u32x8(a[2], b[2]), simd.add_u32x8(a[3], b[3])]
+    }
+
+    #[inline(always)]
+    fn minus<V: Simd>(simd: V, a: [u32x8<V>; 4], b: [u32x8<V>; 4]) -> [u32x8<V>; 4] {
+        [simd.sub_u32x8(a[0], b[0]), simd.sub_u32x8(a[1], b[1]), simd.sub_u32x8(a[2], b[2]), simd.sub_u32x8(a[3], b[3])]
+    }
+
+    #[inline(always)]
+    fn of<V: Simd>(simd: V, values: [u16x16<V>; 2], _: u32) -> [u32x8<V>; 4] {
+        let ((a, b), (c, d)) = (simd.widen_u16x16(values[0]), simd.widen_u16x16(values[1]));
+        [a, b, c, d]
+    }
+
+    #[inline(always)]
+    fn change<V: Simd>(simd: V, new: [u16x16<V>; 2], old: [u16x16<V>; 2], factor: u32) -> [u32x8<V>; 4] {
+        Self::minus(simd, Self::of(simd, new, factor), Self::of(simd, old, factor))
+    }
 }
 
-sums! { u16 u32 }
+/// What becomes of sums. They are sums of values times a factor, plus a bias.
+pub trait Finish<S: Sum>: Copy {
+    type Out: Pod;
 
-/// Adds the pixel costs of a row, times `factor`, to sums over columns.
+    /// `beyond` is 255 in the lanes that are no disparities, which become the largest number, and 0 in the others.
+    fn finish<V: Simd>(self, simd: V, sums: S::Vector<V>, beyond: u8x32<V>, to: &mut [Self::Out; LANES]);
+}
+
+/// 255 from lane `lanes` on, else 0.
 #[inline(always)]
-pub fn add<V: Pod + Into<u32>, S: Sum>(values: &[V], factor: S, columns: &mut [S]) {
-    for (column, values) in columns.as_chunks_mut::<LANES>().0.iter_mut().zip(values.as_chunks::<LANES>().0) {
-        let mut sums = [S::zeroed(); LANES];
-        for d in 0..LANES {
-            sums[d] = column[d].plus(S::of(values[d].into()).times(factor));
-        }
-        *column = sums;
-    }
-}
-
-/// The same less those of another row.
-#[inline(always)]
-pub fn exchange<V: Pod + Into<u32>, S: Sum>(new: &[V], old: &[V], factor: S, columns: &mut [S]) {
-    let (new, old) = (new.as_chunks::<LANES>().0, old.as_chunks::<LANES>().0);
-    for ((column, new), old) in columns.as_chunks_mut::<LANES>().0.iter_mut().zip(new).zip(old) {
-        let mut sums = [S::zeroed(); LANES];
-        for d in 0..LANES {
-            sums[d] = column[d].plus(S::of(new[d].into()).minus(S::of(old[d].into())).times(factor));
-        }
-        *column = sums;
-    }
-}
-
-/// Blocks of `block` columns: `sum` begins with the bias and takes the first `block` - 1 columns here. Result i, of columns i
-/// to i + block - 1, is written to `out[i * stride..]`, with `beyond` over the last lanes.
-#[inline(always)]
-pub fn slide<S: Sum, F: Finish<S>>(
-    columns: &[S],
-    block: usize,
-    bias: S,
-    finish: F,
-    (out, stride): (&mut [F::Out], usize),
-    (from, beyond): (usize, F::Out),
-) where
-    F::Out: Copy,
-{
-    let columns = columns.as_chunks::<LANES>().0;
-    let mut sum = [bias; LANES];
-    for column in &columns[..block - 1] {
-        for d in 0..LANES {
-            sum[d] = sum[d].plus(column[d]);
-        }
-    }
-    let leaving = columns;
-    for ((entering, leaving), out) in columns[block - 1..].iter().zip(leaving).zip(out.chunks_mut(stride)) {
-        let (mut whole, mut next) = ([bias; LANES], [bias; LANES]);
-        for d in 0..LANES {
-            whole[d] = sum[d].plus(entering[d]);
-            next[d] = whole[d].minus(leaving[d]);
-        }
-        sum = next;
-        let mut finished = finish.finish(whole);
-        for lane in &mut finished[from..] {
-            *lane = beyond;
-        }
-        out[..LANES].copy_from_slice(&finished);
-    }
+pub fn beyond<V: Simd>(simd: V, lanes: usize) -> u8x32<V> {
+    let mut beyond = [0; LANES];
+    beyond[lanes.min(LANES)..].fill(u8::MAX);
+    u8x32::simd_from(simd, beyond)
 }

@@ -2,7 +2,7 @@
 
 use bytemuck::Pod;
 
-use crate::cpu::images::padded::Padded;
+use crate::cpu::images::padded::{MARGIN, Padded};
 
 /// A number that samples are of, and how much of it stands for one of 256 levels.
 pub trait Depth: Pod + Into<i32> + Send + Sync + PartialOrd {
@@ -52,13 +52,17 @@ impl Depth for u16 {
     }
 }
 
-/// Calls `each(x, gx, gy)` for the pixels of a row.
+/// Writes `byte(gx, gy)` of the derivatives of each pixel of a row.
 #[inline(always)]
-pub fn derivatives<T: Depth>(image: &Padded<T>, y: i64, mut each: impl FnMut(usize, i16, i16)) {
-    let row = |dy: i64| [-1, 0, 1].map(|dx| image.row(y + dy, dx));
-    let ([a, b, c], [d, _, e], [f, g, h]) = (row(-1), row(0), row(1));
-    for x in 0..image.width {
+pub fn derivatives<T: Depth>(image: &Padded<T>, y: i64, out: &mut [u8], byte: impl Fn(i16, i16) -> u8) {
+    let width = image.width;
+    let (above, here, below) = (image.whole_row(y - 1), image.whole_row(y), image.whole_row(y + 1));
+    let (a, b, c) = (&above[MARGIN - 1..][..width], &above[MARGIN..][..width], &above[MARGIN + 1..][..width]);
+    let (d, e) = (&here[MARGIN - 1..][..width], &here[MARGIN + 1..][..width]);
+    let (f, g, h) = (&below[MARGIN - 1..][..width], &below[MARGIN..][..width], &below[MARGIN + 1..][..width]);
+    let out = &mut out[..width];
+    for x in 0..width {
         let [gx, gy] = T::sobel([a[x], b[x], c[x]], [d[x], e[x]], [f[x], g[x], h[x]]);
-        each(x, gx, gy);
+        out[x] = byte(gx, gy);
     }
 }

@@ -46,8 +46,8 @@ fn describe<T: Depth>(image: &Padded<T>, y: i64, params: &Params, census: &[[[i6
             Descriptor::Gradients => {
                 let cap = params.prefilter_cap as i16;
                 let clip = |v: i16| (v.clamp(-cap, cap) + cap) as u8;
-                row.next(|out| derivatives(image, y, |x, gx, _| out[x] = clip(gx)));
-                row.next(|out| derivatives(image, y, |x, _, gy| out[x] = clip(gy)));
+                row.next(|out| derivatives(image, y, out, |gx, _| clip(gx)));
+                row.next(|out| derivatives(image, y, out, |_, gy| clip(gy)));
             }
             Descriptor::Interval => interval(image, y, row),
             Descriptor::Excess => row.next(|out| excess(image, y, params, out)),
@@ -59,17 +59,18 @@ fn describe<T: Depth>(image: &Padded<T>, y: i64, params: &Params, census: &[[[i6
 /// Up to eight bits of the census string: each is 1 where the first neighbour, `[dx, dy]`, is less than the second.
 #[inline(always)]
 fn bits<T: Depth>(image: &Padded<T>, y: i64, pairs: &[[[i64; 2]; 2]], out: &mut [u8]) {
-    let centre = [[0, 0]; 2]; // a pixel is not less than itself
-    let width = image.width;
-    let pairs: [[&[T]; 2]; 8] = std::array::from_fn(|bit| {
-        pairs.get(bit).copied().unwrap_or(centre).map(|[dx, dy]| &image.row(y + dy, dx)[..width])
-    });
-    for (x, out) in out[..width].iter_mut().enumerate() {
-        let mut byte = 0;
-        for (bit, [first, second]) in pairs.iter().enumerate() {
-            byte |= u8::from(first[x] < second[x]) << bit;
-        }
-        *out = byte;
+    out.fill(0);
+    for (bit, &[first, second]) in pairs.iter().enumerate() {
+        let [first, second] = [first, second].map(|[dx, dy]| image.row(y + dy, dx));
+        set_bits(first, second, 1 << bit, out);
+    }
+}
+
+/// Sets a bit where the first value is less than the second.
+#[inline(always)]
+fn set_bits<T: Depth>(first: &[T], second: &[T], bit: u8, out: &mut [u8]) {
+    for ((out, first), second) in out.iter_mut().zip(first).zip(second) {
+        *out |= if first < second { bit } else { 0 };
     }
 }
 

@@ -16,12 +16,12 @@ pub fn filtered<T: Depth>(image: &Padded<T>, params: &Params, instructions: Inst
             #[inline(always)]
             || match params.prefilter {
                 Prefilter::XSobel | Prefilter::None => {
-                    derivatives(image, y, |x, gx, _| row[x] = (gx.clamp(-cap, cap) + cap) as u8)
+                    derivatives(image, y, row, |gx, _| (gx.clamp(-cap, cap) + cap) as u8);
                 }
-                Prefilter::Sobel => derivatives(image, y, |x, gx, gy| {
-                    // Both are at most 1020. So the sum is exact in f32, and its root is rounded down from the right number.
+                // Both are at most 1020. So the sum is exact in f32, and its root is rounded down from the right number.
+                Prefilter::Sobel => derivatives(image, y, row, |gx, gy| {
                     let (gx, gy) = (i32::from(gx), i32::from(gy));
-                    row[x] = (((gx * gx + gy * gy) as f32).sqrt() as i32).min(2 * i32::from(cap)) as u8;
+                    (((gx * gx + gy * gy) as f32).sqrt() as i32).min(2 * i32::from(cap)) as u8
                 }),
                 Prefilter::Normalized => normalized(image, y, params, row),
             },
