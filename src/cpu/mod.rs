@@ -15,6 +15,10 @@ pub(crate) mod images;
 pub(crate) mod instructions;
 mod matcher;
 mod network;
+#[allow(dead_code)]
+pub(crate) mod paths;
+#[allow(dead_code)]
+pub(crate) mod winner;
 
 pub(crate) use aligned::LANES;
 pub use matcher::CpuMatcher;

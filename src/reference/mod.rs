@@ -70,4 +70,6 @@ pub(crate) use trace::{Bytes, Part, Trace};
 pub use winner::block_match::{block_match, block_sums};
 pub use winner::block_statistics::{BlockStatistics, block_statistics};
 pub use winner::mirror::{mirror, mirrored};
+#[cfg(test)]
+pub(crate) use winner::winner::winner_of_row;
 pub use winner::winner::{Views, points_inside, winner};

@@ -1,0 +1,133 @@
+//! The states of all paths of a direction that cross a row.
+
+use std::ops::Range;
+
+use super::penalties::PenaltyRow;
+use super::step::{PAD, Stepping};
+use crate::cpu::aligned::Aligned;
+use crate::reference::Direction;
+
+/// The paths of a direction that leads from row to row, in a window of columns.
+///
+/// A path keeps its place from row to row, its slot, so that a diagonal path is computed where it lies: after `j` steps the path
+/// at column x of the window has the slot (x - dx j) mod the window's columns. A path that begins takes the slot of one that has
+/// left the window on the other side. Of a direction that skips a row, even and odd rows have states of their own.
+#[derive(Clone)]
+pub(super) struct Front {
+    /// The step from pixel to pixel: rows are counted in the order in which they are walked.
+    step: Direction,
+    window: Range<usize>,
+    width: usize,
+    n: usize,
+    /// One for each row that a step spans.
+    sets: Vec<Set>,
+}
+
+#[derive(Clone)]
+struct Set {
+    states: Aligned<u8>,
+    leasts: Vec<u8>,
+}
+
+/// A front in a row.
+pub(super) struct FrontRow<'a> {
+    states: &'a mut [u8],
+    leasts: &'a mut [u8],
+    slot: usize,
+    n: usize,
+    p2: PenaltyRow<'a>,
+    first: usize,
+}
+
+impl Front {
+    /// Before the first row: a path starts at every pixel.
+    pub(super) fn new(step: Direction, window: Range<usize>, width: usize, n: usize) -> Self {
+        let mut states = Aligned::new(PAD + window.len() * (n + PAD), 255u8);
+        states[PAD..].chunks_exact_mut(n + PAD).for_each(|state| state[..n].fill(0));
+        let set = Set { states, leasts: vec![0; window.len()] };
+        Self { step, window, width, n, sets: vec![set; step.dy.unsigned_abs() as usize] }
+    }
+
+    /// Bytes of its states.
+    pub(super) fn bytes(step: Direction, columns: usize, n: usize) -> u64 {
+        u64::from(step.dy.unsigned_abs()) * columns as u64 * (n + PAD + 1) as u64
+    }
+
+    /// The step in the image, of a team that walks up or down.
+    pub(super) fn step(&self, up: bool) -> Direction {
+        Direction { dx: self.step.dx, dy: if up { -self.step.dy } else { self.step.dy } }
+    }
+
+    fn slot(&self, x: usize, steps: usize) -> usize {
+        let columns = self.window.len() as i64;
+        let at = (x - self.window.start) as i64 - i64::from(self.step.dx) * steps as i64;
+        at.rem_euclid(columns) as usize
+    }
+
+    /// The front before the row that is walked as the `row`-th, from 0.
+    pub(super) fn row<'a>(&'a mut self, row: usize, p2: PenaltyRow<'a>) -> FrontRow<'a> {
+        let (steps, set) = (row / self.sets.len(), row % self.sets.len());
+        let dx = self.step.dx.unsigned_abs() as usize;
+        let begins = match self.step.dx {
+            0 => 0..0,
+            1.. => 0..dx.min(self.width),
+            _ => self.width.saturating_sub(dx)..self.width,
+        };
+        for x in begins.filter(|x| self.window.contains(x)) {
+            let slot = self.slot(x, steps);
+            let set = &mut self.sets[set];
+            set.states[PAD + slot * (self.n + PAD)..][..self.n].fill(0);
+            set.leasts[slot] = 0;
+        }
+        let (slot, first, n) = (self.slot(self.window.start, steps), self.window.start, self.n);
+        let set = &mut self.sets[set];
+        FrontRow { states: &mut set.states, leasts: &mut set.leasts, slot, n, p2, first }
+    }
+
+    /// Appends the states of some columns before the `row`-th row.
+    pub(super) fn export(&self, columns: Range<usize>, row: usize, to: &mut Vec<u8>) {
+        for (slot, set) in self.places(columns, row) {
+            to.extend(&self.sets[set].states[PAD + slot * (self.n + PAD)..][..self.n]);
+            to.push(self.sets[set].leasts[slot]);
+        }
+    }
+
+    /// Takes the states of some columns from what [`Front::export`] has appended; gives the rest.
+    pub(super) fn import<'a>(&mut self, columns: Range<usize>, row: usize, mut from: &'a [u8]) -> &'a [u8] {
+        for (slot, set) in self.places(columns, row) {
+            let (state, rest) = from.split_at(self.n);
+            self.sets[set].states[PAD + slot * (self.n + PAD)..][..self.n].copy_from_slice(state);
+            self.sets[set].leasts[slot] = rest[0];
+            from = &rest[1..];
+        }
+        from
+    }
+
+    /// Slot and set of the states of some columns, of those rows that have been walked.
+    fn places(&self, columns: Range<usize>, row: usize) -> Vec<(usize, usize)> {
+        let rows = row.saturating_sub(self.sets.len())..row;
+        let of_row = |row: usize| (row / self.sets.len(), row % self.sets.len());
+        rows.map(of_row)
+            .flat_map(|(steps, set)| columns.clone().map(move |x| (x, steps, set)))
+            .map(|(x, steps, set)| (self.slot(x, steps), set))
+            .collect()
+    }
+}
+
+impl FrontRow<'_> {
+    /// The state of the next column, at `x` of the window.
+    #[inline(always)]
+    pub(super) fn next(&mut self, x: usize) -> Stepping<'_> {
+        let slot = self.slot;
+        self.slot += 1;
+        if self.slot == self.leasts.len() {
+            self.slot = 0;
+        }
+        let at = PAD + slot * (self.n + PAD);
+        Stepping {
+            state: &mut self.states[at - 1..at + self.n + 1],
+            least: &mut self.leasts[slot],
+            p2: self.p2.at(self.first + x),
+        }
+    }
+}

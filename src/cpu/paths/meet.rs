@@ -1,0 +1,114 @@
+//! The order in which the rows are walked.
+//!
+//! **3 and 5 paths**: all threads walk down once, a band at a time.
+//!
+//! **4, 8 and 16 paths** meet in the middle. One team walks down from the first row, another one up from the last. Up to the
+//! middle they store T of their paths. Then each goes on through the rows of the other: it computes the cost a second time, its
+//! own T, and adds what the other has stored. So each row is visited twice, and T of half the paths is stored once.
+//!
+//! Where T of all rows would take too much memory, it is stored of some rows only, and before the others the states of all
+//! paths are kept. From these T is computed again when it is needed: a third visit.
+
+use super::front::Front;
+use super::memory::Chunks;
+use super::team::{Keep, Planes, Target, Team, Way};
+use super::{Aggregation, Sources};
+
+/// The states of all fronts, and how many rows were walked.
+type States = (Vec<Vec<Front>>, usize);
+
+/// What a team leaves of its half of the rows.
+struct Half {
+    /// Rows that it has walked.
+    rows: usize,
+    /// Rows of a chunk; the last one may have fewer.
+    chunk: usize,
+    /// T of the last chunk.
+    planes: Planes,
+    /// The states before each of the other chunks.
+    states: Vec<States>,
+}
+
+/// Aggregates into `targets`, one for each row.
+pub(super) fn aggregate(job: &Aggregation<'_>, sources: Sources<'_>, targets: Vec<Target<'_>>) {
+    let way = &Way::new(job, rayon::current_num_threads());
+    if !way.meets {
+        let mut team = Team::new(job, way, sources, false, true);
+        let mut targets = targets.into_iter();
+        bands(job.height, way.band, |count| {
+            team.down(count, Keep::Band(None));
+            team.across(count, None, &mut targets);
+        });
+        return;
+    }
+    let chunk = Chunks::new(job, way).rows;
+    let middle = job.height / 2;
+    let mut above = targets;
+    let below = above.split_off(middle);
+    let first = |up: bool, rows: usize| {
+        let mut team = Team::new(job, way, sources, up, true);
+        let half = first_visit(&mut team, rows, chunk);
+        (team, half)
+    };
+    let ((mut down, upper), (mut up, lower)) =
+        rayon::join(|| first(false, middle), || first(true, job.height - middle));
+    rayon::join(
+        || second_visit(&mut down, lower, || Team::new(job, way, sources, true, false), below.into_iter()),
+        || second_visit(&mut up, upper, || Team::new(job, way, sources, false, false), above.into_iter().rev()),
+    );
+}
+
+/// Calls `walk` with the rows of one band after the other.
+fn bands(rows: usize, band: usize, mut walk: impl FnMut(usize)) {
+    let mut left = rows;
+    while left > 0 {
+        let count = band.min(left);
+        walk(count);
+        left -= count;
+    }
+}
+
+/// Up to the middle: stores T of the last chunk, and keeps the states before each of the others.
+fn first_visit(team: &mut Team<'_, '_>, rows: usize, chunk: usize) -> Half {
+    let mut states = Vec::new();
+    for _ in 0..rows.saturating_sub(1) / chunk {
+        states.push(team.states());
+        bands(chunk, team.way().band, |count| team.down(count, Keep::Nothing));
+    }
+    let mut planes = Planes::new(team.way(), chunk, team.buffers());
+    store(team, rows - team.walked(), &mut planes);
+    Half { rows, chunk, planes, states }
+}
+
+/// Walks `rows` rows and stores their T.
+fn store(team: &mut Team<'_, '_>, rows: usize, planes: &mut Planes) {
+    planes.top = team.top(rows);
+    bands(rows, team.way().band, |count| team.down(count, Keep::Store(planes)));
+}
+
+/// Beyond the middle: through the rows of the other half, the last chunk first. `again`: a team that walks as the other half's.
+fn second_visit<'a, 's, 't>(
+    team: &mut Team<'_, '_>,
+    half: Half,
+    again: impl FnOnce() -> Team<'a, 's>,
+    mut targets: impl Iterator<Item = Target<'t>>,
+) {
+    let Half { rows, chunk, mut planes, states } = half;
+    let buffers = team.buffers();
+    let mut walk = |rows: usize, planes: &Planes| {
+        bands(rows, team.way().band, |count| {
+            team.down(count, Keep::Band(Some(planes)));
+            team.across(count, Some(planes), &mut targets);
+        });
+    };
+    walk(rows - states.len() * chunk, &planes);
+    let mut again = (!states.is_empty()).then(again);
+    for states in states.into_iter().rev() {
+        if let Some(again) = &mut again {
+            again.resume(states);
+            store(again, chunk, &mut planes);
+            walk(chunk, &planes);
+        }
+    }
+    planes.give(buffers);
+}

@@ -1,0 +1,70 @@
+//! P2 of the steps of paths.
+
+use rayon::prelude::*;
+
+use crate::reference::{Direction, Plane, Volume};
+use crate::{Params, Paths};
+
+/// Stage `penalties`, as [`crate::reference::penalties`], from a table of the P2 of each change of intensity.
+pub(crate) fn penalties(gray: &Plane<u8>, params: &Params) -> Volume<u8> {
+    let directions = &Direction::FORWARD[..if params.paths == Paths::Sixteen { 8 } else { 4 }];
+    let table: [u8; 256] = std::array::from_fn(|delta| {
+        (10 * params.p2 / (delta as u32).max(10)).max(params.p1 + params.p1 / 2).min(params.p2) as u8
+    });
+    let (width, count) = (gray.width, directions.len());
+    let mut penalties = Volume::new(width, gray.height, count);
+    penalties.data.par_chunks_mut(width * count).enumerate().for_each(|(y, row)| {
+        let here = &gray.data[y * width..][..width];
+        row.fill(table[0]);
+        for (k, step) in directions.iter().enumerate() {
+            let Some(above) = y.checked_sub(step.dy as usize) else { continue };
+            let there = &gray.data[above * width..][..width];
+            let shift = step.dx.unsigned_abs() as usize;
+            let inside = width.saturating_sub(shift);
+            let (here, there, first) = match step.dx >= 0 {
+                true => (&here[width - inside..], &there[..inside], width - inside),
+                false => (&here[..inside], &there[width - inside..], 0),
+            };
+            let values = row[first * count..].chunks_exact_mut(count).map(|values| &mut values[k]);
+            for ((value, here), there) in values.zip(here).zip(there) {
+                *value = table[usize::from(here.abs_diff(*there))];
+            }
+        }
+    });
+    penalties
+}
+
+/// P2 of the steps into the pixels of a row along one direction.
+#[derive(Clone, Copy)]
+pub(super) struct PenaltyRow<'a> {
+    values: &'a [u8],
+    /// Where that of column 0 lies; before the first value where the step into it comes from outside.
+    base: usize,
+    stride: usize,
+    otherwise: u8,
+}
+
+impl<'a> PenaltyRow<'a> {
+    /// Those of the steps (`dx`, `dy`) into row `y`: of `penalties`, or the same everywhere.
+    pub(super) fn new(penalties: Option<&'a Volume<u8>>, step: Direction, y: usize, p2: u8) -> Self {
+        let Some(penalties) = penalties else { return Self { values: &[], base: 0, stride: 0, otherwise: p2 } };
+        // The step from q to p has the penalty of that from p to q: of the two, the forward one is stored, at its end.
+        let index = |step: Direction| Direction::FORWARD.iter().position(|forward| *forward == step);
+        let (k, back) = match index(step) {
+            Some(k) => (k, Direction { dx: 0, dy: 0 }),
+            None => (index(step.opposite()).unwrap_or(0), step),
+        };
+        let pixel = (y as i64 - i64::from(back.dy)) * penalties.width as i64 - i64::from(back.dx);
+        let stride = penalties.disparities;
+        Self { values: &penalties.data, base: (pixel * stride as i64 + k as i64) as usize, stride, otherwise: p2 }
+    }
+
+    /// That of column `x`; any where the step comes from outside the image, since there a path starts.
+    #[inline(always)]
+    pub(super) fn at(&self, x: usize) -> u8 {
+        match self.values.get(self.base.wrapping_add(x * self.stride)) {
+            Some(&value) => value,
+            None => self.otherwise,
+        }
+    }
+}
