@@ -3,10 +3,10 @@
 //! Two rows at a time, whose steps do not depend on each other, keep the processor busy.
 
 use super::penalties::PenaltyRow;
-use super::step::{PAD, Receive, Stepping, steps};
+use super::step::{BLOCK, PAD, Receive, Stepping, steps};
 use crate::Params;
 use crate::cpu::LANES;
-use crate::cpu::aligned::Aligned;
+use crate::cpu::aligned::{Aligned, Local};
 use crate::cpu::instructions::Instructions;
 use crate::cpu::winner::{Found, RightKeys, RowOfMaps};
 
@@ -44,13 +44,20 @@ struct RowScratch {
     sum: Aligned<u16>,
     /// n + 1 zeros, three times `u16::MAX`, n + 1 zeros.
     near: Aligned<u16>,
+    /// `u16::MAX` beyond the disparities, else 0.
+    beyond: Aligned<u16>,
+    /// n and [`BLOCK`], as numbers that the compiler does not know: else it unrolls the search for a minimum.
+    lengths: [usize; 2],
     found: Found<u16>,
     keys: RightKeys,
 }
 
 impl Scratch {
-    pub(super) fn new(width: usize, n: usize, paths: usize) -> Self {
+    pub(super) fn new(width: usize, disparities: usize, paths: usize) -> Self {
+        let n = disparities.next_multiple_of(LANES);
         let row = || {
+            let mut beyond = Aligned::new(n, 0);
+            beyond[disparities..].fill(u16::MAX);
             let mut near = Aligned::new(2 * n + 5, 0);
             near[n + 1..n + 4].fill(u16::MAX);
             RowScratch {
@@ -59,6 +66,8 @@ impl Scratch {
                 least: 0,
                 sum: Aligned::zeroed(n),
                 near,
+                beyond,
+                lengths: [n, n.min(BLOCK)],
                 found: Found::new(width),
                 keys: RightKeys::new(width, n, group_of(paths)),
             }
@@ -69,7 +78,7 @@ impl Scratch {
     /// Its bytes.
     pub(super) fn bytes(width: usize, n: usize, paths: usize) -> u64 {
         let keys = n / group_of(paths) * (width + 2 * LANES) * 2;
-        (TOGETHER * (width * n + keys + 14 * width + 8 * n)) as u64
+        (TOGETHER * (width * n + keys + 14 * width + 10 * n)) as u64
     }
 }
 
@@ -189,26 +198,30 @@ fn pixel<const P: u16, const Q: usize, const G: usize>(
     let cost = &cost[i * n..][..n];
     let planes: [&[u8]; Q] = std::array::from_fn(|q| &planes[q][i * n..][..n]);
     let p2 = row.p2[1].at(x);
-    let disparities = params.disparities as usize;
-    let RowScratch { right, state, least, sum, near, found, keys } = scratch;
+    let RowScratch { right, state, least, sum, near, beyond, lengths, found, keys } = scratch;
     let path = Stepping { state: &mut state[PAD - 1..PAD + n + 1], least, p2 };
-    let sum = &mut sum[..n];
     let right = &right[x * n..][..n];
-    let mut total = Total::<P, Q, G> { cost, planes, right, sum: &mut *sum, keys, x, best: u32::MAX, disparities };
+    let [length, lanes] = *lengths;
+    let sums = &mut sum[..n];
+    let smallest =
+        Smallest { keys: [u16::MAX; BLOCK], blocks: 0, first: 0, best: u32::MAX, last: n.max(BLOCK) - BLOCK, lanes };
+    let beyond = &beyond[..n];
+    let mut total = Total::<P, Q, G> { cost, planes, right, beyond, sums, keys, x, smallest };
     steps([path], cost, params.p1 as u8, &mut total);
-    let best = total.best;
+    let best = total.smallest.winner::<G>();
     let label = (best & 0xffff) as usize;
+    let sum = &sum[..length];
     found.best[x] = (best >> 16) as u16;
     found.label[x] = label as u16;
     found.before[x] = sum[label.saturating_sub(1)];
-    found.after[x] = sum[(label + 1).min(n - 1)];
-    let near = &near[n + 2 - label..][..n];
+    found.after[x] = sum[(label + 1).min(length - 1)];
     let mut rival = u16::MAX;
-    for (&sum, &near) in sum.iter().zip(near) {
+    for (&sum, &near) in sum.iter().zip(&near[length + 2 - label..][..length]) {
         rival = rival.min(sum | near);
     }
     found.rival[x] = rival;
     if let Some((costs, sums)) = &mut row.record {
+        let disparities = params.disparities as usize;
         costs[x * disparities..][..disparities].copy_from_slice(&cost[..disparities]);
         sums[x * disparities..][..disparities].copy_from_slice(&sum[..disparities]);
     }
@@ -229,47 +242,82 @@ struct Total<'a, const P: u16, const Q: usize, const G: usize> {
     cost: &'a [u8],
     planes: [&'a [u8]; Q],
     right: &'a [u8],
-    sum: &'a mut [u16],
+    beyond: &'a [u16],
+    sums: &'a mut [u16],
     keys: &'a mut RightKeys,
     x: usize,
-    /// The cost of the winner, and its index in the lower half.
+    smallest: Smallest,
+}
+
+/// The smallest sums so far, each by a key: the sum, then the number of its block.
+struct Smallest {
+    keys: [u16; BLOCK],
+    /// Blocks so far.
+    blocks: usize,
+    /// The first block that the keys count from.
+    first: usize,
+    /// The smallest sum of the blocks before that, and in the lower half its index.
     best: u32,
-    disparities: usize,
+    /// Where the last block begins.
+    last: usize,
+    /// Values of a block.
+    lanes: usize,
+}
+
+impl Smallest {
+    /// The smallest sum, and in the lower half its index, of equal ones the smallest.
+    #[inline(always)]
+    fn winner<const G: usize>(&self) -> u32 {
+        let keys = &self.keys[..self.lanes];
+        let (mut least, mut at) = (u16::MAX, u16::MAX);
+        for &key in keys {
+            least = least.min(key);
+        }
+        for (lane, &key) in keys.iter().enumerate() {
+            at = at.min(if key == least { lane as u16 } else { u16::MAX });
+        }
+        let block = self.first + usize::from(least) % G;
+        let index = (block * BLOCK).min(self.last) + usize::from(at);
+        self.best.min(((u32::from(least) / G as u32) << 16) | index as u32)
+    }
 }
 
 impl<const P: u16, const Q: usize, const G: usize> Receive<1> for Total<'_, P, Q, G> {
     #[inline(always)]
     fn receive<const B: usize>(&mut self, at: usize, t: &[[u8; B]; 1]) {
-        let (cost, right, last) = (&self.cost[at..][..B], &self.right[at..][..B], &t[0]);
-        let mut sum = [0u16; B];
+        let (cost, right, beyond) = (&self.cost[at..][..B], &self.right[at..][..B], &self.beyond[at..][..B]);
+        let planes: [&[u8]; Q] = std::array::from_fn(|q| &self.planes[q][at..][..B]);
+        let mut sums = Local([0u16; B]);
         for d in 0..B {
-            sum[d] = P * u16::from(cost[d]) + u16::from(right[d].wrapping_add(last[d]));
-        }
-        for q in 0..Q {
-            let plane = &self.planes[q][at..][..B];
-            for d in 0..B {
-                sum[d] += u16::from(plane[d]);
+            let mut sum = P * u16::from(cost[d]) + u16::from(right[d].wrapping_add(t[0][d]));
+            for plane in &planes {
+                sum += u16::from(plane[d]);
             }
-        }
-        if at + B > self.disparities {
             // What lies beyond the disparities never wins and is no rival.
-            sum[self.disparities - at..].fill(u16::MAX);
+            sums.0[d] = sum | beyond[d];
         }
-        self.sum[at..][..B].copy_from_slice(&sum);
+        self.sums[at..][..B].copy_from_slice(&sums.0);
         let bits = G.trailing_zeros();
+        let Smallest { keys, blocks, first, .. } = &mut self.smallest;
+        let number = (*blocks - *first) as u16;
+        let (mut seen, mut smaller, mut least) = (Local([0u16; B]), Local([0u16; B]), Local([0u16; B]));
         for group in 0..B / G {
-            let first = at + group * G;
-            let seen = self.keys.seen::<G>(self.x, first);
-            let sum = &sum[group * G..][..G];
-            let (mut least, mut smaller) = (u16::MAX, [0u16; G]);
-            for l in 0..G {
-                let key = (sum[l] << bits) | l as u16;
-                least = least.min(key);
-                smaller[l] = seen[l].min(key);
-            }
-            seen.copy_from_slice(&smaller);
-            let label = (first as u32) | u32::from(least & (G as u16 - 1));
-            self.best = self.best.min((u32::from(least >> bits) << 16) | label);
+            seen.0[group * G..][..G].copy_from_slice(self.keys.seen::<G>(self.x, at + group * G));
+        }
+        for d in 0..B {
+            let shifted = sums.0[d] << bits;
+            smaller.0[d] = seen.0[d].min(shifted | (d % G) as u16);
+            least.0[d] = keys[d].min(shifted | number);
+        }
+        for group in 0..B / G {
+            self.keys.seen::<G>(self.x, at + group * G).copy_from_slice(&smaller.0[group * G..][..G]);
+        }
+        keys[..B].copy_from_slice(&least.0);
+        *blocks += 1;
+        if *blocks - *first == G {
+            self.smallest.best = self.smallest.winner::<G>();
+            self.smallest.first = self.smallest.blocks;
+            self.smallest.keys = [u16::MAX; BLOCK];
         }
     }
 }

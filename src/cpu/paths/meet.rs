@@ -9,10 +9,13 @@
 //! Where T of all rows would take too much memory, it is stored of some rows only, and before the others the states of all
 //! paths are kept. From these T is computed again when it is needed: a third visit.
 
+use super::aggregation::{Aggregation, Record, Sources};
 use super::front::Front;
 use super::memory::Chunks;
 use super::team::{Keep, Planes, Target, Team, Way};
-use super::{Aggregation, Sources};
+use crate::cpu::winner::RowOfMaps;
+use crate::reference::Views;
+use crate::{ConfidenceMap, DisparityMap};
 
 /// The states of all fronts, and how many rows were walked.
 type States = (Vec<Vec<Front>>, usize);
@@ -29,8 +32,31 @@ struct Half {
     states: Vec<States>,
 }
 
+/// Aggregates and finds the winners of both views. Within the caller's thread pool.
+pub(crate) fn aggregate(job: &Aggregation<'_>, sources: Sources<'_>, record: Option<&mut Record>) -> Views {
+    let (width, height, disparities) = (job.width, job.height, job.params.disparities as usize);
+    let pixels = width * height;
+    let map = || DisparityMap { width: width as u32, height: height as u32, data: vec![0; pixels] };
+    let margins = ConfidenceMap { width: width as u32, height: height as u32, data: vec![0; pixels] };
+    let mut views = Views { left: map(), right: map(), margins, labels: vec![0; pixels] };
+    let (costs, sums) = match record {
+        Some(record) => (&mut record.cost.data[..], &mut record.sum.data[..]),
+        None => (&mut [][..], &mut [][..]),
+    };
+    let records = costs.chunks_exact_mut(width * disparities).zip(sums.chunks_exact_mut(width * disparities));
+    let records = records.map(Some).chain(std::iter::repeat_with(|| None));
+    let lefts = views.left.data.chunks_exact_mut(width).zip(views.right.data.chunks_exact_mut(width));
+    let rows = lefts.zip(views.margins.data.chunks_exact_mut(width)).zip(views.labels.chunks_exact_mut(width));
+    let targets = rows.zip(records).map(|((((left, right), margins), labels), record)| Target {
+        maps: RowOfMaps { left, right, margins, labels },
+        record,
+    });
+    walk(job, sources, targets.collect());
+    views
+}
+
 /// Aggregates into `targets`, one for each row.
-pub(super) fn aggregate(job: &Aggregation<'_>, sources: Sources<'_>, targets: Vec<Target<'_>>) {
+fn walk(job: &Aggregation<'_>, sources: Sources<'_>, targets: Vec<Target<'_>>) {
     let way = &Way::new(job, rayon::current_num_threads());
     if !way.meets {
         let mut team = Team::new(job, way, sources, false, true);

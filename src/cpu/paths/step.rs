@@ -44,50 +44,51 @@ fn block<const B: usize>(before: &[u8], cost: &[u8], least: u8, p1: u8, most: u8
 }
 
 /// The steps into a pixel of cost `cost` along K paths.
+///
+/// Blocks follow each other; the last one begins where it ends at the end, and then repeats a part of the one before. Loops of fewer
+/// values than a block would be unrolled and not vectorised: with up to [`LANES`] disparities they are.
 #[inline(always)]
-pub(super) fn steps<const K: usize>(mut paths: [Stepping<'_>; K], cost: &[u8], p1: u8, to: &mut impl Receive<K>) {
-    let n = cost.len();
-    let mut leasts = [255u8; K];
-    let mut waiting = [[0u8; BLOCK]; K];
-    let whole = n - n % BLOCK;
-    let mut at = 0;
-    // What is written of a block waits until the next one has read its neighbour in it.
-    while at < whole {
-        let mut t = [[0u8; BLOCK]; K];
+pub(super) fn steps<const K: usize>(paths: [Stepping<'_>; K], cost: &[u8], p1: u8, to: &mut impl Receive<K>) {
+    if cost.len() < BLOCK {
+        steps_by::<K, LANES>(paths, cost, p1, to);
+    } else {
+        steps_by::<K, BLOCK>(paths, cost, p1, to);
+    }
+}
+
+#[inline(always)]
+fn steps_by<const K: usize, const B: usize>(
+    mut paths: [Stepping<'_>; K],
+    cost: &[u8],
+    p1: u8,
+    to: &mut impl Receive<K>,
+) {
+    let last = cost.len() - B;
+    let (mut leasts, mut waiting) = ([255u8; K], [[0u8; B]; K]);
+    let (mut at, mut before) = (0, 0);
+    loop {
+        let mut t = [[0u8; B]; K];
         for k in 0..K {
             let path = &mut paths[k];
             let least = *path.least;
-            let (made, l) = block::<BLOCK>(&path.state[at..], &cost[at..], least, p1, least + path.p2);
+            let (made, l) = block::<B>(&path.state[at..], &cost[at..], least, p1, least + path.p2);
             t[k] = made;
             leasts[k] = l.iter().fold(leasts[k], |least, &l| least.min(l));
+            // The block before is written only now that its last value has been read.
             if at > 0 {
-                path.state[at - BLOCK + 1..][..BLOCK].copy_from_slice(&waiting[k]);
+                path.state[before + 1..][..B].copy_from_slice(&waiting[k]);
             }
             waiting[k] = l;
         }
         to.receive(at, &t);
-        at += BLOCK;
-    }
-    if at < n {
-        let mut t = [[0u8; LANES]; K];
-        for k in 0..K {
-            let path = &mut paths[k];
-            let least = *path.least;
-            let (made, l) = block::<LANES>(&path.state[at..], &cost[at..], least, p1, least + path.p2);
-            t[k] = made;
-            leasts[k] = l.iter().fold(leasts[k], |least, &l| least.min(l));
-            if at > 0 {
-                path.state[at - BLOCK + 1..][..BLOCK].copy_from_slice(&waiting[k]);
-            }
-            path.state[at + 1..][..LANES].copy_from_slice(&l);
+        before = at;
+        if at == last {
+            break;
         }
-        to.receive(at, &t);
-    } else {
-        for k in 0..K {
-            paths[k].state[at - BLOCK + 1..][..BLOCK].copy_from_slice(&waiting[k]);
-        }
+        at = (at + B).min(last);
     }
     for k in 0..K {
+        paths[k].state[last + 1..][..B].copy_from_slice(&waiting[k]);
         *paths[k].least = leasts[k];
     }
 }

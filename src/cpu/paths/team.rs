@@ -10,11 +10,13 @@ use std::ops::Range;
 use rayon::prelude::*;
 
 use super::across::{Across, AcrossRow, Scratch, Segment, TOGETHER, across_for};
+use super::aggregation::{Aggregation, CostSource, Sources};
+use super::buffers::Buffers;
 use super::down::{Down, DownRow, down_for};
 use super::front::Front;
-use super::memory::Buffers;
 use super::penalties::PenaltyRow;
-use super::{Aggregation, CostSource, Sources};
+
+use crate::Paths;
 use crate::cpu::aligned::Aligned;
 use crate::cpu::winner::RowOfMaps;
 use crate::reference::Direction;
@@ -55,7 +57,7 @@ impl Way {
     pub(super) fn new(job: &Aggregation<'_>, threads: usize) -> Self {
         let meets = job.params.paths.count().is_multiple_of(2);
         let threads = if meets { threads.div_ceil(2) } else { threads };
-        let steps = super::steps_across_rows(job.params.paths);
+        let steps = steps_across_rows(job.params.paths);
         let (n, width) = (job.n(), job.width);
         let threads = threads.clamp(1, width.div_ceil(job.least_columns.max(1)));
         // With several threads longer bands, so that they wait less often.
@@ -85,6 +87,11 @@ impl Way {
             |part: &PartColumns| self.steps.iter().map(|s| Front::bytes(*s, part.window.len(), self.n)).sum::<u64>();
         self.parts.iter().map(of).sum()
     }
+}
+
+/// The steps downwards of the paths that cross rows.
+fn steps_across_rows(paths: Paths) -> Vec<Direction> {
+    Direction::all(paths).into_iter().filter(|step| step.dy > 0).collect()
 }
 
 /// The planes of T of some rows, for each part: `planes[part][plane]`, `[row][column of the window][n]`.
@@ -159,7 +166,7 @@ impl<'a, 's> Team<'a, 's> {
         };
         let paths = job.params.paths.count() as usize;
         let threads = if across { way.parts.len() } else { 0 };
-        let scratch = (0..threads).map(|_| Scratch::new(job.width, way.n, paths)).collect();
+        let scratch = (0..threads).map(|_| Scratch::new(job.width, job.params.disparities as usize, paths)).collect();
         Self { job, way, up, parts: way.parts.iter().map(part).collect(), scratch, walked: 0 }
     }
 

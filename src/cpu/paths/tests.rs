@@ -122,6 +122,25 @@ fn equals_the_definition() {
     }
 }
 
+/// More disparities than a key of 16 bits counts blocks of.
+#[test]
+fn equals_the_definition_at_thousands_of_disparities() {
+    let instructions = Instructions::all();
+    for (seed, paths) in [Paths::Three, Paths::Eight, Paths::Sixteen].into_iter().enumerate() {
+        let mut random = ChaCha8Rng::seed_from_u64(seed as u64);
+        let mut case = Case::new(&mut random);
+        case.params.paths = paths;
+        (case.params.min_disparity, case.params.disparities) = (-2000, 4000);
+        (case.width, case.height) = (5, 3);
+        (case.cost, case.gray) = (Volume::new(5, 3, 4000), Plane { width: 5, height: 3, data: (0..15).collect() });
+        case.cost.data.fill_with(|| random.random_range(60..=62));
+        for d in [2500, 3999] {
+            case.cost.data[7 * 4000 + d] = 0;
+        }
+        case.check(instructions[instructions.len() - 1], &format!("seed {seed}"));
+    }
+}
+
 /// The test of the test: one cost that differs is found.
 #[test]
 fn a_single_cost_that_differs_is_found() {
