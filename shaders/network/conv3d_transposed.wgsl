@@ -39,13 +39,9 @@ fn main(@builtin(global_invocation_id) id: vec3<u32>) {
     if task.idle {
         return;
     }
-    var sums: array<vec4<f32>, COLUMNS>;
-    let bias = weight_at(dispatch.own.weights + task.block);
-    for (var c = 0u; c < COLUMNS; c++) {
-        sums[c] = bias;
-    }
+    var sums = begun(task);
     let first = dispatch.own.weights + dispatch.own.out_blocks + task.block * dispatch.own.blocks * 108u;
-    for (var block = 0u; block < dispatch.own.blocks; block++) {
+    for (var block = dispatch.own.first_in; block < dispatch.own.end_in; block++) {
         for (var k = 0u; k <= task.z % 2u; k++) {
             let z = task.z / 2u + k;
             for (var j = 0u; j <= task.y % 2u; j++) {

@@ -524,11 +524,7 @@ fn what_cannot_be_is_one_line() {
     refuses(folder.path(), &["batch", "pairs.csv", "--disp", "16"], &["--output"]);
     // No map over an input of any pair, also of another shard's.
     fs::write(at("x.csv"), "l0.png,r0.png,a\nl1.png,r1.png,l0\n").unwrap();
-    refuses(
-        folder.path(),
-        &["batch", "x.csv", "-o", ".", "--disp", "16", "--shard", "1/2"],
-        &["is an input image, too"],
-    );
+    refuses(folder.path(), &["batch", "x.csv", "-o", ".", "--disp", "16", "--shard", "1/2"], &["is an input, too"]);
     // A device that cannot compute changes nothing.
     fs::create_dir_all(at("maps")).unwrap();
     let before = contents(folder.path());

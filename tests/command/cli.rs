@@ -714,6 +714,7 @@ fn a_comparison_of_variants_and_its_json() {
     let single = succeeds(folder.path(), &on("left.png", "right.png", &["--json", "--method", "bm"]));
     let single: Value = serde_json::from_slice(&single.stdout).unwrap();
     assert_eq!(variants[1]["valid"], single["valid"]);
+    assert!(single["energy"]["sum"].as_u64() > Some(0) && variants[1]["energy"] == single["energy"]);
     // Four maps and the left image, 240 px wide, since the images are small; a JPEG of the same size.
     let sheet = picture(&folder.path().join("compare.png"));
     assert_eq!(sheet.width(), 3 * (240 + 8) + 8);

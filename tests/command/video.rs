@@ -468,7 +468,7 @@ fn what_cannot_be_is_one_line() {
         ("no/maps", &[], &["\"no/maps\"", "does not exist"]),
         ("no/no/%d.png", &[], &["\"no/no/%d.png\"", "does not exist"]),
         ("file", &[], &["\"file\" is a file"]),
-        ("left", &[], &["\"left/f1.png\" is an input image, too"]),
+        ("left", &[], &["\"left/f1.png\" is an input, too"]),
         ("%d", &[], &["has no ending"]),
         ("%d.jpg", &[], &[".jpg", ".png"]),
         ("%d.png", &["--format", "npy"], &["--format must fit its ending"]),

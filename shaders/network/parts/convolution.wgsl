@@ -9,16 +9,12 @@ alias Taps = array<vec4<f32>, 12>;
 
 // All invocations go through all loops: neighbours may give weights to each other.
 fn convolve(task: Task, lane: u32) {
-    var sums: array<vec4<f32>, COLUMNS>;
-    let bias = weight_at(dispatch.own.weights + task.block);
-    for (var c = 0u; c < COLUMNS; c++) {
-        sums[c] = bias;
-    }
+    var sums = begun(task);
     let all = DEPTH * SIDE * SIDE * 4u;
     let first = dispatch.own.weights + dispatch.own.out_blocks + task.block * dispatch.own.blocks * all;
     // Numbers below zero are larger than all others.
     let left = task.x * STRIDE - (SIDE / 2u) * DILATION;
-    for (var block = 0u; block < dispatch.own.blocks; block++) {
+    for (var block = dispatch.own.first_in; block < dispatch.own.end_in; block++) {
         for (var k = 0u; k < DEPTH; k++) {
             let z = task.z * select(1u, STRIDE, DEPTH > 1u) + k - DEPTH / 2u;
             for (var j = 0u; j < SIDE; j++) {

@@ -66,6 +66,7 @@ fn resolve(typed: BatchArgs) -> Result<Batch> {
         video: false,
         input: typed.input.clone(),
         masks,
+        weights: typed.network.weights.clone(),
         suspects: typed.bulk.suspects,
     };
     let advice = "give each a name of its own in a list";

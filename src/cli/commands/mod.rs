@@ -3,6 +3,7 @@
 pub mod adapters;
 pub mod batch;
 pub mod bench;
+mod energy;
 pub mod eval;
 mod network;
 mod outcome;

@@ -2,6 +2,7 @@
 
 mod sheet;
 
+use super::energy::{self, EnergyReport};
 use super::network;
 use super::outcome::Outcome;
 use super::variants::{self, MAX_MAPS, Variant, in_words};
@@ -164,6 +165,7 @@ struct VariantReport {
     disparities: u32,
     valid: f64,
     frame_ms: FrameMs,
+    energy: Option<EnergyReport>,
     peak_device_bytes: u64,
 }
 
@@ -199,9 +201,11 @@ impl Study {
             progress.begin(label);
             let mut params = params.clone();
             params.masks = masks.clone();
-            let params = &params;
+            energy::want(&mut params, self.json);
             let context = || label.clone();
-            let ready = Engine::again(&mut engine, &self.device, &left, params).with_context(context)?;
+            let open = |params: &Params| Engine::again(&mut engine, &self.device, &left, params).map(drop);
+            let ((), params) = &energy::opened(&params, open).with_context(context)?;
+            let Some(ready) = &engine else { bail!("{label}: there is nothing to compute with") };
             let repeat = self.repeat.or_else(|| ready.is_quick(params).then_some(REPEAT));
             names.add(ready.names([params]));
             if sheet.is_none() {
@@ -209,6 +213,7 @@ impl Study {
             }
             let show = |share| progress.share(label, share);
             let frames = ready.frames(&left, &right, params, false, repeat, &show).with_context(context)?;
+            let energy = EnergyReport::new(&left, &right, &frames.matched, params)?;
             let (map, times) = (frames.matched.map, frames.times);
             match evidence.finding(&params.searched()) {
                 Some(finding @ Finding::Range { .. }) => warn(&format!("{label}: {finding}")),
@@ -222,6 +227,7 @@ impl Study {
                 disparities: params.disparities,
                 valid: map.valid_fraction(),
                 frame_ms: times,
+                energy,
                 peak_device_bytes: ready.device_bytes(),
             };
             if let Some(sheet) = &mut sheet {

@@ -133,7 +133,12 @@ fn film(args: &VideoArgs, pairs: Vec<(u64, Pair)>, params: &Params, masks: &Mask
         "--format and --resume are for numbered files, but output {:?} is a video; drop them, or give a folder",
         args.output
     );
-    places::ensure_no_input([args.output.as_path()], pairs.iter().map(|(_, pair)| pair), masks)?;
+    places::ensure_no_input(
+        [args.output.as_path()],
+        pairs.iter().map(|(_, pair)| pair),
+        masks,
+        args.network.weights.as_deref(),
+    )?;
     let fps = args.fps.as_deref().unwrap_or("10");
     ensure!(
         fps.parse().is_ok_and(|fps: f64| fps > 0.0 && fps <= MAX_FPS),
@@ -162,7 +167,7 @@ fn numbered(
     let outputs: Vec<_> = pairs.iter().map(|(number, _)| Output::at(pattern.path(*number), format)).collect();
     places::make_folder(pattern.folder(), out)?;
     let paths = outputs.iter().map(|output| output.path.as_path());
-    places::ensure_no_input(paths, pairs.iter().map(|(_, pair)| pair), masks)?;
+    places::ensure_no_input(paths, pairs.iter().map(|(_, pair)| pair), masks, args.network.weights.as_deref())?;
     let pairs = pairs.into_iter().map(|(_, pair)| pair).collect();
     Ok(Sink::Numbered(pairs, Numbered { outputs, params: params.clone() }))
 }
@@ -195,6 +200,7 @@ fn folder(
         video: true,
         input: input.clone(),
         masks,
+        weights: args.network.weights.clone(),
         suspects: args.bulk.suspects.clone(),
     };
     let advice = format!("give a printf pattern as output, such as {:?}", out.join("%06d.png"));

@@ -159,9 +159,10 @@ pub fn ensure_no_input<'a>(
     outputs: impl IntoIterator<Item = &'a Path>,
     pairs: impl IntoIterator<Item = &'a Pair>,
     masks: &'a MaskFiles,
+    weights: Option<&'a Path>,
 ) -> Result<()> {
     let images = pairs.into_iter().flat_map(|pair| [pair.left.as_path(), &pair.right]);
-    ensure_apart(outputs, images.chain(masks.paths()))
+    ensure_apart(outputs, images.chain(masks.paths()).chain(weights))
 }
 
 /// The same with any inputs.
@@ -183,7 +184,7 @@ pub fn ensure_apart<'a>(
     }
     let inputs: HashSet<_> = inputs.into_iter().flat_map(identities).collect();
     match there.iter().find(|(_, identity)| inputs.contains(identity)) {
-        Some((path, _)) => bail!("output {path:?} is an input image, too; give another folder"),
+        Some((path, _)) => bail!("output {path:?} is an input, too; give another folder"),
         None => Ok(()),
     }
 }

@@ -51,6 +51,8 @@ pub struct Mode {
     pub input: InputArgs,
     /// Which pixels have content; no map replaces such a file.
     pub masks: MaskFiles,
+    /// The file of a network's weights; no map replaces it either.
+    pub weights: Option<PathBuf>,
     /// The journal whose suspects are computed alone, in place of any list.
     pub suspects: Option<PathBuf>,
 }
@@ -105,7 +107,12 @@ impl Store {
             ensure_possible(out, all, true, advice)?;
         }
         let outputs = all.iter().flat_map(|planned| &planned.item.outputs).map(|output| output.path.as_path());
-        places::ensure_no_input(outputs, all.iter().map(|planned| &planned.pair), &mode.masks)?;
+        places::ensure_no_input(
+            outputs,
+            all.iter().map(|planned| &planned.pair),
+            &mode.masks,
+            mode.weights.as_deref(),
+        )?;
         let record = Record::new(out, params, &mode.input, sources);
         let log = |name: &str| Log { path: out.join(name) };
         let store = Self {

@@ -1,7 +1,11 @@
 //! The network: from the images to the map of its disparities.
 
+use std::ops::Range;
+
 use crate::gpu::chain::images::source_of;
-use crate::gpu::layout::{Dispatch, Frame, GrayOwn, ImageOwn, LayerOwn, Layers, Place, RoundOwn, TEXELS, TEXTURE_ROW};
+use crate::gpu::layout::{
+    BLOCK_UNIT, Dispatch, Frame, GrayOwn, ImageOwn, LayerOwn, Layers, Place, RoundOwn, TEXELS, TEXTURE_ROW,
+};
 use crate::gpu::recording::Bound::{self, Buffer, Part, Rows, Texture};
 use crate::gpu::recording::{Builder, Held, Weights, Written};
 use crate::network::{Kind, Operation};
@@ -27,14 +31,6 @@ enum Read {
 }
 
 impl Memory {
-    fn bound(&self) -> Bound<'_> {
-        match &self.read {
-            Read::There => Buffer(&self.written),
-            Read::Texture(_, view) => Texture(view),
-            Read::Joined(buffer) => Buffer(buffer),
-        }
-    }
-
     /// The first texel of a place in the buffer that is written.
     fn begin(&self, place: &Place) -> u32 {
         if matches!(self.read, Read::Joined(_)) { 0 } else { place.at }
@@ -127,12 +123,13 @@ impl Steps<'_> {
         self.slots[place.slot].copy(b, place);
     }
 
-    /// Where an operation's output is written: bound from a block on, and the first texel there.
-    fn target(&self, at: usize, first: u32, blocks: u32) -> Bound<'_> {
+    /// Where some blocks of an operation's output are written.
+    fn target(&self, at: usize, blocks: &Range<u32>) -> Bound<'_> {
         let place = &self.layers.places[at];
         let memory = &self.slots[place.slot];
-        let texels = |blocks: u32| 16 * u64::from(blocks) * u64::from(place.stride);
-        Part(&memory.written, 16 * u64::from(memory.begin(place)) + texels(first), texels(blocks))
+        let bytes = |blocks: u32| 16 * u64::from(blocks) * u64::from(place.stride);
+        let first = 16 * u64::from(memory.begin(place)) + bytes(blocks.start);
+        Part(&memory.written, first, bytes(blocks.end - blocks.start))
     }
 
     /// What is left by an operation, for the check.
@@ -143,23 +140,37 @@ impl Steps<'_> {
         Written::Layer { operation: at, at: memory.begin(place), joined }
     }
 
-    fn bound_weights(&self) -> Bound<'_> {
+    /// The weights of an operation, of a buffer no others, and the first texel of what is bound.
+    fn bound_weights(&self, at: usize) -> (Bound<'_>, u32) {
         match &self.weights.held {
-            Held::Buffer(buffer) => Buffer(buffer),
-            Held::Texture(_, view) => Texture(view),
+            Held::Buffer(buffer) => {
+                let [first, end] = self.weights.texels[at];
+                let from = first / BLOCK_UNIT * BLOCK_UNIT;
+                (Part(buffer, 16 * u64::from(from), 16 * u64::from(end - from)), from)
+            }
+            Held::Texture(_, view) => (Texture(view), 0),
         }
     }
 
-    /// What an operation reads.
-    fn read(&self, at: usize) -> (Bound<'_>, &Place) {
+    /// What an operation left, of a buffer some blocks alone, and the texel of what is bound at which block 0 would lie: it may be
+    /// below zero.
+    fn read(&self, at: usize, blocks: &Range<u32>) -> (Bound<'_>, u32) {
         let place = &self.layers.places[at];
-        (self.slots[place.slot].bound(), place)
+        let memory = &self.slots[place.slot];
+        let buffer = match &memory.read {
+            Read::Texture(_, view) => return (Texture(view), place.at),
+            Read::There => &memory.written,
+            Read::Joined(buffer) => buffer,
+        };
+        let [before, count] = [blocks.start, blocks.end - blocks.start].map(|blocks| blocks * place.stride);
+        let bound = Part(buffer, 16 * u64::from(place.at + before), 16 * u64::from(count));
+        (bound, 0u32.wrapping_sub(before))
     }
 
     /// Stage `network_input`.
     fn input(&self, b: &mut Builder<'_>, at: usize) {
         let place = self.layers.places[at];
-        let target = self.target(at, 0, place.blocks);
+        let target = self.target(at, &(0..place.blocks));
         for side in [0, 1] {
             let own = GrayOwn { channel: 0, reversed: b.mirrored.into() };
             let dispatch = Dispatch {
@@ -175,36 +186,49 @@ impl Steps<'_> {
         }
     }
 
-    /// Stages `average_pool` and `upsample`.
+    /// Stages `average_pool` and `upsample`: as many blocks of channels at a time as a binding holds.
     fn resized(&self, b: &mut Builder<'_>, at: usize, kernel: &str, rule: u32) {
         let place = self.layers.places[at];
-        let (values, from) = self.read(self.operations[at].inputs[0]);
-        let own = ImageOwn {
-            columns: place.columns,
-            rows: place.rows,
-            in_columns: from.columns,
-            in_rows: from.rows,
-            in_stride: from.stride,
-            in_at: from.at,
-            out_stride: place.stride,
-            rule,
-        };
-        let storage = [values, self.target(at, 0, place.blocks)];
-        let dispatch = Dispatch { own: own.into(), ..Dispatch::default() };
-        b.step(kernel, &storage, dispatch, place.columns * place.rows, 2 * place.blocks, self.written(at));
+        let input = self.operations[at].inputs[0];
+        let from = self.layers.places[input];
+        let lots = lots(b, &place, from.stride.max(place.stride));
+        for (i, blocks) in lots.iter().enumerate() {
+            let (values, first) = self.read(input, blocks);
+            let own = ImageOwn {
+                columns: place.columns,
+                rows: place.rows,
+                in_columns: from.columns,
+                in_rows: from.rows,
+                in_stride: from.stride,
+                in_at: first.wrapping_add(blocks.start * from.stride),
+                out_stride: place.stride,
+                rule,
+            };
+            let storage = [values, self.target(at, blocks)];
+            let dispatch = Dispatch { own: own.into(), ..Dispatch::default() };
+            let rows = 2 * (blocks.end - blocks.start);
+            b.step(kernel, &storage, dispatch, place.columns * place.rows, rows, self.written(at));
+            b.part_of(i, lots.len());
+        }
     }
 
-    /// Stages `conv2d`, `conv3d` and `conv3d_transposed`: as many blocks of channels at a time as a binding holds.
-    fn convolution(&self, b: &mut Builder<'_>, at: usize, kernel: &str) {
+    /// The blocks that a convolution reads at a time: of a buffer as many as a binding holds.
+    fn read_lots(&self, b: &Builder<'_>, operation: &Operation) -> Vec<Range<u32>> {
+        let from = &self.layers.places[operation.inputs[0]];
+        match operation.kind {
+            // The left features, then the right ones. They are no larger than the images, which a binding holds.
+            Kind::VolumeConv3d => vec![0..2 * from.blocks],
+            _ if b.plan.per_subgroup => lots(b, from, from.stride),
+            _ => vec![0..from.blocks],
+        }
+    }
+
+    /// What a convolution knows of its operation: all but what differs between its dispatches.
+    fn layer_own(&self, at: usize) -> LayerOwn {
         let operation = &self.operations[at];
-        let place = self.layers.places[at];
-        let (values, from) = self.read(operation.inputs[0]);
-        let (added, addend) = operation.add.map_or((self.bound_weights(), None), |add| {
-            let (bound, place) = self.read(add);
-            (bound, Some(place))
-        });
+        let (place, from) = (&self.layers.places[at], &self.layers.places[operation.inputs[0]]);
         let sides = if operation.kind == Kind::VolumeConv3d { 2 } else { 1 };
-        let own = LayerOwn {
+        LayerOwn {
             columns: place.columns,
             rows: place.rows,
             planes: place.planes,
@@ -214,25 +238,43 @@ impl Steps<'_> {
             blocks: sides * from.blocks,
             in_stride: from.stride,
             out_stride: place.stride,
-            at: from.at,
-            added_at: addend.map_or(0, |place| place.at),
-            weights: self.weights.firsts[at],
             out_blocks: place.blocks,
-            flags: u32::from(addend.is_some()) + 2 * u32::from(operation.relu),
             ..LayerOwn::default()
-        };
-        let block = 16 * u64::from(place.stride);
-        let most = ((b.sizes.binding / block) as u32).clamp(1, place.blocks);
-        let parts = place.blocks.div_ceil(most);
-        for part in 0..parts {
-            let first_block = part * most;
-            let blocks = most.min(place.blocks - first_block);
-            let storage = [values, self.bound_weights(), added, self.target(at, first_block, blocks)];
-            let own = LayerOwn { first_block, ..own };
+        }
+    }
+
+    /// Stages `conv2d`, `conv3d` and `conv3d_transposed`: as many blocks of channels at a time as a binding holds. What is read at a
+    /// time is added to the sums of what was read before, in the same order as all at once.
+    fn convolution(&self, b: &mut Builder<'_>, at: usize, kernel: &str) {
+        let operation = &self.operations[at];
+        let (place, input) = (self.layers.places[at], operation.inputs[0]);
+        let held = self.layers.places[input].blocks;
+        let all = self.layer_own(at);
+        let (weights, before) = self.bound_weights(at);
+        let (writes, reads) = (lots(b, &place, place.stride), self.read_lots(b, operation));
+        let steps = writes.iter().flat_map(|to| reads.iter().map(move |from| (to, from)));
+        for (i, (to, from)) in steps.enumerate() {
+            // Where the volume is made of the features, the blocks of both sides lie in the same memory.
+            let (values, first) = self.read(input, &(from.start..from.end.min(held)));
+            let ends = from.end == all.blocks;
+            let addend = operation.add.filter(|_| ends).map(|add| self.read(add, to));
+            let [adds, cuts, goes_on] = [addend.is_some(), ends && operation.relu, from.start > 0].map(u32::from);
+            let own = LayerOwn {
+                first_in: from.start,
+                end_in: from.end,
+                at: first,
+                added_at: addend.map_or(0, |(_, first)| first),
+                weights: self.weights.texels[at][0] - before,
+                first_block: to.start,
+                flags: adds + 2 * cuts + 4 * goes_on,
+                ..all
+            };
+            let added = addend.map_or(weights, |(bound, _)| bound);
+            let storage = [values, weights, added, self.target(at, to)];
             let dispatch = Dispatch { own: own.into(), ..Dispatch::default() };
             let lines = place.rows * place.columns.div_ceil(LAYER_COLUMNS);
-            b.step(kernel, &storage, dispatch, lines, blocks * place.planes, self.written(at));
-            b.part_of(part as usize, parts as usize);
+            b.step(kernel, &storage, dispatch, lines, (to.end - to.start) * place.planes, self.written(at));
+            b.part_of(i, writes.len() * reads.len());
         }
     }
 
@@ -240,14 +282,15 @@ impl Steps<'_> {
     fn regression(&self, b: &mut Builder<'_>) -> wgpu::Buffer {
         let at = self.operations.len() - 1;
         let place = self.layers.places[at];
-        let (values, from) = self.read(self.operations[at].inputs[0]);
+        let input = self.operations[at].inputs[0];
+        let (from, (values, first)) = (&self.layers.places[input], self.read(input, &(0..1)));
         let disparities = b.buffer("network.disparities", self.layers.disparities);
         let own = ImageOwn {
             columns: place.columns,
             rows: place.rows,
             in_columns: from.columns,
             in_rows: from.rows,
-            in_at: from.at,
+            in_at: first,
             rule: network_corners(b),
             ..ImageOwn::default()
         };
@@ -257,6 +300,12 @@ impl Steps<'_> {
         b.step("disparity_regression", &storage, dispatch, place.columns, place.rows, written);
         disparities
     }
+}
+
+/// The blocks of channels of a place, as many at a time as a binding holds where each has so many texels.
+fn lots(b: &Builder<'_>, place: &Place, texels: u32) -> Vec<Range<u32>> {
+    let most = (b.sizes.binding / (16 * u64::from(texels))).clamp(1, place.blocks.into()) as u32;
+    (0..place.blocks).step_by(most as usize).map(|first| first..(first + most).min(place.blocks)).collect()
 }
 
 /// Columns that an invocation of a convolution computes: `COLUMNS` in shaders/network/parts/layer.wgsl.

@@ -6,7 +6,7 @@ use crate::gpu::layout::uniforms::TEXTURE_ROW;
 use crate::network::{Convolution, Kind, Network, Operation, Padded};
 
 /// Texels to whose multiples blocks of channels begin, so that a binding may begin with any: 256 bytes.
-const BLOCK_UNIT: u32 = 16;
+pub(crate) const BLOCK_UNIT: u32 = 16;
 
 /// What the slots are planned for, so that the same operations share one at every size, and no slot grows where the images get
 /// smaller.
@@ -89,16 +89,21 @@ impl Layers {
         let block = places.iter().map(|place| 16 * u64::from(place.stride)).max().unwrap_or(0);
         request.fits("four channels of a volume of the network", block, FEWER_OF_NETWORK)?;
         let texture = u64::from(limits.max_texture_dimension_2d) * TEXTURE_ROW;
-        let allowed = if plan.per_subgroup { request.binding() } else { texture.min(limits.max_buffer_size) };
+        let allowed = if plan.per_subgroup { limits.max_buffer_size } else { texture.min(limits.max_buffer_size) };
         if largest > allowed {
             let what = "a volume of the network".into();
             return Err(Error::TooLarge { what, needed: largest, allowed, remedy: FEWER_OF_NETWORK });
         }
+        let weights = weight_places(network).0.into_iter().map(|[first, end]| 16 * u64::from(end - first + BLOCK_UNIT));
+        request.fits("the weights of an operation of the network", weights.max().unwrap_or(0), LARGER_BINDING)?;
         let disparities = 4 * padded.width as u64 * padded.height as u64;
         request.fits("the disparities of the network", disparities, SMALLER)?;
         Ok(Self { padded, places, slots, joined, part, largest, disparities })
     }
 }
+
+/// The remedy where weights are too many.
+const LARGER_BINDING: &str = "request a device with a larger max_storage_buffer_binding_size";
 
 /// The remedy where a volume is too large.
 const FEWER_OF_NETWORK: &str = "use fewer disparities or smaller images";
@@ -150,19 +155,19 @@ fn slots(operations: &[Operation], owners: &[(usize, u32)]) -> (Vec<usize>, usiz
     (slot_of, slots.len())
 }
 
-/// The first texel of each operation's weights in [`packed`], and the bytes of all.
-pub(crate) fn weight_places(network: &Network) -> (Vec<u32>, u64) {
+/// The first texel of each operation's weights in [`packed`] and the one behind its last, and the bytes of all.
+pub(crate) fn weight_places(network: &Network) -> (Vec<[u32; 2]>, u64) {
     let mut texels = 0;
-    let firsts = network.operations().iter().map(|operation| {
+    let places = network.operations().iter().map(|operation| {
         let first = texels;
         if let Some(convolution) = network.convolution(&operation.name) {
             let [outputs, inputs, taps] = sides(convolution).map(|side| side as u32);
             texels += outputs.div_ceil(4) * (1 + 4 * inputs.div_ceil(4) * taps);
         }
-        first
+        [first, texels]
     });
-    let firsts = firsts.collect();
-    (firsts, (16 * u64::from(texels)).next_multiple_of(TEXTURE_ROW))
+    let places = places.collect();
+    (places, (16 * u64::from(texels)).next_multiple_of(TEXTURE_ROW))
 }
 
 /// Outputs, inputs and taps of a convolution.
@@ -213,13 +218,13 @@ mod tests {
     #[test]
     fn weights_lie_at_their_places() {
         let network = tiny::tiny(3);
-        let ((firsts, bytes), texels) = (weight_places(&network), packed(&network));
+        let ((places, bytes), texels) = (weight_places(&network), packed(&network));
         assert_eq!(bytes, 4 * texels.len() as u64);
-        for (operation, first) in network.operations().iter().zip(firsts) {
+        for (operation, [first, end]) in network.operations().iter().zip(places) {
             let Some(convolution) = network.convolution(&operation.name) else { continue };
             let mut own = Vec::new();
             pack(convolution, &mut own);
-            assert_eq!(texels[4 * first as usize..][..own.len()], own, "{}", operation.name);
+            assert_eq!(texels[4 * first as usize..4 * end as usize], own, "{}", operation.name);
         }
     }
 

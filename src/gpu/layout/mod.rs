@@ -9,7 +9,7 @@ mod sizes;
 mod uniforms;
 
 pub(crate) use bands::{PAIR_BUFFERS, Piece};
-pub(crate) use layers::{Layers, Place, packed, weight_places};
+pub(crate) use layers::{BLOCK_UNIT, Layers, Place, packed, weight_places};
 pub(crate) use request::{ROW_UNIT, source_layout};
 #[cfg(test)]
 pub(crate) use rows::cut_to;

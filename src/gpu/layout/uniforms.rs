@@ -61,7 +61,7 @@ pub(crate) struct Dispatch {
 /// The WGSL block `Own` of any kernel, which ends `Dispatch`: what only this kernel reads.
 #[repr(C)]
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, bytemuck::Pod, bytemuck::Zeroable)]
-pub(crate) struct Own([u32; 16]);
+pub(crate) struct Own([u32; 20]);
 
 /// What stands for [`Own`] in the text of a kernel that declares none.
 pub(crate) const NO_OWN: &str = "alias Own = u32; ";
@@ -141,6 +141,8 @@ own! {
         in_rows: u32,
         in_planes: u32,
         blocks: u32,
+        first_in: u32,
+        end_in: u32,
         in_stride: u32,
         out_stride: u32,
         at: u32,

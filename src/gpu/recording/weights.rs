@@ -10,8 +10,8 @@ pub(crate) struct Weights {
     pub(crate) held: Held,
     /// Bytes of all.
     pub(super) bytes: u64,
-    /// The first texel of each operation's.
-    pub(crate) firsts: Vec<u32>,
+    /// The first texel of each operation's, and the one behind its last.
+    pub(crate) texels: Vec<[u32; 2]>,
 }
 
 /// Where they are.
@@ -29,7 +29,7 @@ impl Weights {
 
     /// Those of a network; with `only_planned` without the memory.
     pub(super) fn new(device: &wgpu::Device, network: &Network, per_subgroup: bool, only_planned: bool) -> Self {
-        let (firsts, bytes) = weight_places(network);
+        let (texels, bytes) = weight_places(network);
         let rows = (bytes / TEXTURE_ROW) as u32;
         let label = Some("gpu-stereo.network.weights");
         let held = if per_subgroup {
@@ -54,7 +54,7 @@ impl Weights {
             let view = texture.create_view(&wgpu::TextureViewDescriptor::default());
             Held::Texture(texture, view)
         };
-        Self { network: network.clone(), held, bytes, firsts }
+        Self { network: network.clone(), held, bytes, texels }
     }
 
     pub(super) fn write(&self, queue: &wgpu::Queue) {

@@ -81,7 +81,7 @@ pub fn resolve(typed: BenchArgs) -> Result<Bench> {
         json: typed.json,
         quiet: typed.quiet,
     };
-    bench.ensure_outputs()?;
+    bench.ensure_outputs(typed.network.weights.as_deref())?;
     Ok(bench)
 }
 
@@ -143,8 +143,8 @@ fn submission(folder: PathBuf, method: String, layout: DataSet, variants: usize)
 }
 
 impl Bench {
-    /// Every file can be written and can hold what it is to hold, and none is one of the data set's.
-    fn ensure_outputs(&self) -> Result<()> {
+    /// Every file can be written and can hold what it is to hold, and none is one of the data set's or the file of weights.
+    fn ensure_outputs(&self, weights: Option<&Path>) -> Result<()> {
         let mut outputs = Vec::new();
         if let Some(folder) = &self.report {
             for name in [REPORT, RESULTS] {
@@ -171,7 +171,7 @@ impl Bench {
                 }
             }
         }
-        let inputs = self.scenes.iter().flat_map(Scene::files);
+        let inputs = self.scenes.iter().flat_map(Scene::files).chain(weights);
         places::ensure_apart(outputs.iter().map(PathBuf::as_path), inputs)
     }
 

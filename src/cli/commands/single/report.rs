@@ -1,11 +1,12 @@
 //! Report: the summary, the tables and the JSON on stdout.
 
 use super::resolve::Job;
+use crate::commands::energy::EnergyReport;
 use crate::commands::summary;
 use crate::engine::compute::{EngineNames, FrameMs};
 use crate::terminal::{self, Evaluation, message, name, rounded, table};
 use anyhow::Result;
-use gpu_stereo::{Camera, Energy, StageCheck, StageTime};
+use gpu_stereo::{Camera, StageCheck, StageTime};
 use serde::{Serialize, Serializer};
 use std::fmt::Write as _;
 use std::path::PathBuf;
@@ -78,20 +79,6 @@ impl From<Camera> for Cameras {
     }
 }
 
-/// The energy of the winners, and its two parts.
-#[derive(Debug, Serialize)]
-pub struct EnergyReport {
-    data: u64,
-    smoothness: u64,
-    sum: u64,
-}
-
-impl From<Energy> for EnergyReport {
-    fn from(energy: Energy) -> Self {
-        Self { data: energy.data, smoothness: energy.smoothness, sum: energy.sum() }
-    }
-}
-
 /// A stage compared with the reference.
 #[derive(Debug, Serialize)]
 pub struct Check {
@@ -153,8 +140,8 @@ impl Report {
                 message("note: the adapter has no timestamp queries; only the total is known");
             }
             text += &self.timings_table();
-            if let Some(EnergyReport { data, smoothness, sum }) = &self.energy {
-                writeln!(text, "energy   {sum} (data {data}, smoothness {smoothness})")?;
+            if let Some(energy) = &self.energy {
+                writeln!(text, "energy   {}", energy.words())?;
             }
         }
         if let Some(evaluation) = &self.evaluation {

@@ -2,7 +2,7 @@
 
 use super::shaders;
 use crate::args::{self, Backend, CameraArgs, DeviceArgs, InputArgs, SingleArgs};
-use crate::commands::network;
+use crate::commands::{energy, network};
 use crate::engine::{adapter, output_files};
 use crate::terminal::message;
 use anyhow::{Result, bail, ensure};
@@ -11,7 +11,7 @@ use gpu_stereo::files::encoders::Format;
 use gpu_stereo::files::masks::MaskFiles;
 use gpu_stereo::files::outputs::Output;
 use gpu_stereo::files::truth::TruthFile;
-use gpu_stereo::{Camera, Method, Params};
+use gpu_stereo::{Camera, Params};
 use std::path::PathBuf;
 
 /// A run, ready to start.
@@ -61,8 +61,7 @@ pub fn resolve(typed: SingleArgs) -> Result<Job> {
     args::ensure_disparities(&given)?;
     let mut params = args::params(typed.settings.iter())?;
     params.confidence = typed.confidence.is_some();
-    // For the energy, which is told beside the times; a network has none.
-    params.labels = (typed.json || typed.timings) && params.method != Method::Psmnet;
+    energy::want(&mut params, typed.json || typed.timings);
     args::report_unused(&[(given, &params)]);
     network::give(&typed.network, [&mut params])?;
     let needs_adapter = needs_adapter(&typed);

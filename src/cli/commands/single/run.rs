@@ -3,9 +3,10 @@
 use super::report::Report;
 use super::resolve::Job;
 use super::shaders;
+use crate::commands::energy::{self, EnergyReport};
 use crate::engine::compute::{Computed, Engine};
 use crate::engine::{diagnosis, images, output_files};
-use crate::terminal::{Evaluation, Share, message, warnings};
+use crate::terminal::{Evaluation, Share, warnings};
 use anyhow::Result;
 use gpu_stereo::evaluation::FloatMap;
 use gpu_stereo::files::calibration::Fitted;
@@ -13,7 +14,7 @@ use gpu_stereo::files::encoders::{Format, Maps};
 use gpu_stereo::files::images::ImagePair;
 use gpu_stereo::files::outputs;
 use gpu_stereo::files::truth::Truth;
-use gpu_stereo::{Camera, Error, Image, Matched, Params, Rectification, reference};
+use gpu_stereo::{Camera, Image, Matched, Params, Rectification, reference};
 use std::time::Instant;
 
 /// Does the job.
@@ -27,7 +28,8 @@ pub fn run(job: &Job) -> Result<Report> {
 
     let (params, camera) = &params_for(job, &left)?;
     let start = Instant::now();
-    let (engine, params) = &open(job, &left, params)?;
+    let open = |params: &Params| Engine::open(&job.device, job.needs_adapter, &left, params);
+    let (engine, params) = &energy::opened(params, open)?;
     if let Some(folder) = &job.shaders {
         shaders::write(folder, &engine.shaders())?;
     }
@@ -43,7 +45,7 @@ pub fn run(job: &Job) -> Result<Report> {
         warnings::warn(&finding.to_string());
     }
 
-    let energy = matched.labels.as_ref().map(|labels| reference::energy(&left, &right, labels, params)).transpose()?;
+    let energy = EnergyReport::new(&left, &right, &matched, params)?;
     let check = if job.check { Some(engine.check(&left, &right, params)?) } else { None };
     let passed = check.iter().flatten().all(|stage| stage.mismatches == 0);
     let evaluation = if passed { write(job, params, left, &matched, truth.as_ref())? } else { None };
@@ -62,30 +64,13 @@ pub fn run(job: &Job) -> Result<Report> {
         frame_ms: times,
         first_frame_ms,
         stages,
-        energy: energy.map(Into::into),
+        energy,
         peak_device_bytes: engine.device_bytes(),
         evaluation,
         check: check.map(|stages| stages.into_iter().map(Into::into).collect()),
         warnings: warnings::all(),
         outputs,
     })
-}
-
-/// The engine, and the settings that it takes: without the labels where a binding of the device does not hold them.
-fn open(job: &Job, image: &Image, params: &Params) -> Result<(Engine, Params)> {
-    let open = |params: &Params| Engine::open(&job.device, job.needs_adapter, image, params);
-    let failure = match open(params) {
-        Ok(engine) => return Ok((engine, params.clone())),
-        Err(failure) => failure,
-    };
-    if !params.labels || !matches!(failure.downcast_ref(), Some(Error::TooLarge { .. })) {
-        return Err(failure);
-    }
-    let mut without = params.clone();
-    without.labels = false;
-    let engine = open(&without)?;
-    message("note: the energy is not told, since the device has no room for the labels of so large an image");
-    Ok((engine, without))
 }
 
 /// The settings of the job for images of this size, and the rectified cameras, if they are known.

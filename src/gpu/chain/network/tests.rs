@@ -1,6 +1,12 @@
+use rand::SeedableRng;
+use rand::seq::IndexedRandom;
+use rand_chacha::ChaCha8Rng;
+
 use crate::gpu::kernels::tests::{Setup, support};
 use crate::network::tiny::tiny;
-use crate::{Fill, Params, Schedule, StereoMatcher, Unrounded};
+use crate::{Fill, Inputs, Outputs, Params, Schedule, StereoMatcher, Unrounded};
+
+mod made;
 
 /// A network of every kind of operation, and no filter.
 fn params(disparities: u32, schedule: Schedule) -> Params {
@@ -43,13 +49,30 @@ fn every_operation_is_the_definition() {
     assert!(all.is_empty(), "{}", all.join("\n"));
 }
 
-/// Volumes are written some channels at a time where a binding holds no more.
+/// Where a binding holds no volume, some channels at a time are read and written: with the same values, to the bit. What no
+/// buffer holds is refused.
 #[test]
 fn volumes_beyond_a_binding_are_cut() {
-    let setup = support::device_with(|_, limits| limits.max_storage_buffer_binding_size = 2 << 20);
-    let Some(setup) = setup else { return };
-    let all = wrong(&setup, [90, 40], 0, &params(128, Schedule::PerThread));
-    assert!(all.is_empty(), "{}", all.join("\n"));
+    let cut = support::device_with(|_, limits| {
+        limits.max_storage_buffer_binding_size = 2 << 20;
+        limits.max_buffer_size = 3 << 20;
+    });
+    let (Some(cut), Some(whole)) = (cut, support::device()) else { return };
+    let (left, right) = &support::pair(90, 40, 7);
+    let [cut, whole] = [cut, whole].map(|(_, device, queue)| {
+        move |disparities, schedule| {
+            let params = Params { unrounded: true, ..params(disparities, schedule) };
+            let matcher = StereoMatcher::new(&device, &queue, 90, 40, left.format(), &params)?;
+            matcher.compute_blocking(left, right).map(|matched| matched.unrounded)
+        }
+    });
+    for schedule in [Schedule::PerThread, Schedule::PerSubgroup] {
+        let (cut, whole) = (cut(80, schedule).unwrap(), whole(80, schedule).unwrap());
+        assert!(cut.is_some() && cut == whole, "{schedule}");
+    }
+    let refused = cut(112, Schedule::PerSubgroup).unwrap_err().to_string();
+    let told = "a volume of the network needs 3670016 bytes, but the device allows 3145728; use fewer disparities or smaller images";
+    assert_eq!(refused, told);
 }
 
 /// The right view by a second run, the filters, the disparities before they are rounded; another size and back in the same memory.
@@ -78,4 +101,84 @@ fn what_follows_the_network() {
     matcher.set_params(&Params { network: Some(tiny(4)), ..params.clone() }).unwrap();
     assert_ne!(matcher.compute_blocking(&left, &right).unwrap().unrounded, before.unrounded);
     assert_eq!(matcher.device_bytes(), bytes);
+}
+
+/// Options that may stand beside the method, and values of them.
+const OPTIONS: &[(&str, &[&str])] = &[
+    ("schedule", &["per-thread", "per-subgroup"]),
+    ("align-corners", &["on", "off"]),
+    ("shader-checks", &["off", "on"]),
+    ("right-view", &["match"]),
+    ("lr-check", &["off", "1"]),
+    ("texture", &["off", "12"]),
+    ("speckle-window", &["0", "9"]),
+    ("median", &["off", "3", "5"]),
+    ("fill", &["none", "background", "rays"]),
+    ("weighted-median", &["off", "2"]),
+    ("wls", &["off", "on"]),
+];
+
+/// Random settings beside the method: every stage is the reference.
+#[test]
+fn settings_beside_the_network() {
+    const SEED: u64 = 8;
+    let Some(setup) = support::device() else { return };
+    let mut random = ChaCha8Rng::seed_from_u64(SEED);
+    let mut all = Vec::new();
+    for case in 0..5 {
+        let mut params = params(16, Schedule::PerThread);
+        let mut chosen = Vec::new();
+        for (name, values) in OPTIONS {
+            let value = values.choose(&mut random).unwrap();
+            chosen.push(format!("--{name} {value}"));
+            params.set(name, value).unwrap();
+        }
+        params.confidence = false;
+        let wrong = wrong(&setup, [61 + case, 33 - case], case % 4, &params);
+        all.extend(wrong.iter().map(|wrong| format!("{chosen:?}, seed {SEED}: {wrong}")));
+    }
+    assert!(all.is_empty(), "{}", all.join("\n"));
+}
+
+/// `record` only records, and makes nothing on the device from the second frame on.
+#[test]
+fn a_frame_in_the_callers_encoder() {
+    let Some((_, device, queue)) = support::device() else { return };
+    let (left, right) = support::pair(48, 20, 7);
+    let params = Params { lr_check: Some(1), ..params(16, Schedule::PerThread) };
+    let matcher = StereoMatcher::new(&device, &queue, 48, 20, left.format(), &params).unwrap();
+    let expected = matcher.compute_blocking(&left, &right).unwrap().map;
+    let size = matcher.output().size();
+    queue.write_buffer(matcher.output(), 0, &vec![0x5a; size as usize]);
+    let read = device.create_buffer(&wgpu::BufferDescriptor {
+        label: None,
+        size,
+        usage: wgpu::BufferUsages::COPY_DST | wgpu::BufferUsages::MAP_READ,
+        mapped_at_creation: false,
+    });
+    let copied = |record: &dyn Fn(&mut wgpu::CommandEncoder)| {
+        let mut encoder = device.create_command_encoder(&wgpu::CommandEncoderDescriptor::default());
+        record(&mut encoder);
+        encoder.copy_buffer_to_buffer(matcher.output(), 0, &read, 0, size);
+        queue.submit([encoder.finish()]);
+        read.map_async(wgpu::MapMode::Read, .., |result| result.unwrap());
+        device.poll(wgpu::PollType::wait_indefinitely()).unwrap();
+        let bytes = read.get_mapped_range(..).unwrap().to_vec();
+        read.unmap();
+        bytes
+    };
+    let frame = |encoder: &mut wgpu::CommandEncoder| {
+        matcher.upload(&left, &right).unwrap();
+        matcher.record(encoder, &Inputs::Uploaded, &Outputs::default()).unwrap();
+    };
+    let mut unused = device.create_command_encoder(&wgpu::CommandEncoderDescriptor::default());
+    frame(&mut unused);
+    assert!(copied(&|_| ()).iter().all(|&byte| byte == 0x5a), "something was submitted");
+    for round in 0..3 {
+        let made = made::during(|| {
+            let rows: Vec<i16> = bytemuck::pod_collect_to_vec(&copied(&|encoder| frame(encoder)));
+            assert!(rows[..48 * 20] == expected.data[..], "frame {round}");
+        });
+        assert!(round == 0 || made == ["Device::create_command_encoder"], "frame {round}: {made:?}");
+    }
 }

@@ -131,6 +131,8 @@ fn own_layout(kernel: &str) -> Option<StructLayout> {
             in_rows,
             in_planes,
             blocks,
+            first_in,
+            end_in,
             in_stride,
             out_stride,
             at,
