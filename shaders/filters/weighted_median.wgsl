@@ -3,7 +3,7 @@
 // map (i16, in a texture), gray (u8, of the left image, in a texture) -> filtered (i16)
 // One invocation: four words, eight pixels of a row.
 // Border: pixels outside the image and invalid ones have no weight; an invalid pixel stays invalid.
-// With: map_octet, common
+// With: weighted_keys, map_octet, common
 // Reference: src/reference/filters/weighted_median.rs
 
 @group(0) @binding(3) var<storage, read_write> filtered: array<vec4<u32>>;
@@ -12,9 +12,6 @@
 // Vectors of eight pixels that are read on either side, and with the one between.
 const AROUND: u32 = (2u * SPACING + 7u) / 8u;
 const EIGHTS: u32 = 2u * AROUND + 1u;
-
-// Values lie above invalid, which is 0.
-const NOTHING: u32 = 0x80008000u;
 
 // Of eight columns from 8 i on, in the gray image's row: its vectors hold sixteen, from column -16 on.
 fn gray_words(row: u32, i: u32) -> vec2<u32> {
@@ -30,59 +27,6 @@ fn inside(words: vec4<u32>, x: i32) -> vec4<u32> {
     let low = select(vec4(0u), vec4(0xffffu), (even >= vec4(0)) & (even < width));
     let high = select(vec4(0u), vec4(0xffff0000u), (even >= vec4(0)) & (even < width - vec4(1)));
     return (words ^ vec4(NOTHING)) & (low | high);
-}
-
-// Orders the keys i and i + distance, of those i that have `bit` as in `wanted`.
-fn exchange(keys: ptr<function, array<u32, 25>>, bit: u32, wanted: u32, distance: u32) {
-    for (var i = 0u; i < 25u; i++) {
-        if i + distance < 25u && (i & bit) == wanted {
-            let a = (*keys)[i];
-            let b = (*keys)[i + distance];
-            (*keys)[i] = min(a, b);
-            (*keys)[i + distance] = max(a, b);
-        }
-    }
-}
-
-// Merge exchange: Knuth, The Art of Computer Programming 3, algorithm 5.2.2M.
-fn sort(keys: ptr<function, array<u32, 25>>) {
-    exchange(keys, 16u, 0u, 16u);
-    exchange(keys, 8u, 0u, 8u);
-    exchange(keys, 8u, 8u, 8u);
-    exchange(keys, 4u, 0u, 4u);
-    exchange(keys, 4u, 4u, 12u);
-    exchange(keys, 4u, 4u, 4u);
-    exchange(keys, 2u, 0u, 2u);
-    exchange(keys, 2u, 2u, 14u);
-    exchange(keys, 2u, 2u, 6u);
-    exchange(keys, 2u, 2u, 2u);
-    exchange(keys, 1u, 0u, 1u);
-    exchange(keys, 1u, 1u, 15u);
-    exchange(keys, 1u, 1u, 7u);
-    exchange(keys, 1u, 1u, 3u);
-    exchange(keys, 1u, 1u, 1u);
-}
-
-// A weight halves with each SIGMA of the difference, linearly in between.
-fn weight(difference: u32) -> u32 {
-    let halvings = (difference * DECAY) >> 8u;
-    return ((512u - (halvings & 255u)) << 6u) >> min(halvings >> 8u, 31u);
-}
-
-// Of keys in ascending order, a value above its weight: the first value at which half of all weight is reached.
-fn middle(keys: ptr<function, array<u32, 25>>) -> u32 {
-    var total = 0u;
-    for (var i = 0u; i < 25u; i++) {
-        total += (*keys)[i] & 0xffffu;
-    }
-    var reached = total;
-    var value = 0u;
-    for (var i = 0u; i < 25u; i++) {
-        let key = (*keys)[24u - i];
-        value = select(value, key >> 16u, 2u * reached >= total);
-        reached -= key & 0xffffu;
-    }
-    return value;
 }
 
 @compute @workgroup_size(LANES)

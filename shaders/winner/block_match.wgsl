@@ -2,7 +2,7 @@
 // columns (u16 or u32, [y][x + r][d]), with ncc statistics ([y][left, then right blocks]) -> left_map, right_map (i16)
 // MEMBERS invocations: one row of the band, from right to left; a column enters the sum as another leaves it.
 // Border: the columns reach beyond it.
-// With: column_sums, costs, winner_row, refinement, common
+// With: column_sums, costs, totals_wide, winner_row, refinement, common
 // Chosen: shared_path*, sums*, block_costs_*
 // Reference: src/reference/winner/block_match.rs
 
@@ -26,10 +26,10 @@ fn main(@builtin(global_invocation_id) id: vec3<u32>, @builtin(local_invocation_
     let writes = member == 0u && (works || !BARRIERS);
     let reach = 2u * frame.block_radius;
     let first = band_row * (frame.width + reach) * QUADS;
-    var sums = no_costs(0u);
+    var sums = Costs();
     var costs: Costs;
     var seen = none_seen(band_row);
-    var diagonal = no_costs(COST_NONE << 12u);
+    var diagonal = no_keys();
     for (var c = 0u; c < reach; c++) {
         enter(&sums, first + (frame.width + c) * QUADS);
     }

@@ -3,7 +3,7 @@
 //   The leftward direction of sgm_aggregate is walked here, so its T is never stored. PAIRED volumes hold two
 //   directions each, the i-th in buffer i % 3; `forward` holds the rightward one.
 // MEMBERS invocations: one row of the band, from right to left.
-// With: path_step, winner_row, refinement, costs, common
+// With: path_step, winner_row, refinement, totals_pairs, pairs, common
 // Chosen: shared_path*, volume*, cost_*, penalty_*
 // Reference: src/reference/winner/winner.rs, src/reference/paths/sgm_aggregate.rs
 
@@ -28,8 +28,8 @@ fn main(@builtin(global_invocation_id) id: vec3<u32>, @builtin(local_invocation_
     let strip_row = min(line, dispatch.rows - 1u);
     let writes = member == 0u && (works || !BARRIERS);
     var state: State;
-    var costs: Costs;
-    var diagonal = no_costs(COST_NONE << 12u);
+    var totals: Totals;
+    var diagonal = no_keys();
     var kept = RowWriter(INVALID, 0, 0, INVALID);
     let steps = row_steps();
     var known = penalties_from(i32(frame.width), strip_row);
@@ -40,14 +40,14 @@ fn main(@builtin(global_invocation_id) id: vec3<u32>, @builtin(local_invocation_
             known = penalties_from(clamp(x + 1, 0, i32(frame.width)), strip_row);
         }
         if inside_row(x) {
-            walk(&state, &costs, strip_row * frame.volume_stride + u32(x), penalty(known, x + 1));
+            walk(&state, &totals, strip_row * frame.volume_stride + u32(x), penalty(known, x + 1));
         }
-        choose(&costs, &diagonal, &kept, dispatch.map_row + strip_row, x, writes);
+        choose(&totals, &diagonal, &kept, dispatch.map_row + strip_row, x, writes);
     }
 }
 
 // One step of the leftward path, and S of the pixel.
-fn walk(state: ptr<function, State>, costs: ptr<function, Costs>, strip_pixel: u32, p2: u32) {
+fn walk(state: ptr<function, State>, totals: ptr<function, Totals>, strip_pixel: u32, p2: u32) {
     let pixel = dispatch.volume_row * frame.volume_stride + strip_pixel;
     var around = surroundings(state);
     for (var s = 0u; s < SLICES; s++) {
@@ -68,26 +68,14 @@ fn walk(state: ptr<function, State>, costs: ptr<function, Costs>, strip_pixel: u
         }
         let own = path_slice(state, s, c, p2, &around);
         for (var w = 0u; w < WIDTH; w++) {
-            // Sums of bytes in the 16-bit halves of words.
-            var even = PATHS * evens(c[w]) + evens(own[w]);
-            var odd = PATHS * odds(c[w]) + odds(own[w]);
-            for (var i = 0u; i < PAIRED + 1u; i++) {
-                even += evens(t[i][w]);
-                odd += odds(t[i][w]);
+            let own_cost = pairs_of(c[w]);
+            // Of this direction and the opposite one: both T are at most 127.
+            let horizontal = pairs_of(own[w] + t[0][w]);
+            var sums = sum_of(Pairs(PATHS * own_cost.even, PATHS * own_cost.odd), horizontal);
+            for (var i = 1u; i < PAIRED + 1u; i++) {
+                sums = sum_of(sums, pairs_of(t[i][w]));
             }
-            let q = s * WIDTH + w;
-            (*costs)[q][0] = unpack_pairs(even.x, odd.x);
-            (*costs)[q][1] = unpack_pairs(even.y, odd.y);
-            (*costs)[q][2] = unpack_pairs(even.z, odd.z);
-            (*costs)[q][3] = unpack_pairs(even.w, odd.w);
+            (*totals)[s * WIDTH + w] = sums;
         }
     }
-}
-
-fn evens(words: vec4<u32>) -> vec4<u32> {
-    return words & vec4(0xff00ffu);
-}
-
-fn odds(words: vec4<u32>) -> vec4<u32> {
-    return (words >> vec4(8u)) & vec4(0xff00ffu);
 }

@@ -1,7 +1,7 @@
 // winner_beliefs: as winner, of the beliefs: the cost of a pixel and the messages that it receives.
 // cost (u8, [y][x][d]), messages (u8, as messages leaves them) -> left_map, right_map (i16)
 // MEMBERS invocations: one row of the band, from right to left.
-// With: received, winner_row, refinement, costs, common
+// With: received, winner_row, refinement, totals_wide, costs, common
 // Chosen: shared_path*, volume*, cost_*
 // Reference: src/reference/winner/winner.rs, src/reference/beliefs/messages.rs
 
@@ -25,7 +25,7 @@ fn main(@builtin(global_invocation_id) id: vec3<u32>, @builtin(local_invocation_
     let strip_row = min(line, dispatch.rows - 1u);
     let writes = member == 0u && (works || !BARRIERS);
     var costs: Costs;
-    var diagonal = no_costs(COST_NONE << 12u);
+    var diagonal = no_keys();
     var kept = RowWriter(INVALID, 0, 0, INVALID);
     let steps = row_steps();
     for (var i = 0; i < steps; i++) {

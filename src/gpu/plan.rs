@@ -54,6 +54,9 @@ const MOST_STRIPS: u32 = 32;
 /// [`Schedule::PerThread`] share a path through workgroup memory, which is slow there.
 pub(crate) const MOST_TRIPS: u32 = 32;
 
+/// The same for [`Schedule::PerSubgroup`]: with more of them compilers for GPUs run out of registers (docs/COMPILERS.md).
+const MOST_GROUP_QUADS: u32 = 2;
+
 /// Invocations that may share a path through workgroup memory.
 const MOST_MEMBERS: u32 = 32;
 
@@ -109,7 +112,10 @@ impl Plan {
         // Members lie in one workgroup.
         let group = if per_subgroup { GROUP_LANES } else { STRIP_LANES };
         let neighbours = subgroup.min(group);
-        let exchange = match neighbours > 1 && quads.div_ceil(neighbours) <= MOST_TRIPS {
+        // More invocations may share a path through workgroup memory than through a small subgroup.
+        let own = quads.div_ceil(neighbours.max(1));
+        let few = own <= MOST_GROUP_QUADS || neighbours >= MOST_MEMBERS && own <= MOST_TRIPS;
+        let exchange = match neighbours > 1 && if per_subgroup { few } else { own <= MOST_TRIPS } {
             true => Exchange::Subgroup,
             false if per_subgroup || quads > MOST_TRIPS => Exchange::Workgroup,
             false => Exchange::Alone,

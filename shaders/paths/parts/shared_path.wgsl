@@ -32,5 +32,6 @@ fn in_volume(own: u32) -> bool {
 // The bytes of a member's vector that lie beyond the range of disparities.
 fn beyond(own: u32) -> vec4<u32> {
     let quad = member * OWN_QUADS + own;
-    return select(select(vec4(0u), BEYOND, quad + 1u == QUADS), vec4(0xffffffffu), quad >= QUADS);
+    let of_last = select(vec4(0u), BEYOND, quad + 1u == QUADS);
+    return select(of_last, vec4(0xffffffffu), MEMBERS * OWN_QUADS > QUADS && quad >= QUADS);
 }

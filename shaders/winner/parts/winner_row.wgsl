@@ -4,18 +4,26 @@
 // Reference: src/reference/winner/winner.rs
 //
 // A candidate is the key cost << 12 | d: the smallest key is the smallest cost, and of those the smallest disparity.
-// cost < 2^20 and d < 2^12. Disparities beyond the range, and pixels beyond the row, cost COST_NONE.
-const COST_NONE: u32 = 0xfffffu;
+// d < 2^12. Disparities beyond the range, and pixels beyond the row, cost COST_NONE: totals_* says how costs are held.
 
 // Disparities of a member.
 const OWN: u32 = 16u * OWN_QUADS;
 
-fn no_costs(value: u32) -> Costs {
-    var costs: Costs;
+alias Keys = array<array<vec4<u32>, 4>, OWN_QUADS>;
+
+fn no_keys() -> Keys {
+    let none = vec4(COST_NONE << 12u);
+    var keys: Keys;
     for (var q = 0u; q < OWN_QUADS; q++) {
-        costs[q] = array(vec4(value), vec4(value), vec4(value), vec4(value));
+        keys[q] = array(none, none, none, none);
     }
-    return costs;
+    return keys;
+}
+
+// The smallest key and the second smallest of each fourth disparity, from the first four on.
+struct Least {
+    first: vec4<u32>,
+    second: vec4<u32>,
 }
 
 // The two pixels of a word meet here: the right one is kept until the left one is known.
@@ -48,22 +56,19 @@ fn inside_row(x: i32) -> bool {
 
 // Chooses at column x, and writes what is complete: of the left map if x lies in the image, of the right map if the
 // right pixel seen by disparity 0 does.
-fn choose(costs: ptr<function, Costs>, diagonal: ptr<function, Costs>,
+fn choose(totals: ptr<function, Totals>, diagonal: ptr<function, Keys>,
           kept: ptr<function, RowWriter>, row: u32, x: i32, writes: bool) {
     if inside_row(x) {
-        for (var q = 0u; q < OWN_QUADS; q++) {
-            for (var i = 0u; i < 4u; i++) {
-                let outside = unpack(beyond(q)[i]) != vec4(0u);
-                (*costs)[q][i] = select((*costs)[q][i], vec4(COST_NONE), outside);
-            }
-        }
+        hide_beyond(totals);
     } else {
-        *costs = no_costs(COST_NONE);
+        *totals = no_totals();
     }
     // On its way to the member before, a key's disparity is counted from that member's first one.
-    let around = exchange(least_key(costs) + member * OWN, (*diagonal)[0][0].x + OWN, 0u);
-    let best = winner(costs, around.least, x);
-    let seen_value = roll(diagonal, costs, around.above);
+    let leaving = (*diagonal)[0][0].x + OWN;
+    let least = roll(totals, diagonal);
+    let around = exchange(lowest(least.first) + member * OWN, leaving, 0u);
+    let best = winner(totals, least, around.least, x);
+    let seen_value = seen_at_zero(diagonal, around.above);
     if inside_row(x) {
         if (x & 1) == 0 && writes {
             let at = row * frame.map_stride + (u32(x) >> 1u);
@@ -92,44 +97,27 @@ fn keys(costs: vec4<u32>, k: u32) -> vec4<u32> {
     return (costs << vec4(12u)) | (vec4(4u * k) + vec4(0u, 1u, 2u, 3u));
 }
 
-fn least_key(costs: ptr<function, Costs>) -> u32 {
-    var least = vec4(0xffffffffu);
-    for (var q = 0u; q < OWN_QUADS; q++) {
-        for (var i = 0u; i < 4u; i++) {
-            least = min(least, keys((*costs)[q][i], 4u * q + i));
-        }
-    }
-    return lowest(least);
-}
-
-// The winner of the pixel at column x, whose smallest key is `least`.
-fn winner(costs: ptr<function, Costs>, least: u32, x: i32) -> Winner {
-    let best = least & 0xfffu;
+// The winner of the pixel at column x, whose smallest key is `best_key`.
+fn winner(totals: ptr<function, Totals>, least: Least, best_key: u32, x: i32) -> Winner {
+    let best = best_key & 0xfffu;
     let own_best = best - member * OWN;
-    let cost = least >> 12u;
-    // The costs at the neighbours of the winner, and the smallest cost beyond them: its best rival's.
-    var before = vec4(0u);
-    var after = vec4(0u);
-    var rival = vec4(COST_NONE);
-    for (var q = 0u; q < OWN_QUADS; q++) {
-        for (var i = 0u; i < 4u; i++) {
-            let c = (*costs)[q][i];
-            let d = vec4(4u * (4u * q + i)) + vec4(0u, 1u, 2u, 3u);
-            let is_before = d + vec4(1u) == vec4(own_best);
-            let is_after = d == vec4(own_best + 1u);
-            if SUBPIXEL != SUBPIXEL_OFF {
-                before = select(before, c, is_before);
-                after = select(after, c, is_after);
-            }
-            if UNIQUENESS > 0u || CONFIDENCE == 1u {
-                rival = min(rival, select(c, vec4(COST_NONE), is_before | is_after | (d == vec4(own_best))));
-            }
+    let cost = best_key >> 12u;
+    // The costs at the neighbours of the winner; members that do not hold them have 0.
+    var before = 0u;
+    var after = 0u;
+    if SUBPIXEL != SUBPIXEL_OFF {
+        let lower = own_best - 1u;
+        let upper = own_best + 1u;
+        for (var q = 0u; q < OWN_QUADS; q++) {
+            before = select(before, total_of(totals, q, lower & 15u), (lower >> 4u) == q);
+            after = select(after, total_of(totals, q, upper & 15u), (upper >> 4u) == q);
         }
     }
-    let known = neighbours_and_rival(vec3(
-        before.x | before.y | before.z | before.w,
-        after.x | after.y | after.z | after.w,
-        lowest(rival)));
+    // The smallest cost beyond them, its best rival's. The winner and its neighbours are of three different fourths of the disparities:
+    // where one of them is the smallest of its fourth, the second smallest counts.
+    let near = ((least.first & vec4(0xfffu)) + vec4(1u) - vec4(own_best)) <= vec4(2u);
+    let rival = lowest(select(least.first, least.second, near)) >> 12u;
+    let known = neighbours_and_rival(vec3(before, after, rival));
     var value = 16 * (frame.min_disparity + i32(best));
     if SUBPIXEL != SUBPIXEL_OFF && best > 0u && best + 1u < DISPARITIES {
         value += refinement(known.x, cost, known.y);
@@ -147,16 +135,27 @@ fn winner(costs: ptr<function, Costs>, least: u32, x: i32) -> Winner {
 }
 
 // The right view: diagonal[d] is the smallest key so far of the right pixel that disparity d sees from this column;
-// one column to the left, the same right pixel is seen by disparity d - 1. Returns the right pixel seen by disparity 0.
-fn roll(diagonal: ptr<function, Costs>, costs: ptr<function, Costs>, entering: u32) -> i32 {
+// one column to the left, the same right pixel is seen by disparity d - 1. What enters at a member's last disparity is not known yet.
+// Returns the smallest keys of this column.
+fn roll(totals: ptr<function, Totals>, diagonal: ptr<function, Keys>) -> Least {
+    var first = vec4(0xffffffffu);
+    var second = vec4(0xffffffffu);
     for (var q = 0u; q < OWN_QUADS; q++) {
-        let after = select((*diagonal)[min(q + 1u, OWN_QUADS - 1u)][0].x, min(entering, COST_NONE << 12u), q + 1u == OWN_QUADS);
+        let after = select((*diagonal)[min(q + 1u, OWN_QUADS - 1u)][0].x, 0xffffffffu, q + 1u == OWN_QUADS);
         for (var i = 0u; i < 4u; i++) {
+            let here = keys(totals_at(totals, q, i), 4u * q + i);
+            second = min(second, max(first, here));
+            first = min(first, here);
             let above = select((*diagonal)[q][min(i + 1u, 3u)].x, after, i == 3u);
-            let seen = vec4((*diagonal)[q][i].yzw, above);
-            (*diagonal)[q][i] = min(seen, keys((*costs)[q][i], 4u * q + i));
+            (*diagonal)[q][i] = min(vec4((*diagonal)[q][i].yzw, above), here);
         }
     }
+    return Least(first, second);
+}
+
+// The right pixel seen by disparity 0, when it is known what enters.
+fn seen_at_zero(diagonal: ptr<function, Keys>, entering: u32) -> i32 {
+    (*diagonal)[OWN_QUADS - 1u][3].w = min((*diagonal)[OWN_QUADS - 1u][3].w, min(entering, COST_NONE << 12u));
     let key = (*diagonal)[0][0].x;
     return select(16 * (frame.min_disparity + i32(key & 0xfffu)), INVALID, (key >> 12u) == COST_NONE);
 }

@@ -1,5 +1,6 @@
 //! The network: from the images to the map of its disparities.
 
+use std::iter;
 use std::ops::Range;
 
 use crate::gpu::chain::images::source_of;
@@ -217,9 +218,9 @@ impl Steps<'_> {
         let from = &self.layers.places[operation.inputs[0]];
         match operation.kind {
             // The left features, then the right ones. They are no larger than the images, which a binding holds.
-            Kind::VolumeConv3d => vec![0..2 * from.blocks],
+            Kind::VolumeConv3d => iter::once(0..2 * from.blocks).collect(),
             _ if b.plan.per_subgroup => lots(b, from, from.stride),
-            _ => vec![0..from.blocks],
+            _ => iter::once(0..from.blocks).collect(),
         }
     }
 

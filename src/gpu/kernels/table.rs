@@ -117,11 +117,11 @@ pub(crate) const KERNELS: &[Kernel] = &[
     Kernel { name: "matching_cost_parallel", stage: "matching_cost", lanes: 128, sources: wgsl!("cost/matching_cost_parallel", "cost/parts/differences", "cost/parts/quantise", "shared/common"), choices: &[Choice::PixelCosts], storage: &[Read, Read, Write, Table] },
     Kernel { name: "matching_cost_small", stage: "matching_cost", lanes: 32, sources: wgsl!("cost/matching_cost_small", "cost/parts/right_bytes", "cost/parts/differences", "cost/parts/quantise", "shared/common"), choices: &[Choice::PixelCosts], storage: &[WORD, WORD, Write, Table] },
     Kernel { name: "sgm_aggregate", stage: "sgm_aggregate", lanes: STRIP_LANES, sources: wgsl!("paths/sgm_aggregate", "paths/parts/path_step", "shared/common"), choices: PATHS, storage: &[Costs, Write, Read, Write, Penalties] },
-    Kernel { name: "winner", stage: "winner", lanes: STRIP_LANES, sources: wgsl!("winner/winner", "paths/parts/path_step", "winner/parts/winner_row", "winner/parts/refinement", "winner/parts/costs", "shared/common"), choices: PATHS, storage: &[Costs, Read, Read, Read, Read, Write, Write, Penalties] },
+    Kernel { name: "winner", stage: "winner", lanes: STRIP_LANES, sources: wgsl!("winner/winner", "paths/parts/path_step", "winner/parts/winner_row", "winner/parts/refinement", "winner/parts/totals_pairs", "beliefs/parts/pairs", "shared/common"), choices: PATHS, storage: &[Costs, Read, Read, Read, Read, Write, Write, Penalties] },
     Kernel { name: "block_statistics", stage: "block_statistics", lanes: 32, sources: wgsl!("winner/block_statistics", "shared/root", "shared/common"), choices: &[], storage: &[Read, Write] },
-    Kernel { name: "block_match", stage: "block_match", lanes: 32, sources: wgsl!("winner/block_match", "cost/parts/column_sums", "winner/parts/costs", "winner/parts/winner_row", "winner/parts/refinement", "shared/common"), choices: &[Choice::SharedPath, Choice::Sums, Choice::BlockCosts], storage: &[Read, Write, Write, Read] },
+    Kernel { name: "block_match", stage: "block_match", lanes: 32, sources: wgsl!("winner/block_match", "cost/parts/column_sums", "winner/parts/costs", "winner/parts/totals_wide", "winner/parts/winner_row", "winner/parts/refinement", "shared/common"), choices: &[Choice::SharedPath, Choice::Sums, Choice::BlockCosts], storage: &[Read, Write, Write, Read] },
     Kernel { name: "block_match_small", stage: "block_match", lanes: 8, sources: wgsl!("winner/block_match_small", "winner/parts/refinement", "shared/common"), choices: &[], storage: &[WORD, WORD, Write, Write] },
-    Kernel { name: "winner_beliefs", stage: "winner", lanes: STRIP_LANES, sources: wgsl!("winner/winner_beliefs", "beliefs/parts/received", "winner/parts/winner_row", "winner/parts/refinement", "winner/parts/costs", "shared/common"), choices: &[Choice::SharedPath, Choice::Volumes, Choice::Cost], storage: &[Costs, Read, Read, Read, Write, Write] },
+    Kernel { name: "winner_beliefs", stage: "winner", lanes: STRIP_LANES, sources: wgsl!("winner/winner_beliefs", "beliefs/parts/received", "winner/parts/winner_row", "winner/parts/refinement", "winner/parts/totals_wide", "winner/parts/costs", "shared/common"), choices: &[Choice::SharedPath, Choice::Volumes, Choice::Cost], storage: &[Costs, Read, Read, Read, Write, Write] },
     Kernel { name: "network_input", stage: "network_input", lanes: 64, sources: wgsl!("network/network_input", "images/parts/samples", "shared/bytes", "shared/common"), choices: &[], storage: &[QUAD, Write] },
     Kernel { name: "conv2d", stage: "conv2d", lanes: 32, sources: wgsl!("network/conv2d", "network/parts/convolution", "network/parts/layer", "network/parts/line_own", "shared/common"), choices: LAYER, storage: &[Costs, Costs, Costs, Write] },
     Kernel { name: "conv2d_half", stage: "conv2d", lanes: 32, sources: wgsl!("network/conv2d_half", "network/parts/convolution", "network/parts/layer", "network/parts/line_own", "shared/common"), choices: LAYER, storage: &[Costs, Costs, Costs, Write] },
@@ -154,8 +154,10 @@ pub(crate) const KERNELS: &[Kernel] = &[
     Kernel { name: "confidence", stage: "confidence", lanes: 64, sources: wgsl!("filters/confidence", "shared/common"), choices: &[], storage: &[Read, Read, Write] },
     Kernel { name: "depth", stage: "depth", lanes: 64, sources: wgsl!("filters/depth", "shared/common"), choices: &[], storage: &[Read, Write] },
     Kernel { name: "median", stage: "median", lanes: 64, sources: wgsl!("filters/median", "filters/parts/map_octet", "filters/parts/invalidate_outside", "shared/common"), choices: &[], storage: &[QUAD, Write] },
-    Kernel { name: "median_five", stage: "median", lanes: 64, sources: wgsl!("filters/median_five", "filters/parts/map_octet", "filters/parts/invalidate_outside", "shared/common"), choices: &[], storage: &[QUAD, Write] },
-    Kernel { name: "weighted_median", stage: "weighted_median", lanes: 64, sources: wgsl!("filters/weighted_median", "filters/parts/map_octet", "shared/common"), choices: &[], storage: &[QUAD, Write, QUAD] },
+    Kernel { name: "median_five", stage: "median", lanes: 64, sources: wgsl!("filters/median_five", "filters/parts/median_of_25", "filters/parts/map_octet", "filters/parts/invalidate_outside", "shared/common"), choices: &[], storage: &[QUAD, Write] },
+    Kernel { name: "median_five_parallel", stage: "median", lanes: 64, sources: wgsl!("filters/median_five_parallel", "filters/parts/median_of_25", "filters/parts/map_octet", "filters/parts/invalidate_outside", "shared/common"), choices: &[], storage: &[QUAD, Write] },
+    Kernel { name: "weighted_median", stage: "weighted_median", lanes: 64, sources: wgsl!("filters/weighted_median", "filters/parts/weighted_keys", "filters/parts/map_octet", "shared/common"), choices: &[], storage: &[QUAD, Write, QUAD] },
+    Kernel { name: "weighted_median_parallel", stage: "weighted_median", lanes: 64, sources: wgsl!("filters/weighted_median_parallel", "filters/parts/weighted_keys", "filters/parts/map_octet", "shared/common"), choices: &[], storage: &[QUAD, Write, QUAD] },
     Kernel { name: "wls_start", stage: "wls", lanes: 64, sources: wgsl!("filters/wls/wls_start", "shared/common"), choices: &[], storage: &[QUAD, Write] },
     Kernel { name: "wls_forward", stage: "wls", lanes: 8, sources: wgsl!("filters/wls/wls_forward", "filters/wls/parts/wls_line", "shared/common"), choices: &[], storage: &[Write, Write, Write, QUAD, Read] },
     Kernel { name: "wls_backward", stage: "wls", lanes: 8, sources: wgsl!("filters/wls/wls_backward", "filters/wls/parts/wls_line", "shared/common"), choices: &[], storage: &[Write, Write, Write] },
@@ -173,9 +175,13 @@ pub(super) const SETTINGS: &[Constant] = &[
 ];
 
 impl Kernel {
-    /// Invocations a workgroup.
+    /// Invocations a workgroup. On a GPU those that walk a line each stay few: what a wave of them loads lies in as many rows.
     pub(crate) fn lanes(&self, plan: &Plan) -> u32 {
-        if plan.per_subgroup && self.choices.contains(&Choice::SharedPath) { GROUP_LANES } else { self.lanes }
+        match plan.per_subgroup {
+            true if self.choices.contains(&Choice::SharedPath) => GROUP_LANES,
+            true if self.lanes >= 32 => self.lanes.max(GROUP_LANES),
+            _ => self.lanes,
+        }
     }
 
     /// Invocations that work on one line of the kernel.

@@ -44,7 +44,9 @@ fn filter_step(
 ) -> wgpu::Buffer {
     let written = Written::Filter(filter);
     let kernel = match filter {
+        Filter::Median if b.params.median == Median::Five && b.plan.per_subgroup => "median_five_parallel",
         Filter::Median if b.params.median == Median::Five => "median_five",
+        Filter::WeightedMedian if b.plan.per_subgroup => "weighted_median_parallel",
         _ => filter.stage(),
     };
     match filter.steps() {

@@ -125,7 +125,7 @@ fn settings_beside_the_network() {
     let Some(setup) = support::device() else { return };
     let mut random = ChaCha8Rng::seed_from_u64(SEED);
     let mut all = Vec::new();
-    for case in 0..5 {
+    for case in 0..3 {
         let mut params = params(16, Schedule::PerThread);
         let mut chosen = Vec::new();
         for (name, values) in OPTIONS {

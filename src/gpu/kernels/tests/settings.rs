@@ -107,6 +107,16 @@ pub(crate) fn weighted(params: &mut Params) {
     (params.weighted_median, params.uniqueness) = (Some(5), 0);
 }
 
+pub(crate) fn five_parallel(params: &mut Params) {
+    five(params);
+    params.schedule = Schedule::PerSubgroup;
+}
+
+pub(crate) fn weighted_parallel(params: &mut Params) {
+    weighted(params);
+    params.schedule = Schedule::PerSubgroup;
+}
+
 pub(crate) fn wls(params: &mut Params) {
     params.wls = Some(Wls { lambda: 50.0, sigma: 20.0 });
 }

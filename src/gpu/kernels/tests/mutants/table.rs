@@ -135,11 +135,11 @@ pub(super) const MUTANTS: &[Mutant] = &[
     mutant("winner", "known, x + 1", "known, x", adaptive),
     mutant("winner", "i / 3u * dispatch.slot", "0u", sixteen),
     mutant("winner", "dispatch.volume_row * frame.volume_stride", "0u", |_| ()),
-    mutant("winner", "least_key(costs) + member * OWN", "least_key(costs)", per_subgroup),
+    mutant("winner", "lowest(least.first) + member * OWN", "lowest(least.first)", per_subgroup),
     mutant("winner", "min(entering, COST_NONE << 12u)", "COST_NONE << 12u", per_subgroup),
     mutant("winner", "neighbours_and_rival(vec3(", "(vec3(", per_subgroup),
     mutant("winner", "255u * (rival - here)", "256u * (rival - here)", confidence),
-    mutant("winner", "is_before | is_after", "is_before", confidence),
+    mutant("winner", "vec4(own_best)) <= vec4(2u)", "vec4(own_best)) <= vec4(1u)", confidence),
     mutant("winner", "i32(best));", "i32(best & 6u));", |params| {
         per_subgroup(params);
         labels(params);
@@ -149,7 +149,9 @@ pub(super) const MUTANTS: &[Mutant] = &[
         labels(params);
     }),
     mutant("winner", "frame.p1", "frame.p2", |_| ()),
-    mutant("winner", "PATHS *", "(PATHS - 1u) *", |_| ()),
+    mutant("winner", "PATHS * own_cost.odd", "own_cost.odd", |_| ()),
+    mutant("winner", "max(first, here)", "here", confidence),
+    mutant("winner", "(d & 8u) != 0u", "(d & 4u) != 0u", |_| ()),
     mutant("winner", "k - 1u", "k", |_| ()),
     mutant("winner", "max(before, after)", "before", equiangular),
     mutant("winner", "known.z <= limit", "known.z < limit", |params| params.uniqueness = 1),
@@ -311,6 +313,12 @@ pub(super) const MUTANTS: &[Mutant] = &[
             params.min_disparity = -20;
         },
     ),
+    mutant("median_five_parallel", "beyond + 1", "beyond", five_parallel),
+    mutant("median_five_parallel", "min(i / 2u + 1u, stride - 1u), upper", "i / 2u, upper", five_parallel),
+    mutant("median_five_parallel", "vec4(i.c.zw, o.c.zw)", "vec4(i.c.zw, o.c.wz)", five_parallel),
+    mutant("weighted_median_parallel", "x / 16u + 1u", "x / 16u", weighted_parallel),
+    mutant("weighted_median_parallel", "select(vec2(0u), both, inside)", "both", weighted_parallel),
+    mutant("weighted_median_parallel", "middle_one > 0xffffu", "true", weighted_parallel),
     mutant("weighted_median", "2u * reached >= total", "3u * reached >= total", weighted),
     mutant("weighted_median", "512u - (halvings & 255u)", "512u", weighted),
     mutant("weighted_median", "select(i32(frame.width + 8u * AROUND), 0, y == i32(row))", "0", weighted),
