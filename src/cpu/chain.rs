@@ -1,36 +1,32 @@
 //! The stages that this schedule computes in its own way.
 
-use crate::cpu::LANES;
-use crate::cpu::aligned::Aligned;
 use crate::cpu::cost::CostRows;
 use crate::cpu::filters::filtered;
 use crate::cpu::images::{Channels, Planes, Side, luma};
 use crate::cpu::instructions::Instructions;
 use crate::cpu::network::disparities;
+use crate::cpu::paths::{Aggregation, Buffers, CostSource, Record, aggregate, penalties};
 use crate::params::Filter;
-use crate::reference::{
-    Content, Descriptors, Plane, Report, Stages, Trace, Views, Volume, penalties, sgm_aggregate, stage, views_of,
-    winner,
-};
+use crate::reference::{Content, Descriptors, Plane, Report, Stages, Trace, Views, Volume, stage, views_of};
 use crate::{DisparityMap, Error, Image, Method, Params};
-use rayon::prelude::*;
 
 /// The native schedule's stages.
-#[derive(Debug)]
-pub(super) struct Native {
+pub(super) struct Native<'a> {
     /// What it is compiled for.
     instructions: Instructions,
+    /// Of this pair and the next.
+    buffers: &'a Buffers,
     /// The disparities of networks so far, which the check goes on from.
     pub(super) inferred: Vec<Plane<f32>>,
 }
 
-impl Native {
-    pub(super) fn new(instructions: Instructions) -> Self {
-        Self { instructions, inferred: Vec::new() }
+impl<'a> Native<'a> {
+    pub(super) fn new(instructions: Instructions, buffers: &'a Buffers) -> Self {
+        Self { instructions, buffers, inferred: Vec::new() }
     }
 }
 
-impl Stages for Native {
+impl Stages for Native<'_> {
     fn infer(&mut self, left: &Image, right: &Image, params: &Params, report: Report<'_>) -> Result<Plane<f32>, Error> {
         let Some(network) = &params.network else { return Err(Error::Misuse("method psmnet needs a network".into())) };
         let mut receive = |at: usize| report(stage(network.operations()[at].kind), None);
@@ -103,7 +99,7 @@ fn has_own_stages(params: &Params) -> bool {
     params.method == Method::Sgm
 }
 
-impl Native {
+impl Native<'_> {
     /// From the planes of both sides to the winner of both views.
     fn winners(
         &self,
@@ -113,31 +109,20 @@ impl Native {
         params: &Params,
         trace: &mut Trace<'_>,
     ) -> Views {
+        let [left, right] = planes;
+        let size = [left.width, left.height];
         let adaptive = luma.filter(|_| params.adaptive_p2);
         let penalties = adaptive.map(|luma| trace.stage("penalties", penalties(luma, params)));
-        let cost = trace.stage("matching_cost", self.matching_cost(planes, table, params));
-        let sum = trace.stage("sgm_aggregate", sgm_aggregate(&cost, penalties.as_ref(), params));
-        trace.stage("winner", winner(&sum, params))
-    }
-
-    /// Stage `matching_cost` as the definition has it.
-    fn matching_cost(&self, planes: &[Planes; 2], table: &[u8], params: &Params) -> Volume<u8> {
-        let [left, right] = planes;
-        let (width, disparities) = (left.width, params.disparities as usize);
-        let padded = disparities.next_multiple_of(LANES);
-        let mut cost = Volume::new(width, left.height, disparities);
-        let rows = left.height.div_ceil(4 * rayon::current_num_threads()).max(8);
-        let length = cost.row_len();
-        cost.data.par_chunks_mut(rows * length).enumerate().for_each(|(band, to)| {
-            let mut costs = CostRows::new([left, right], table, params, self.instructions);
-            let mut row = Aligned::zeroed(width * padded);
-            for (y, to) in (rows * band..).zip(to.chunks_exact_mut(length)) {
-                costs.row(y, 0..width, &mut row);
-                for (to, row) in to.chunks_exact_mut(disparities).zip(row.chunks_exact(padded)) {
-                    to.copy_from_slice(&row[..disparities]);
-                }
-            }
-        });
-        cost
+        let job = Aggregation::new(size, params, penalties.as_ref(), self.instructions, self.buffers);
+        let mut record = trace.is_received().then(|| Record::new(left.width, left.height, params));
+        let source = || -> Box<dyn CostSource + Send + '_> {
+            Box::new(CostRows::new([left, right], table, params, self.instructions))
+        };
+        let views = aggregate(&job, &source, record.as_mut());
+        if let Some(Record { cost, sum }) = record {
+            trace.show("matching_cost", || cost);
+            trace.show("sgm_aggregate", || sum);
+        }
+        trace.stage("winner", views)
     }
 }

@@ -3,6 +3,7 @@
 use crate::check::StageCheck;
 use crate::cpu::chain::Native;
 use crate::cpu::instructions::Instructions;
+use crate::cpu::paths::Buffers;
 use crate::reference::{
     Bytes, Content, Definition, Descriptors, Part, Plane, Report, Stages, Trace, Views, Volume, follow,
 };
@@ -53,11 +54,11 @@ pub(super) fn check(
     left: &Image,
     right: &Image,
     params: &Params,
-    instructions: Instructions,
+    (instructions, buffers): (Instructions, &Buffers),
     spoil: &mut dyn FnMut(&str, &mut [u8]),
 ) -> Result<Vec<StageCheck>, Error> {
     let mut made = Made::new();
-    let mut native = Native::new(instructions);
+    let mut native = Native::new(instructions, buffers);
     let receive = &mut |stage: &str, result: &dyn Bytes| {
         let mut bytes = Vec::new();
         result.append_to(&mut bytes);
@@ -65,7 +66,7 @@ pub(super) fn check(
         made.push_back((stage.into(), bytes));
     };
     follow(left, right, params, Some(receive), &mut native)?;
-    let (matched, _) = follow(left, right, params, None, &mut Native::new(instructions))?;
+    let (matched, _) = follow(left, right, params, None, &mut Native::new(instructions, buffers))?;
     receive(MAPS, &matched);
 
     let mut stages = Vec::new();

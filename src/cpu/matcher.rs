@@ -4,9 +4,11 @@ use crate::check::StageCheck;
 use crate::cpu::chain::Native;
 use crate::cpu::check;
 use crate::cpu::instructions::Instructions;
+use crate::cpu::paths::Buffers;
 use crate::image::check_made_for;
 use crate::reference::{ensure_memory, follow};
 use crate::{Error, Image, Matched, Method, Params, PixelFormat, StageTime};
+use std::fmt;
 
 /// Matches pairs on the CPU, by the native schedule: the same results as [`crate::reference::compute_all`], to the bit, in a
 /// small part of its time; those of a network within the tolerance of docs/NETWORKS.md. It works on the threads of rayon's
@@ -26,12 +28,13 @@ use crate::{Error, Image, Matched, Method, Params, PixelFormat, StageTime};
 /// assert_eq!(matched.map.get(20, 4), Some(3.0));
 /// # Ok::<(), gpu_stereo::Error>(())
 /// ```
-#[derive(Debug)]
 pub struct CpuMatcher {
     size: [u32; 2],
     format: PixelFormat,
     params: Params,
     instructions: Instructions,
+    /// What is used again for the next pair.
+    buffers: Buffers,
 }
 
 impl CpuMatcher {
@@ -50,7 +53,7 @@ impl CpuMatcher {
         };
         ensure_memory(what, [width, height], params, 0)?;
         let instructions = Instructions::best()?;
-        Ok(Self { size: [width, height], format, params: params.clone(), instructions })
+        Ok(Self { size: [width, height], format, params: params.clone(), instructions, buffers: Buffers::default() })
     }
 
     /// Makes the matcher fit for pairs of another size. If it fails, the matcher stays as it was.
@@ -107,7 +110,7 @@ impl CpuMatcher {
     /// As [`CpuMatcher::compute`].
     pub fn compute_timed(&self, left: &Image, right: &Image) -> Result<(Matched, Vec<StageTime>), Error> {
         self.accepts(left, right)?;
-        follow(left, right, &self.params, None, &mut Native::new(self.instructions))
+        follow(left, right, &self.params, None, &mut Native::new(self.instructions, &self.buffers))
     }
 
     /// Computes a pair and compares what each stage made with the reference, number by number. What stages of a network made is
@@ -131,11 +134,20 @@ impl CpuMatcher {
         mut spoil: impl FnMut(&str, &mut [u8]),
     ) -> Result<Vec<StageCheck>, Error> {
         self.accepts(left, right)?;
-        check::check(left, right, &self.params, self.instructions, &mut spoil)
+        check::check(left, right, &self.params, (self.instructions, &self.buffers), &mut spoil)
     }
 
     /// Whether a pair is what the matcher was made for.
     fn accepts(&self, left: &Image, right: &Image) -> Result<(), Error> {
         check_made_for([left, right], self.size(), self.format)
+    }
+}
+
+impl fmt::Debug for CpuMatcher {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let Self { size, format, params, instructions, .. } = self;
+        let mut shown = f.debug_struct("CpuMatcher");
+        shown.field("size", size).field("format", format).field("params", params).field("instructions", instructions);
+        shown.finish_non_exhaustive()
     }
 }

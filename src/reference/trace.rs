@@ -62,6 +62,11 @@ impl<'a> Trace<'a> {
         self.last = Instant::now();
     }
 
+    /// Whether there is a receiver.
+    pub(crate) fn is_received(&self) -> bool {
+        self.receiver.is_some()
+    }
+
     /// Passes on a result that is part of another stage here and has no time of its own. It is computed only if there is a
     /// receiver.
     pub(crate) fn show<T: Bytes>(&mut self, name: &str, result: impl FnOnce() -> T) {
