@@ -5,6 +5,7 @@ use super::encoders::{DepthFormat, Format, Maps, SheetFormat, encode, jpeg, png}
 use super::error::{Context as _, Error, Result, bail};
 use super::facts::Facts;
 use image::RgbImage;
+use rayon::prelude::*;
 use std::fs::{self, File};
 use std::io::Write as _;
 use std::path::{Path, PathBuf};
@@ -62,8 +63,9 @@ pub fn ensure_size(outputs: &[Output], width: u32, height: u32) -> Result<()> {
 /// Where a format cannot hold its map, or a file cannot be written.
 pub fn write(outputs: &[Output], maps: &Maps<'_>) -> Result<Written> {
     let mut doubts = Vec::new();
+    let mut encoded = outputs.par_iter().map(|output| encode(output.format, maps)).collect::<Vec<_>>().into_iter();
     let facts = put(outputs, |format| {
-        let encoded = encode(format, maps)?;
+        let encoded = encoded.next().unwrap_or_else(|| encode(format, maps))?;
         doubts.extend(encoded.doubt);
         Ok(encoded.bytes)
     })?;

@@ -72,7 +72,10 @@ pub fn read_pair(left: &Path, right: &Path, bits: Bits) -> Result<ImagePair> {
         sizes[1].0,
         sizes[1].1
     );
-    let mut images = [decode(left, decoders.0)?, decode(right, decoders.1)?];
+    drop(decoders); // they stay in their thread
+    let decoded = |path, file| decode(path, decoder(path, file)?);
+    let decoded = rayon::join(|| decoded(left, &left_file), || decoded(right, &right_file));
+    let mut images = [decoded.0?, decoded.1?];
 
     // Of an image of 8 bits the samples have 8, whatever the other one has.
     let largest = images.each_ref().map(bits::largest);

@@ -75,7 +75,7 @@ impl Evidence {
         }
         let factor = ((left.width * left.height) as f64 / PIXELS as f64).sqrt().ceil().max(1.0) as usize;
         let (left, right) = (left.reduced(factor), right.reduced(factor));
-        let (a, b) = (corners(&left), corners(&right));
+        let (a, b) = rayon::join(|| corners(&left), || corners(&right));
         if a.len().max(b.len()) < FEWEST {
             return Self { always: None, disparities: Vec::new() };
         }
