@@ -1,6 +1,8 @@
 //! The matching cost, row by row.
 
+mod block_match;
 mod compare;
+mod correlation;
 mod kernels;
 mod pixels;
 mod quantise;
@@ -9,4 +11,5 @@ mod sums;
 #[cfg(test)]
 pub(crate) mod tests;
 
+pub use block_match::block_match;
 pub use rows::CostRows;

@@ -4,11 +4,11 @@ use rand::{Rng, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 
 use crate::cpu::LANES;
-use crate::cpu::cost::CostRows;
+use crate::cpu::cost::{CostRows, block_match};
 use crate::cpu::images::{Planes, Side};
 use crate::cpu::instructions::Instructions;
-use crate::params::{Census, Cost, Method, Named, Params, Prefilter};
-use crate::reference::{self, block_sums, cost_columns, cost_table, images, matching_cost};
+use crate::params::{Census, Cost, Method, Named, Params, Prefilter, Subpixel};
+use crate::reference::{self, block_statistics, block_sums, cost_columns, cost_table, images, matching_cost};
 use crate::{Image, Pixels};
 
 /// Settings of this cost, all of which are allowed.
@@ -129,5 +129,31 @@ fn check(
             (made, wanted) = (row, expected(&|i| sums[i], u32::MAX));
         }
         assert!(made == wanted, "row {y}, columns {piece:?}, {what}");
+    }
+}
+
+#[test]
+fn block_matching_equals_the_definition() {
+    let costs = Cost::VALUES.iter().filter(|cost| cost.row().methods.contains(&Method::Bm));
+    for (number, cost) in costs.flat_map(|&cost| [cost; 5]).enumerate() {
+        let seed = 300 + number as u64;
+        let mut random = ChaCha8Rng::seed_from_u64(seed);
+        let mut params = Params { method: Method::Bm, ..settings(&mut random, cost) };
+        params.uniqueness = random.random_range(0..2) * random.random_range(1..100);
+        params.subpixel = Subpixel::VALUES[random.random_range(0..Subpixel::VALUES.len())];
+        params.validate().unwrap();
+        let sizes = [(1, 1), (1, 9), (23, 1), (30, 7), (75, 11)];
+        let (width, height) = sizes[random.random_range(0..sizes.len())];
+        let pair = pair(&mut random, width, height);
+        let sides = pair.each_ref().map(|image| images(image, &params).prefiltered(&params).descriptors(&params));
+        let table = if params.has_table() { cost_table(&sides, None, &params) } else { Vec::new() };
+        let columns = cost_columns(&sides[0], &sides[1], &table, &params);
+        let statistics = params.correlates().then(|| block_statistics(&sides[0], &sides[1], &params));
+        let expected = reference::block_match(&columns, statistics.as_ref(), &params);
+        let planes = [Planes::of(&sides[0], Side::Left, &params), Planes::of(&sides[1], Side::Right, &params)];
+        for set in Instructions::all() {
+            let made = block_match(planes.each_ref(), &table, &params, set);
+            assert!(made == expected, "{}, seed {seed}, {width} x {height}, {params:?}", set.name());
+        }
     }
 }

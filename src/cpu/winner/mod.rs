@@ -8,4 +8,4 @@ mod tests;
 
 pub(crate) use finish::{Found, RowOfMaps, Sum};
 pub(crate) use keys::RightKeys;
-pub(crate) use rows::WinnerRow;
+pub(crate) use rows::{Costs, WinnerRow};
