@@ -34,6 +34,36 @@ impl Kernel for Shift<'_> {
     }
 }
 
+/// Finished costs of single pixels.
+pub struct Direct<'a, T, S, F: Finish<S>>
+where
+    S: Sum,
+{
+    pub values: &'a [T],
+    pub factor: S,
+    pub bias: S,
+    pub finish: F,
+    /// Disparities from here on.
+    pub lanes: usize,
+    pub out: &'a mut [F::Out],
+    pub stride: usize,
+}
+
+impl<T: Value, S: Sum, F: Finish<S>> Kernel for Direct<'_, T, S, F> {
+    type Output = ();
+
+    #[inline(always)]
+    fn run<V: Simd>(self, simd: V) {
+        let (beyond, bias) = (beyond(simd, self.lanes), S::splat(simd, self.bias));
+        let pixels = self.values.as_chunks::<LANES>().0;
+        for (values, out) in pixels.iter().zip(self.out.chunks_mut(self.stride)) {
+            let values = S::of(simd, T::words(simd, T::load(simd, values)), self.factor);
+            let Some(out) = out.first_chunk_mut() else { return };
+            self.finish.finish(simd, S::plus(simd, values, bias), beyond, out);
+        }
+    }
+}
+
 /// Adds the pixel costs of a row, times `factor`, to sums over columns.
 pub struct Add<'a, T, S> {
     pub values: &'a [T],

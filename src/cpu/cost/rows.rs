@@ -6,7 +6,7 @@ use bytemuck::Pod;
 
 use crate::cpu::LANES;
 use crate::cpu::aligned::Aligned;
-use crate::cpu::cost::kernels::{Add, Shift, Slide};
+use crate::cpu::cost::kernels::{Add, Direct, Shift, Slide};
 use crate::cpu::cost::pixels::Pixels;
 use crate::cpu::cost::quantise::{Sums, Wide, Words};
 use crate::cpu::cost::sums::{Finish, Sum, Value};
@@ -224,6 +224,23 @@ impl<S: Sum> Summed<S> {
             let tile = from..self.around.end.min(from + TILE);
             let (new, old) = (&mut new[..tile.len() * LANES], &mut old[..tile.len() * LANES]);
             let first = from - self.around.start;
+            if self.block == 1 {
+                for d in (0..to.stride).step_by(LANES) {
+                    fill(self.y, tile.clone(), d, new);
+                    let (factor, bias, lanes) = (self.factor, self.bias, to.disparities - d);
+                    let out = &mut to.out[first * to.stride + d..];
+                    self.instructions.launch(Direct {
+                        values: new,
+                        factor,
+                        bias,
+                        finish,
+                        lanes,
+                        out,
+                        stride: to.stride,
+                    });
+                }
+                continue;
+            }
             let chunks = (0..to.stride).step_by(LANES).zip(columns.chunks_exact_mut(len));
             for ((d, columns), sums) in chunks.zip(sums.as_chunks_mut::<LANES>().0) {
                 let rows = match self.change {
