@@ -135,7 +135,7 @@ def loaded(path):
 
 
 def calibrated(basic, pair, count):
-    """A file of weights that the generator of tests/network makes, calibrated on this pair."""
+    """A file of weights that the generator of tests/library/network makes, calibrated on this pair."""
     import golden
     from psmnet import PSMNet, disparities
     from safetensors.torch import save_file
@@ -288,7 +288,7 @@ def main():
         return print(published())
     if given.what != "accuracy":
         environment()
-    sys.path.insert(0, str(ROOT / "tests" / "network"))
+    sys.path.insert(0, str(ROOT / "tests" / "library" / "network"))
     {"compare": compare, "tensors": tensors, "time": timed, "accuracy": accuracy}[given.what](given)
 
 

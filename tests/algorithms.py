@@ -5,7 +5,7 @@
     python3 algorithms.py --example        print the worked example of the page
     python3 algorithms.py --vectors FILE   compute docs/vectors.json again, and fail at the first stage that differs
 
-Needs nothing but Python 3.8. Raw files are little endian; tests/algorithms.rs writes the cases and compares the stages.
+Needs nothing but Python 3.8. Raw files are little endian; tests/library/algorithms.rs writes the cases and compares the stages.
 """
 
 import array

@@ -1,9 +1,7 @@
 //! What must hold whatever the implementation: shifts, mirrors, flat pairs, determinism. Each on the reference, on the native
 //! schedule, and on the device where there is one.
-#![allow(clippy::unwrap_used)]
 
-mod support;
-
+use crate::support;
 use gpu_stereo::reference::{self, points_inside};
 use gpu_stereo::{
     DisparityMap, Energy, Image, Labels, Median, Method, Params, Paths, Pixels, Prefilter, Smoothness, StereoMatcher,

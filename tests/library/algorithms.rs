@@ -1,9 +1,7 @@
 //! docs/ALGORITHMS.md is enough to write the chain again: tests/algorithms.py follows the page alone, and
 //! every stage of it equals the reference, for the cases below and for docs/vectors.json.
-#![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)]
 
-mod support;
-
+use crate::support;
 use gpu_stereo::{
     Cost, DisparityMap, Distortion, Image, Median, Method, Params, Paths, PixelFormat, Pixels, Prefilter, Preset,
     Rectification, RightView, reference,
@@ -14,7 +12,7 @@ use std::io::Write;
 use std::path::{Path, PathBuf};
 use std::process::Command;
 
-const PAGE: &str = include_str!("../docs/ALGORITHMS.md");
+const PAGE: &str = include_str!("../../docs/ALGORITHMS.md");
 const SCRIPT: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/tests/algorithms.py");
 
 /// Runs the script; `None` where there is no Python, and then says so.

@@ -1,9 +1,7 @@
 //! What has no content has no disparity, whatever the settings are: what lies outside the image that was rectified, and
 //! what is masked. On the reference, and on the device where there is one.
-#![allow(clippy::unwrap_used)]
 
-mod support;
-
+use crate::support;
 use gpu_stereo::reference::{self, Content, Plane, validity};
 use gpu_stereo::{
     Cost, DepthMap, DisparityMap, Fill, Image, Lens, Masks, Matched, Median, Params, PixelFormat, Preset,

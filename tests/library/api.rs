@@ -1,11 +1,9 @@
 //! The library inside another program: its errors, its promises about the caller's encoder and device, and the proof
 //! that the check finds a single wrong value.
-#![allow(clippy::unwrap_used)]
-
-mod support;
 
 use std::collections::BTreeSet;
 
+use crate::support;
 use gpu_stereo::cpu::CpuMatcher;
 use gpu_stereo::reference::{self, Direction, Volume};
 use gpu_stereo::{

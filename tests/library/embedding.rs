@@ -1,11 +1,10 @@
 //! The caller's textures and buffers: what is taken from them and left in them is what the upload and `output` give, to
 //! the bit, and what does not fit is refused before anything is recorded.
-#![allow(clippy::unwrap_used)]
 
-#[path = "../examples/embed.rs"]
+#[path = "../../examples/embed.rs"]
 mod embed;
-mod support;
 
+use crate::support;
 use gpu_stereo::{
     DisparityMap, Error, Image, Inputs, Matched, Outputs, Params, PixelBuffer, PixelFormat, Pixels, StereoMatcher,
     TextureLayer, wgpu,
@@ -646,8 +645,8 @@ fn layers_of_one_texture_are_a_pair() {
 /// The README's program is the one of the crate's documentation, which is compiled as its test.
 #[test]
 fn the_readme_shows_what_is_compiled() {
-    let readme = include_str!("../README.md");
-    let documentation = include_str!("../src/lib.rs");
+    let readme = include_str!("../../README.md");
+    let documentation = include_str!("../../src/lib.rs");
     let block = |text: &str, from: &str, to: &str| -> String {
         let (_, rest) = text.split_once(from).unwrap_or_else(|| panic!("no {from:?}"));
         rest.split_once(to).unwrap_or_else(|| panic!("no {to:?}")).0.into()

@@ -1,13 +1,11 @@
 //! What a program may do wrong with the matcher, and in which order: the maps are right, or an error names the mistake and a
 //! remedy that fits it. Nothing panics, nothing hangs, nothing reaches the caller's error handler.
-#![allow(clippy::unwrap_used)]
-
-mod support;
 
 use std::sync::atomic::{AtomicU32, Ordering};
 use std::sync::{Arc, mpsc};
 use std::time::Duration;
 
+use crate::support;
 use gpu_stereo::{
     Cost, Error, Fill, Image, Inputs, Matched, Outputs, Params, PixelBuffer, PixelFormat, StereoMatcher, StereoStream,
     TextureLayer, Wls, reference, wgpu,

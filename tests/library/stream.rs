@@ -1,8 +1,6 @@
 //! A matcher that goes on: other sizes, other settings, results that come later, several frames in flight.
-#![allow(clippy::unwrap_used)]
 
-mod support;
-
+use crate::support;
 use gpu_stereo::{
     Error, Fill, Image, Inputs, Matched, Outputs, Params, Paths, PixelFormat, Reading, RightView, StereoMatcher,
     StereoStream, reference, wgpu,

@@ -1,9 +1,6 @@
 //! Every stage of the chain equals the reference to the bit for settings that between them hold every pair of values
 //! that may be combined; and, on demand, for the full product of costs, prefilters, paths and filters.
 #![cfg(feature = "cli")]
-#![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)]
-
-mod support;
 
 use std::collections::{BTreeMap, BTreeSet};
 use std::io::Write as _;
@@ -12,6 +9,7 @@ use std::sync::Mutex;
 use std::sync::atomic::{AtomicUsize, Ordering};
 use std::time::{Duration, Instant};
 
+use crate::support;
 use gpu_stereo::{Image, Params, Pixels, StereoMatcher, reference};
 use rand::seq::{IndexedRandom, SliceRandom};
 use rand::{Rng, SeedableRng};

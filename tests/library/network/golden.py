@@ -1,6 +1,6 @@
-"""Writes the goldens of tests/network/main.rs with PyTorch: operations.json, and NETWORK.f32 of each architecture.
+"""Writes the goldens of tests/library/network.rs with PyTorch: operations.json, and NETWORK.f32 of each architecture.
 
-    python3 tests/network/golden.py     # needs torch and numpy
+    python3 tests/library/network/golden.py     # needs torch and numpy
 
 Weights and images come from the integers of docs/VECTORS.md, so that the test makes the same ones.
 """

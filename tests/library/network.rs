@@ -1,6 +1,5 @@
 //! The network beside PyTorch's: goldens that golden.py wrote, of single operations in the definition and of whole networks
 //! in the native schedule and on the device. The weights are made by formulas on both sides.
-#![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)]
 
 use gpu_stereo::cpu::CpuMatcher;
 use gpu_stereo::network::{Convolution, Tensor, Tensors};
@@ -9,9 +8,7 @@ use gpu_stereo::{Architecture, Image, Matched, Network, Params, Pixels, StereoMa
 use serde_json::Value;
 use std::path::Path;
 
-#[path = "../support/mod.rs"]
-mod support;
-use support::mixed;
+use crate::support::{self, mixed};
 
 /// Value i of tensor `seed`, from -1 to 1.
 fn number(i: usize, seed: usize, c: u32) -> f64 {
@@ -23,7 +20,7 @@ fn numbers(count: usize, seed: usize) -> Vec<f64> {
 }
 
 fn bytes(name: &str) -> Vec<u8> {
-    std::fs::read(Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/network").join(name)).unwrap()
+    std::fs::read(Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/library/network").join(name)).unwrap()
 }
 
 fn sizes(value: &Value) -> Vec<usize> {

@@ -1,17 +1,14 @@
 //! docs/vectors.json: checksums of every stage for a pair that a formula makes, so that another implementation finds its first
 //! wrong stage. docs/VECTORS.md describes them. After a change of bits that is meant:
 //!
-//!     GPU_STEREO_UPDATE_VECTORS=1 cargo test --test vectors
-#![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)]
+//!     GPU_STEREO_UPDATE_VECTORS=1 cargo test --test library vectors
 
+use crate::support::mixed;
 use gpu_stereo::{Camera, Distortion, Image, Lens, Masks, Params, Pixels, Rectification, reference};
 use serde_json::Value;
 use std::collections::BTreeSet;
 use std::fmt::Write as _;
 use std::path::{Path, PathBuf};
-use support::mixed;
-
-mod support;
 
 const ROOT: &str = env!("CARGO_MANIFEST_DIR");
 

@@ -1,9 +1,7 @@
 //! Every stage of every chain equals the reference to the bit, on awkward sizes and random parameters. What the native schedule
 //! gives is compared beside what the device gives, and stage by stage where the settings are random.
-#![allow(clippy::unwrap_used)]
 
-mod support;
-
+use crate::support;
 use gpu_stereo::{
     Camera, Cost, Error, Fill, Image, Median, Params, Paths, Prefilter, Preset, Rectification, RightView, Schedule,
     Smoothness, StereoMatcher, Wls, reference, wgpu,

@@ -1,0 +1,17 @@
+//! The library as its users meet it, and each of its schedules beside the definition. One program for all, since each links
+//! the drivers' interfaces once more: `cargo test --test library exactness::` runs one file, `.. exactness::bands` one test.
+#![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)]
+
+mod algorithms;
+mod api;
+mod covering;
+mod embedding;
+mod exactness;
+mod misuse;
+mod network;
+mod properties;
+mod stream;
+#[path = "../support/mod.rs"]
+mod support;
+mod validity;
+mod vectors;
