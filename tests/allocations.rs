@@ -76,6 +76,17 @@ fn a_frame_after_the_first_makes_nothing() {
     made();
     let matcher = StereoMatcher::new(&device, &queue, width, height, PixelFormat::Gray8, &params).unwrap();
     let by_new = made();
+    // Another matcher compiles what this one has not, and no more.
+    let another = matcher.another(33, 21, PixelFormat::Gray8, &params).unwrap();
+    let by_another = made();
+    assert!(by_another.contains_key("Device::create_buffer"), "{by_another:?}");
+    for kind in ["shader_module", "compute_pipeline"] {
+        assert!(!by_another.contains_key(&format!("Device::create_{kind}")), "{by_another:?}");
+    }
+    let mut other = params.clone();
+    other.shader_checks = true;
+    another.another(33, 21, PixelFormat::Gray8, &other).unwrap();
+    assert!(made().contains_key("Device::create_compute_pipeline"), "the guards are another kernel's");
     let frame = || {
         for pair in &pairs {
             for target in &disparity {

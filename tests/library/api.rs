@@ -119,7 +119,7 @@ fn the_ends_of_the_ranges_are_allowed() {
                 continue;
             }
             let Some((_, device, queue)) = &setup else { continue };
-            let matcher = StereoMatcher::new(device, queue, 21, 5, left.format(), &params).unwrap();
+            let matcher = support::matcher(device, queue, (21, 5), left.format(), &params).unwrap();
             assert!(matcher.compute_blocking(&left, &right).unwrap().map == expected, "{params:?}, seed 4");
         }
     }
@@ -270,7 +270,7 @@ fn webgpu_default_limits_suffice() {
     let (left, right) = support::pair(70, 50, 11);
     for mut params in [Params::sgm(130), Params::bm(130)] {
         params.paths = Paths::Eight;
-        let matcher = StereoMatcher::new(&device, &queue, 70, 50, left.format(), &params).unwrap();
+        let matcher = support::matcher(&device, &queue, (70, 50), left.format(), &params).unwrap();
         support::assert_equal(&matcher.check_blocking(&left, &right).unwrap(), &adapter, &(&params, 11));
         assert!(
             matcher.compute_blocking(&left, &right).unwrap().map == reference::compute(&left, &right, &params).unwrap()

@@ -10,7 +10,7 @@ use std::sync::atomic::{AtomicUsize, Ordering};
 use std::time::{Duration, Instant};
 
 use crate::support;
-use gpu_stereo::{Image, Params, Pixels, StereoMatcher, reference};
+use gpu_stereo::{Image, Params, Pixels, reference};
 use rand::seq::{IndexedRandom, SliceRandom};
 use rand::{Rng, SeedableRng};
 use rand_chacha::ChaCha8Rng;
@@ -260,7 +260,7 @@ impl Bench<'_> {
         };
         let (adapter, device, queue) = &self.devices[usize::from(of("device") == "bare")];
         let case = format!("number {nth}, {}x{}, {}", size.0, size.1, command(self.factors, row));
-        let matcher = StereoMatcher::new(device, queue, size.0, size.1, left.format(), params)
+        let matcher = support::matcher(device, queue, size, left.format(), params)
             .unwrap_or_else(|error| panic!("{error}, case {case}"));
         support::assert_equal(&matcher.check_blocking(&left, &right).unwrap(), adapter, &case);
         let matched = matcher.compute_blocking(&left, &right).unwrap();

@@ -149,7 +149,7 @@ fn a_pair_in_textures_is_the_uploaded_pair() {
             for (seed, size) in (0..).zip(SIZES) {
                 let (left, right) = pair(size, seed, samples);
                 let params = Params::sgm(12);
-                let matcher = StereoMatcher::new(&gpu.device, &gpu.queue, size.0, size.1, samples, &params).unwrap();
+                let matcher = support::matcher(&gpu.device, &gpu.queue, size, samples, &params).unwrap();
                 let expected = matcher.compute_blocking(&left, &right).unwrap().map;
                 // What another frame left behind.
                 let (other, _) = pair(size, seed + 100, samples);
@@ -176,7 +176,7 @@ fn a_pair_in_buffers_is_the_uploaded_pair() {
             for (seed, size) in (10..).zip(SIZES) {
                 let (left, right) = pair(size, seed, samples);
                 let params = Params::sgm(12);
-                let matcher = StereoMatcher::new(&gpu.device, &gpu.queue, size.0, size.1, samples, &params).unwrap();
+                let matcher = support::matcher(&gpu.device, &gpu.queue, size, samples, &params).unwrap();
                 let expected = matcher.compute_blocking(&left, &right).unwrap().map;
                 matcher.upload(&right, &right).unwrap();
 
@@ -223,8 +223,7 @@ fn every_output_is_the_map() {
             (params.confidence, params.right_map) = (true, true);
             params.min_disparity = -3;
             let (left, right) = pair(size, seed, PixelFormat::Gray8);
-            let matcher =
-                StereoMatcher::new(&gpu.device, &gpu.queue, size.0, size.1, PixelFormat::Gray8, &params).unwrap();
+            let matcher = support::matcher(&gpu.device, &gpu.queue, size, PixelFormat::Gray8, &params).unwrap();
             let Matched { map, right: right_map, confidence, .. } = matcher.compute_blocking(&left, &right).unwrap();
             let case = format!("{size:?}, seed {seed}, on {}", gpu.name);
             if size.0 > 60 {
@@ -412,9 +411,9 @@ fn matchers_and_the_callers_passes_share_an_encoder() {
         });
 
         let chains = [Params::sgm(14), Params::bm(21)];
-        let matchers = chains.each_ref().map(|params| {
-            StereoMatcher::new(&gpu.device, &gpu.queue, size.0, size.1, PixelFormat::Rgba8, params).unwrap()
-        });
+        let matchers = chains
+            .each_ref()
+            .map(|params| support::matcher(&gpu.device, &gpu.queue, size, PixelFormat::Rgba8, params).unwrap());
         let mut encoder = gpu.encoder();
         let mut drawn = Vec::new();
         // Both matchers leave their map in the same texture, one after the other.

@@ -16,7 +16,7 @@ fn check(setup: &(wgpu::Adapter, wgpu::Device, wgpu::Queue), left: &Image, right
     let roomy = device.limits().max_storage_buffer_binding_size >= 1 << 20; // maps lie behind each other in one binding
     params.labels = roomy && seed % 2 == 1;
     let params = &params;
-    let matcher = StereoMatcher::new(device, queue, width, height, left.format(), params).unwrap();
+    let matcher = support::matcher(device, queue, (width, height), left.format(), params).unwrap();
     let case = (width, height, params, seed);
     support::assert_equal(&matcher.check_blocking(left, right).unwrap(), adapter, &case);
     let matched = matcher.compute_blocking(left, right).unwrap();
@@ -283,7 +283,7 @@ fn longest_rows() {
         let cases = [(Params::sgm(5), -2047), (Params::bm(5), -2047), (Params::bm(16), 500), (Params::bm(32), 2000)];
         for (mut params, min_disparity) in cases {
             params.min_disparity = min_disparity;
-            let matcher = StereoMatcher::new(device, queue, width, height, left.format(), &params).unwrap();
+            let matcher = support::matcher(device, queue, (width, height), left.format(), &params).unwrap();
             support::assert_equal(&matcher.check_blocking(&left, &right).unwrap(), adapter, &(width, height, &params));
         }
     }
@@ -393,7 +393,7 @@ fn random_parameters_beyond_a_binding() {
         let (left, right) = support::pair(width, height, seed);
         let format = random.random_range(0..4);
         let [left, right] = [&left, &right].map(|image| support::as_format(image, format));
-        match StereoMatcher::new(&setup.1, &setup.2, width, height, left.format(), &params) {
+        match support::matcher(&setup.1, &setup.2, (width, height), left.format(), &params) {
             Err(Error::TooLarge { .. }) => continue,
             _ => check(&setup, &left, &right, &params, seed),
         }

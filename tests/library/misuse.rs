@@ -347,6 +347,8 @@ fn lost_device() {
         let (d, q, w, h, f, p) = new();
         call("new", StereoMatcher::new(d, q, w, h, f, p).err());
         call("new_async", pollster::block_on(StereoMatcher::new_async(d, q, w, h, f, p)).err());
+        call("another", matcher.another(w, h, f, p).err());
+        call("another_async", pollster::block_on(matcher.another_async(w, h, f, p)).err());
         call("upload", matcher.upload(&left, &right).err());
         for (i, inputs) in inputs.iter().enumerate() {
             call(&format!("record {i}"), matcher.record(&mut gpu.encoder(), inputs, &outputs).err());

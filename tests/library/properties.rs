@@ -23,7 +23,7 @@ fn compute(
     support::assert_native(left, right, params, &expected, params);
     let expected = expected.map;
     if let Some((adapter, device, queue)) = setup {
-        let matcher = StereoMatcher::new(device, queue, left.width(), left.height(), left.format(), params).unwrap();
+        let matcher = support::matcher(device, queue, (left.width(), left.height()), left.format(), params).unwrap();
         let map = matcher.compute_blocking(left, right).unwrap().map;
         assert!(map == expected, "{} differs from the reference, {params:?}", adapter.get_info().name);
     }
@@ -184,7 +184,7 @@ fn mirrored_and_swapped_the_left_view_is_the_right_view() {
             assert!(width < 20 || valid > 100, "only {valid} valid pixels, {params:?}, seed {seed}");
             // The device's right view is compared with the reference's by the check.
             if let Some((adapter, device, queue)) = &setup {
-                let matcher = StereoMatcher::new(device, queue, width, height, left.format(), &params).unwrap();
+                let matcher = support::matcher(device, queue, (width, height), left.format(), &params).unwrap();
                 support::assert_equal(&matcher.check_blocking(&left, &right).unwrap(), adapter, &(&params, seed));
             }
         }

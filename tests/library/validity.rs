@@ -18,7 +18,7 @@ type Setup = Option<(wgpu::Adapter, wgpu::Device, wgpu::Queue)>;
 fn compute(setup: &Setup, left: &Image, right: &Image, params: &Params) -> Matched {
     let expected = reference::compute_all(left, right, params).unwrap();
     if let Some((adapter, device, queue)) = setup {
-        let matcher = StereoMatcher::new(device, queue, left.width(), left.height(), left.format(), params).unwrap();
+        let matcher = support::matcher(device, queue, (left.width(), left.height()), left.format(), params).unwrap();
         let found = matcher.compute_blocking(left, right).unwrap();
         assert!(found == expected, "differs on {}: {params:?}", adapter.get_info().name);
     }

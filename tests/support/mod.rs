@@ -1,18 +1,23 @@
 //! What the tests share: a device, and pairs made from a seed.
 #![allow(dead_code, clippy::unwrap_used, clippy::expect_used)]
 
+use std::cell::RefCell;
 use std::io::Write as _;
+use std::sync::{LazyLock, Mutex, PoisonError};
 
-use gpu_stereo::{Image, Params, Pixels, StageCheck, wgpu};
+use gpu_stereo::{Error, Image, Params, PixelFormat, Pixels, StageCheck, StereoMatcher, wgpu};
 use rand::{Rng, SeedableRng};
 use rand_chacha::ChaCha8Rng;
+
+/// One for all devices: those of several instances may seem equal.
+static INSTANCE: LazyLock<wgpu::Instance> =
+    LazyLock::new(|| wgpu::Instance::new(wgpu::InstanceDescriptor::new_without_display_handle_from_env()));
 
 /// A device, with features and limits changed by the test. `None` only where there is no adapter and the environment allows that.
 pub fn device_with(
     change: impl FnOnce(&mut wgpu::Features, &mut wgpu::Limits),
 ) -> Option<(wgpu::Adapter, wgpu::Device, wgpu::Queue)> {
-    let instance = wgpu::Instance::new(wgpu::InstanceDescriptor::new_without_display_handle_from_env());
-    let adapters = pollster::block_on(instance.enumerate_adapters(wgpu::Backends::PRIMARY));
+    let adapters = pollster::block_on(INSTANCE.enumerate_adapters(wgpu::Backends::PRIMARY));
     let Some(adapter) = adapters.into_iter().next() else {
         assert!(
             std::env::var_os("GPU_STEREO_NO_ADAPTER").is_some(),
@@ -42,6 +47,44 @@ pub fn device() -> Option<(wgpu::Adapter, wgpu::Device, wgpu::Queue)> {
 /// A device without any feature: no subgroups, no 64-bit integers.
 pub fn bare_device() -> Option<(wgpu::Adapter, wgpu::Device, wgpu::Queue)> {
     device_with(|features, _| *features = wgpu::Features::empty())
+}
+
+/// The first matcher of each device of a test, from which the others are made.
+struct First(Vec<(wgpu::Device, StereoMatcher)>);
+
+/// Those of tests that have ended: where a thread's own values are dropped, wgpu panics.
+static ENDED: Mutex<Vec<(wgpu::Device, StereoMatcher)>> = Mutex::new(Vec::new());
+
+impl Drop for First {
+    fn drop(&mut self) {
+        ENDED.lock().unwrap_or_else(PoisonError::into_inner).append(&mut self.0);
+    }
+}
+
+thread_local! {
+    static FIRST: RefCell<First> = const { RefCell::new(First(Vec::new())) };
+}
+
+/// A matcher as [`StereoMatcher::new`] makes it. Those of one device and one test compile each kernel once: a driver takes longer to
+/// compile the kernels of a small pair than to run them.
+pub fn matcher(
+    device: &wgpu::Device,
+    queue: &wgpu::Queue,
+    (width, height): (u32, u32),
+    format: PixelFormat,
+    params: &Params,
+) -> Result<StereoMatcher, Error> {
+    let ended = std::mem::take(&mut *ENDED.lock().unwrap_or_else(PoisonError::into_inner));
+    drop(ended);
+    FIRST.with_borrow_mut(|First(all)| {
+        if let Some((_, first)) = all.iter().find(|(known, _)| known == device) {
+            return first.another(width, height, format, params);
+        }
+        let first = StereoMatcher::new(device, queue, width, height, format, params)?;
+        let matcher = first.another(width, height, format, params);
+        all.push((device.clone(), first));
+        matcher
+    })
 }
 
 /// A pair: smooth noise, the right image the left one shifted by disparities that change over the image, plus noise.

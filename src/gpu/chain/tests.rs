@@ -4,7 +4,7 @@ use crate::gpu::kernels::tests::{Setup, support};
 use crate::gpu::maps::map_of;
 use crate::gpu::readback;
 use crate::gpu::recording::{Written, record_steps};
-use crate::{DisparityMap, Fill, Median, Params, PixelFormat, Schedule, StereoMatcher, reference};
+use crate::{DisparityMap, Fill, Median, Params, PixelFormat, Schedule, reference};
 
 const INVALID: i16 = DisparityMap::INVALID;
 
@@ -17,7 +17,7 @@ fn map(width: u32, height: u32, value: impl Fn(u32, u32) -> i16) -> DisparityMap
 fn run(setup: &Setup, params: &Params, stage: &str, left: &DisparityMap, right: &DisparityMap) -> DisparityMap {
     let (_, device, queue) = setup;
     let params = Params { lr_check: None, median: Median::Off, ..params.clone() };
-    let matcher = StereoMatcher::new(device, queue, left.width, left.height, PixelFormat::Gray8, &params).unwrap();
+    let matcher = support::matcher(device, queue, (left.width, left.height), PixelFormat::Gray8, &params).unwrap();
     let views = matcher.steps.iter().rposition(|step| matches!(step.written, Written::Views { .. })).unwrap();
     let stride = 2 * matcher.sizes.frame.map_stride as usize;
     let Written::Views { right: behind, .. } = &matcher.steps[views].written else { unreachable!() };

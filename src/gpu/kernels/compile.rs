@@ -16,6 +16,9 @@ pub(crate) struct Compiled {
     pub(crate) text: Arc<str>,
 }
 
+/// What decides about what is compiled for a device: the number of the kernel, [`Params::shader_checks`] and the text.
+pub(crate) type CompiledKey = (usize, bool, Arc<str>);
+
 /// Compiles `text`, a kernel's [`source`].
 pub(crate) fn compile(
     device: &wgpu::Device,

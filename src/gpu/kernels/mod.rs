@@ -8,7 +8,7 @@ mod table;
 #[cfg(test)]
 pub(crate) mod tests;
 
-pub(crate) use compile::{Compiled, compile};
+pub(crate) use compile::{Compiled, CompiledKey, compile};
 pub(crate) use limits::check_limits;
 pub(crate) use source::source;
 pub(crate) use table::{Access, KERNELS};

@@ -5,6 +5,7 @@ mod compute;
 mod rebuild;
 mod record;
 mod shaders;
+mod shared_kernels;
 mod stereo_matcher;
 mod timed;
 mod timer;

@@ -72,6 +72,7 @@ impl StereoMatcher {
         (self.largest, self.room) = (largest, room);
         (self.params, self.sizes, self.levels) = (params, sizes, levels);
         (self.ends, self.steps, self.pool, self.timer) = (ends, steps, pool, OnceLock::new());
+        self.kernels.add(&self.pool);
         self.computed = AtomicBool::new(false);
         let bytes = MapBytes::new(&self.params, &self.sizes).bytes();
         self.spares(|spares| {

@@ -9,6 +9,7 @@ use crate::gpu::interop::PassCache;
 use crate::gpu::layout::{Sizes, source_layout};
 use crate::gpu::maps::MapBytes;
 use crate::gpu::matcher::build::{build, ensure_memory};
+use crate::gpu::matcher::shared_kernels::SharedKernels;
 use crate::gpu::matcher::timer::Timer;
 use crate::gpu::readback::{self, Waiter};
 use crate::gpu::recording::{Level, Pool, Step, levels, rooms};
@@ -41,6 +42,7 @@ pub struct StereoMatcher {
     pub(crate) steps: Vec<Step>,
     pub(super) ends: Ends,
     pub(super) pool: Pool,
+    pub(super) kernels: SharedKernels,
     /// Readback buffers that are not in use.
     pub(super) spare: Arc<Mutex<Vec<wgpu::Buffer>>>,
     pub(crate) waiter: Arc<Waiter>,
@@ -90,9 +92,8 @@ impl StereoMatcher {
         format: PixelFormat,
         params: &Params,
     ) -> Result<Self, Error> {
-        let (matcher, verdict) = Self::begin(device, queue, [width, height], format, params)?;
-        matcher.settled(verdict.now())?;
-        Ok(matcher)
+        let (matcher, verdict) = Self::begin(device, queue, [width, height], format, params, SharedKernels::default())?;
+        matcher.begun(verdict.now())
     }
 
     /// As [`StereoMatcher::new`], and awaits the errors that the device reports, without blocking: in a browser they arrive later.
@@ -107,9 +108,8 @@ impl StereoMatcher {
         format: PixelFormat,
         params: &Params,
     ) -> Result<Self, Error> {
-        let (matcher, verdict) = Self::begin(device, queue, [width, height], format, params)?;
-        matcher.settled(verdict.await)?;
-        Ok(matcher)
+        let (matcher, verdict) = Self::begin(device, queue, [width, height], format, params, SharedKernels::default())?;
+        matcher.begun(verdict.await)
     }
 
     /// A matcher, and the errors that the device reports.
@@ -119,6 +119,7 @@ impl StereoMatcher {
         [width, height]: [u32; 2],
         format: PixelFormat,
         params: &Params,
+        kernels: SharedKernels,
     ) -> Result<(Self, Verdict), Error> {
         let pulse = Pulse::new(device, queue)?;
         params.accepts(width, height)?;
@@ -127,7 +128,8 @@ impl StereoMatcher {
         let lists: Vec<&[Level]> = before.iter().chain([&levels]).map(|levels| &levels[..]).collect();
         ensure_memory(device, format, &lists, &Pool::default())?;
         Ok(scopes::watched(device, || {
-            let pool = before.iter().fold(Pool::default(), |pool, levels| build(device, queue, format, levels, pool).2);
+            let known = kernels.pool();
+            let pool = before.iter().fold(known, |pool, levels| build(device, queue, format, levels, pool).2);
             let (ends, steps, pool) = build(device, queue, format, &levels, pool);
             let Level { params, sizes, .. } = levels[levels.len() - 1].clone();
             ends.blank(queue, &sizes);
@@ -144,6 +146,7 @@ impl StereoMatcher {
                 steps,
                 ends,
                 pool,
+                kernels,
                 spare: Arc::default(),
                 waiter: Arc::default(),
                 sizes,
@@ -156,6 +159,13 @@ impl StereoMatcher {
             matcher.spare_again(matcher.readback_buffer());
             matcher
         }))
+    }
+
+    /// The matcher, unless the device reported an error.
+    pub(super) fn begun(self, verdict: Result<(), Error>) -> Result<Self, Error> {
+        self.settled(verdict)?;
+        self.kernels.add(&self.pool);
+        Ok(self)
     }
 
     /// The error that the device reported, or that it is lost.

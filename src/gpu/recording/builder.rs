@@ -378,7 +378,7 @@ impl<'a> Builder<'a> {
         }
         let row = &KERNELS[kernel];
         let text: Arc<str> = kernels::source(row, &self.params, self.format, &self.plan).into();
-        let key = (kernel, text.clone());
+        let key = (kernel, self.params.shader_checks, text.clone());
         let compiled = self.used.compiled.get(&key).cloned().unwrap_or_else(|| {
             let known = self.free.compiled.remove(&key);
             let compiled = known.unwrap_or_else(|| kernels::compile(self.device, row, text, &self.params, &self.plan));

@@ -1,9 +1,8 @@
 //! The buffers, textures and kernels that lists of steps are made of.
 
 use std::collections::HashMap;
-use std::sync::Arc;
 
-use crate::gpu::kernels::Compiled;
+use crate::gpu::kernels::{Compiled, CompiledKey};
 use crate::gpu::recording::weights::Weights;
 
 /// Bytes of a row of `width` texels.
@@ -25,12 +24,16 @@ pub(super) type SizedTexture = Sized<wgpu::Texture, [u32; 2]>;
 pub(crate) struct Pool {
     pub(super) buffers: HashMap<(String, wgpu::BufferUsages), Vec<Sized<wgpu::Buffer, u64>>>,
     pub(super) textures: HashMap<(String, wgpu::TextureFormat), Vec<SizedTexture>>,
-    pub(super) compiled: HashMap<(usize, Arc<str>), Compiled>,
+    pub(crate) compiled: HashMap<CompiledKey, Compiled>,
     /// Those of the network that was used last.
     pub(super) weights: Option<Weights>,
 }
 
 impl Pool {
+    pub(crate) fn of_kernels(compiled: HashMap<CompiledKey, Compiled>) -> Self {
+        Self { compiled, ..Self::default() }
+    }
+
     /// Bytes of all buffers and textures.
     pub(crate) fn bytes(&self) -> u64 {
         let buffers = self.buffers.values().flatten().map(|buffer| buffer.size);

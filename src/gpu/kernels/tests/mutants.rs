@@ -8,7 +8,6 @@ use super::settings::Setup;
 use super::support;
 use crate::Params;
 use crate::PixelFormat;
-use crate::StereoMatcher;
 use crate::gpu::edits::with_mutant;
 use crate::gpu::kernels::{KERNELS, source};
 use crate::gpu::plan::Plan;
@@ -37,7 +36,7 @@ fn a_mutated_shader_is_caught() {
 
         let format = if *kernel == "deep_gray" { 3 } else { 2 };
         let (left, right) = (support::as_format(&left, format), support::as_format(&right, format));
-        let make = || StereoMatcher::new(device, queue, width, height, left.format(), &params);
+        let make = || support::matcher(device, queue, (width, height), left.format(), &params);
         let matcher = with_mutant([kernel, from, to], make);
         let stages = matcher.unwrap().check_blocking(&left, &right).unwrap();
         let at = stages.iter().position(|stage| stage.stage == row.stage);

@@ -12,7 +12,7 @@ use crate::gpu::kernels::KERNELS;
 use crate::gpu::plan::Plan;
 use crate::gpu::rounds::{MOST, MOST_SIDE, rounds};
 use crate::network::tiny::tiny;
-use crate::{Cost, Fill, Params, Paths, Prefilter, Schedule, StereoMatcher, Subpixel};
+use crate::{Cost, Fill, Params, Paths, Prefilter, Schedule, Subpixel};
 
 /// The text of a kernel that spends rounds first.
 fn spending(spent: u32, text: &str) -> String {
@@ -62,7 +62,7 @@ fn mismatches(
     let (left, right) = (support::as_format(&left, format), support::as_format(&right, format));
     let plan = Plan::new(device, params);
     let matcher = with_few_rounds(params, [width, height], plan, kernel, || {
-        StereoMatcher::new(device, queue, width, height, left.format(), params)
+        support::matcher(device, queue, (width, height), left.format(), params)
     });
     let stages = matcher.unwrap().check_blocking(&left, &right).unwrap();
     stages.into_iter().filter(|stage| stage.mismatches > 0).map(|stage| (stage.stage, stage.mismatches)).collect()
