@@ -1,6 +1,6 @@
 //! The stages that this schedule computes in its own way.
 
-use crate::cpu::cost::CostRows;
+use crate::cpu::cost::{CostRows, block_match};
 use crate::cpu::filters::filtered;
 use crate::cpu::images::{Channels, Planes, Side, luma};
 use crate::cpu::instructions::Instructions;
@@ -96,7 +96,7 @@ impl Stages for Native<'_> {
 
 /// Whether there is a schedule of its own for what leads to the winners; else the reference computes it.
 fn has_own_stages(params: &Params) -> bool {
-    params.method == Method::Sgm
+    matches!(params.method, Method::Sgm | Method::Bm)
 }
 
 impl Native<'_> {
@@ -110,6 +110,9 @@ impl Native<'_> {
         trace: &mut Trace<'_>,
     ) -> Views {
         let [left, right] = planes;
+        if params.method == Method::Bm {
+            return trace.stage("block_match", block_match([left, right], table, params, self.instructions));
+        }
         let size = [left.width, left.height];
         let adaptive = luma.filter(|_| params.adaptive_p2);
         let penalties = adaptive.map(|luma| trace.stage("penalties", penalties(luma, params)));
