@@ -1,5 +1,6 @@
 //! The matcher: images in, maps out, on the caller's device.
 
+mod another;
 mod build;
 mod compute;
 mod rebuild;
