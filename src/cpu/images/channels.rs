@@ -1,17 +1,10 @@
 //! An image as the chain takes it, in one channel or three: the twin of [`Images`].
 
-use crate::cpu::images::padded::Padded;
+use crate::cpu::images::padded::Samples;
 use crate::cpu::images::{gray, prefilter};
 use crate::cpu::instructions::Instructions;
-use crate::reference::{Channel, Images, Plane};
+use crate::reference::{Channel, Images};
 use crate::{Image, Params, Prefilter};
-
-/// Samples of 8 bits, or of 16 with the unit 257.
-#[derive(Clone)]
-pub enum Samples {
-    Bytes(Padded<u8>),
-    Words(Padded<u16>),
-}
 
 /// An image in luma, or with [`Params::color_cost`] in red, green and blue.
 #[derive(Clone)]
@@ -56,19 +49,5 @@ impl Channels {
         let channels = self.channels.iter().map(Samples::plane).collect();
         let unit = if self.channels.iter().any(|samples| matches!(samples, Samples::Words(_))) { 257 } else { 1 };
         Images { channels, unit }
-    }
-}
-
-impl Samples {
-    fn plane(&self) -> Plane<u16> {
-        let (width, height) = match self {
-            Self::Bytes(image) => (image.width, image.height),
-            Self::Words(image) => (image.width, image.height),
-        };
-        let row = |y: usize| match self {
-            Self::Bytes(image) => image.row(y as i64, 0).iter().map(|&v| v.into()).collect::<Vec<_>>(),
-            Self::Words(image) => image.row(y as i64, 0).to_vec(),
-        };
-        Plane { width, height, data: (0..height).flat_map(row).collect() }
     }
 }

@@ -1,9 +1,9 @@
 //! Stage `descriptors`, as planes.
 
 use crate::Params;
-use crate::cpu::images::channels::{Channels, Samples};
+use crate::cpu::images::channels::Channels;
 use crate::cpu::images::derivatives::{Depth, derivatives};
-use crate::cpu::images::padded::{MARGIN, Padded};
+use crate::cpu::images::padded::{MARGIN, Padded, Samples};
 use crate::cpu::images::planes::{Planes, RowOfPlanes, Side, census_neighbours};
 use crate::cpu::images::prefilter::window_sums;
 use crate::params::Descriptor;

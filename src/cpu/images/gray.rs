@@ -2,8 +2,7 @@
 
 use rayon::prelude::*;
 
-use crate::cpu::images::channels::Samples;
-use crate::cpu::images::padded::Padded;
+use crate::cpu::images::padded::{Padded, Samples};
 use crate::cpu::instructions::Instructions;
 use crate::reference::{self, Channel, Plane};
 use crate::{Image, Pixels};

@@ -5,6 +5,7 @@ use rayon::prelude::*;
 use bytemuck::Pod;
 
 use crate::cpu::aligned::Aligned;
+use crate::reference::Plane;
 
 /// Columns before and behind the image: as far as any window reaches.
 pub const MARGIN: usize = 32;
@@ -46,5 +47,27 @@ impl<T: Pod + Send + Sync> Padded<T> {
         let y = y.clamp(0, self.height as i64 - 1) as usize;
         let stride = self.width + 2 * MARGIN;
         &self.data[y * stride..][..stride]
+    }
+}
+
+/// Samples of 8 bits, or of 16 with the unit 257.
+#[derive(Clone)]
+pub enum Samples {
+    Bytes(Padded<u8>),
+    Words(Padded<u16>),
+}
+
+impl Samples {
+    /// In the definition's layout.
+    pub fn plane(&self) -> Plane<u16> {
+        let (width, height) = match self {
+            Self::Bytes(image) => (image.width, image.height),
+            Self::Words(image) => (image.width, image.height),
+        };
+        let row = |y: usize| match self {
+            Self::Bytes(image) => image.row(y as i64, 0).iter().map(|&v| v.into()).collect::<Vec<_>>(),
+            Self::Words(image) => image.row(y as i64, 0).to_vec(),
+        };
+        Plane { width, height, data: (0..height).flat_map(row).collect() }
     }
 }
