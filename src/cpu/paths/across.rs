@@ -2,12 +2,14 @@
 //!
 //! Two rows at a time, whose steps do not depend on each other, keep the processor busy.
 
+use fearless_simd::{Simd, SimdFrom, u8x32, u16x16};
+
 use super::penalties::PenaltyRow;
-use super::step::{BLOCK, PAD, Receive, Stepping, steps};
+use super::step::{PAD, Receive, Stepping, load, steps, store};
 use crate::Params;
 use crate::cpu::LANES;
-use crate::cpu::aligned::{Aligned, Local};
-use crate::cpu::instructions::Instructions;
+use crate::cpu::aligned::Aligned;
+use crate::cpu::instructions::{Instructions, Kernel};
 use crate::cpu::winner::{Found, RightKeys, RowOfMaps};
 
 /// Rows at a time.
@@ -46,8 +48,6 @@ struct RowScratch {
     near: Aligned<u16>,
     /// `u16::MAX` beyond the disparities, else 0.
     beyond: Aligned<u16>,
-    /// n and [`BLOCK`], as numbers that the compiler does not know: else it unrolls the search for a minimum.
-    lengths: [usize; 2],
     found: Found<u16>,
     keys: RightKeys,
 }
@@ -58,7 +58,7 @@ impl Scratch {
         let row = || {
             let mut beyond = Aligned::new(n, 0);
             beyond[disparities..].fill(u16::MAX);
-            let mut near = Aligned::new(2 * n + 5, 0);
+            let mut near = Aligned::new(2 * n + 5, 0u16);
             near[n + 1..n + 4].fill(u16::MAX);
             RowScratch {
                 right: Aligned::zeroed(width * n),
@@ -67,7 +67,6 @@ impl Scratch {
                 sum: Aligned::zeroed(n),
                 near,
                 beyond,
-                lengths: [n, n.min(BLOCK)],
                 found: Found::new(width),
                 keys: RightKeys::new(width, n, group_of(paths)),
             }
@@ -121,105 +120,101 @@ fn across<const P: u16, const Q: usize, const G: usize, const N: usize>(
     params: &Params,
     instructions: Instructions,
 ) {
-    instructions.run(
-        #[inline(always)]
-        || {
-            let n = (params.disparities as usize).next_multiple_of(LANES);
-            let n = if N > 0 { N } else { n };
-            match rows {
-                [first, second] => {
-                    let [one, two] = &mut scratch.rows;
-                    across_in_set::<2, P, Q, G>([first, second], [one, two], n, params);
+    match rows {
+        [first, second] => {
+            let [one, two] = &mut scratch.rows;
+            let (rows, scratch) = ([first, second], [one, two]);
+            instructions.launch(Rows::<2, P, Q, G, N> { rows, scratch, params });
+        }
+        rows => rows.iter_mut().zip(&mut scratch.rows).for_each(|(row, scratch)| {
+            instructions.launch(Rows::<1, P, Q, G, N> { rows: [row], scratch: [scratch], params });
+        }),
+    }
+}
+
+struct Rows<'a, 'b, const R: usize, const P: u16, const Q: usize, const G: usize, const N: usize> {
+    rows: [&'a mut AcrossRow<'b>; R],
+    scratch: [&'a mut RowScratch; R],
+    params: &'a Params,
+}
+
+impl<const R: usize, const P: u16, const Q: usize, const G: usize, const N: usize> Kernel
+    for Rows<'_, '_, R, P, Q, G, N>
+{
+    type Output = ();
+
+    #[inline(always)]
+    fn run<V: Simd>(self, simd: V) {
+        let Self { rows, mut scratch, params } = self;
+        let n = if N > 0 { N } else { (params.disparities as usize).next_multiple_of(LANES) };
+        let p1 = params.p1 as u8;
+        scratch.iter_mut().for_each(|scratch| scratch.start(n));
+        let mut x = 0;
+        for segment in 0..rows[0].segments.len() {
+            let costs = rows.each_ref().map(|row| row.segments[segment].cost);
+            for i in 0..costs[0].len() / n {
+                for r in 0..R {
+                    let p2 = rows[r].p2[0].at(x);
+                    let RowScratch { right, state, least, .. } = &mut *scratch[r];
+                    let path = Stepping { state: &mut state[PAD - 1..], least, p2 };
+                    steps(simd, [path], &costs[r][i * n..][..n], p1, &mut Store(&mut right[x * n..][..n]));
                 }
-                rows => rows.iter_mut().zip(&mut scratch.rows).for_each(
-                    #[inline(always)]
-                    |(row, scratch)| across_in_set::<1, P, Q, G>([row], [scratch], n, params),
-                ),
-            }
-        },
-    );
-}
-
-#[inline(always)]
-fn across_in_set<const R: usize, const P: u16, const Q: usize, const G: usize>(
-    rows: [&mut AcrossRow<'_>; R],
-    mut scratch: [&mut RowScratch; R],
-    n: usize,
-    params: &Params,
-) {
-    let p1 = params.p1 as u8;
-    scratch.iter_mut().for_each(|scratch| scratch.start(n));
-    let mut x = 0;
-    for segment in 0..rows[0].segments.len() {
-        let costs = rows.each_ref().map(|row| row.segments[segment].cost);
-        let columns = costs[0].len() / n;
-        for i in 0..columns {
-            for r in 0..R {
-                let p2 = rows[r].p2[0].at(x);
-                let scratch = &mut *scratch[r];
-                let to = &mut scratch.right[x * n..][..n];
-                let path = Stepping { state: &mut scratch.state[PAD - 1..PAD + n + 1], least: &mut scratch.least, p2 };
-                steps([path], &costs[r][i * n..][..n], p1, &mut Store(to));
-            }
-            x += 1;
-        }
-    }
-    scratch.iter_mut().for_each(|scratch| {
-        scratch.start(n);
-        scratch.keys.clear();
-    });
-    for segment in (0..rows[0].segments.len()).rev() {
-        let columns = rows[0].segments[segment].cost.len() / n;
-        for i in (0..columns).rev() {
-            x -= 1;
-            for r in 0..R {
-                pixel::<P, Q, G>(rows[r], scratch[r], segment, i, x, n, params);
+                x += 1;
             }
         }
-    }
-    for r in 0..R {
-        scratch[r].found.finish(params, &mut rows[r].maps);
-        scratch[r].keys.finish::<G>(params, rows[r].maps.right);
+        scratch.iter_mut().for_each(|scratch| {
+            scratch.start(n);
+            scratch.keys.clear();
+        });
+        for segment in (0..rows[0].segments.len()).rev() {
+            for i in (0..rows[0].segments[segment].cost.len() / n).rev() {
+                x -= 1;
+                for r in 0..R {
+                    pixel::<V, P, Q, G>(simd, rows[r], scratch[r], [segment, i, x], n, params);
+                }
+            }
+        }
+        for (row, scratch) in rows.into_iter().zip(scratch) {
+            scratch.found.finish(params, &mut row.maps);
+            scratch.keys.finish::<G>(params, row.maps.right);
+        }
     }
 }
 
-/// The step to the left into a pixel, its sum and its winner.
+/// The step to the left into a pixel, its sum and its winner. It is the `i`-th of the segment, in column x.
 #[inline(always)]
-fn pixel<const P: u16, const Q: usize, const G: usize>(
+fn pixel<V: Simd, const P: u16, const Q: usize, const G: usize>(
+    simd: V,
     row: &mut AcrossRow<'_>,
     scratch: &mut RowScratch,
-    segment: usize,
-    i: usize,
-    x: usize,
+    [segment, i, x]: [usize; 3],
     n: usize,
     params: &Params,
 ) {
     let Segment { cost, planes } = &row.segments[segment];
     let cost = &cost[i * n..][..n];
     let planes: [&[u8]; Q] = std::array::from_fn(|q| &planes[q][i * n..][..n]);
-    let p2 = row.p2[1].at(x);
-    let RowScratch { right, state, least, sum, near, beyond, lengths, found, keys } = scratch;
-    let path = Stepping { state: &mut state[PAD - 1..PAD + n + 1], least, p2 };
-    let right = &right[x * n..][..n];
-    let [length, lanes] = *lengths;
-    let sums = &mut sum[..n];
-    let smallest =
-        Smallest { keys: [u16::MAX; BLOCK], blocks: 0, first: 0, best: u32::MAX, last: n.max(BLOCK) - BLOCK, lanes };
-    let beyond = &beyond[..n];
-    let mut total = Total::<P, Q, G> { cost, planes, right, beyond, sums, keys, x, smallest };
-    steps([path], cost, params.p1 as u8, &mut total);
-    let best = total.smallest.winner::<G>();
+    let RowScratch { right, state, least, sum, near, beyond, found, keys } = scratch;
+    let path = Stepping { state: &mut state[PAD - 1..], least, p2: row.p2[1].at(x) };
+    let (right, sums, beyond) = (&right[x * n..][..n], &mut sum[..n], &beyond[..n]);
+    let smallest = Smallest { keys: [simd.splat_u16x16(u16::MAX); 2], blocks: 0, first: 0, best: u32::MAX };
+    let mut total = Total::<V, P, Q, G> { simd, cost, planes, right, beyond, sums, keys, x, smallest };
+    steps(simd, [path], cost, params.p1 as u8, &mut total);
+    let best = total.smallest.winner::<G>(simd);
     let label = (best & 0xffff) as usize;
-    let sum = &sum[..length];
+    let sum = &sum[..n];
     found.best[x] = (best >> 16) as u16;
     found.label[x] = label as u16;
     found.before[x] = sum[label.saturating_sub(1)];
-    found.after[x] = sum[(label + 1).min(length - 1)];
-    let mut rival = u16::MAX;
-    for (&sum, &near) in sum.iter().zip(&near[length + 2 - label..][..length]) {
-        rival = rival.min(sum | near);
+    found.after[x] = sum[(label + 1).min(n - 1)];
+    let near = &near[n + 2 - label..][..n];
+    let mut rival = simd.splat_u16x16(u16::MAX);
+    for at in (0..n).step_by(LANES) {
+        for (sum, near) in words(simd, sum, at).into_iter().zip(words(simd, near, at)) {
+            rival = simd.min_u16x16(rival, simd.or_u16x16(sum, near));
+        }
     }
-    found.rival[x] = rival;
+    found.rival[x] = simd.reduce_min_u16x16(rival);
     if let Some((costs, sums)) = &mut row.record {
         let disparities = params.disparities as usize;
         costs[x * disparities..][..disparities].copy_from_slice(&cost[..disparities]);
@@ -227,18 +222,45 @@ fn pixel<const P: u16, const Q: usize, const G: usize>(
     }
 }
 
+/// [`LANES`] numbers from `at` on.
+#[inline(always)]
+fn words<V: Simd>(simd: V, from: &[u16], at: usize) -> [u16x16<V>; 2] {
+    let from = &from[at..at + LANES];
+    let mut vectors = [simd.splat_u16x16(0); 2];
+    for (vector, from) in vectors.iter_mut().zip(from.as_chunks::<{ LANES / 2 }>().0) {
+        *vector = u16x16::simd_from(simd, *from);
+    }
+    vectors
+}
+
+/// Writes them.
+#[inline(always)]
+fn store_words<V: Simd>(vectors: [u16x16<V>; 2], to: &mut [u16], at: usize) {
+    let to = &mut to[at..at + LANES];
+    to[..LANES / 2].copy_from_slice(&*vectors[0]);
+    to[LANES / 2..].copy_from_slice(&*vectors[1]);
+}
+
+/// Adds bytes to numbers of 16 bits.
+#[inline(always)]
+fn add<V: Simd>(simd: V, sum: [u16x16<V>; 2], bytes: u8x32<V>) -> [u16x16<V>; 2] {
+    let (low, high) = simd.widen_u8x32(bytes);
+    [simd.add_u16x16(sum[0], low), simd.add_u16x16(sum[1], high)]
+}
+
 /// T of a path to a row.
 struct Store<'a>(&'a mut [u8]);
 
-impl Receive<1> for Store<'_> {
+impl<V: Simd> Receive<V, 1> for Store<'_> {
     #[inline(always)]
-    fn receive<const B: usize>(&mut self, at: usize, t: &[[u8; B]; 1]) {
-        self.0[at..][..B].copy_from_slice(&t[0]);
+    fn receive(&mut self, at: usize, [t]: [u8x32<V>; 1]) {
+        store(t, self.0, at);
     }
 }
 
 /// T of the last path, added to those of all others: the sum, its winner, and the votes for the right view.
-struct Total<'a, const P: u16, const Q: usize, const G: usize> {
+struct Total<'a, V: Simd, const P: u16, const Q: usize, const G: usize> {
+    simd: V,
     cost: &'a [u8],
     planes: [&'a [u8]; Q],
     right: &'a [u8],
@@ -246,78 +268,83 @@ struct Total<'a, const P: u16, const Q: usize, const G: usize> {
     sums: &'a mut [u16],
     keys: &'a mut RightKeys,
     x: usize,
-    smallest: Smallest,
+    smallest: Smallest<V>,
 }
 
-/// The smallest sums so far, each by a key: the sum, then the number of its block.
-struct Smallest {
-    keys: [u16; BLOCK],
-    /// Blocks so far.
+/// The smallest sums so far at each place in [`LANES`] disparities, by keys: the sum, then the number of the [`LANES`]
+/// disparities.
+struct Smallest<V: Simd> {
+    keys: [u16x16<V>; 2],
+    /// How many [`LANES`] there have been.
     blocks: usize,
-    /// The first block that the keys count from.
+    /// The first that the keys count from.
     first: usize,
-    /// The smallest sum of the blocks before that, and in the lower half its index.
+    /// The smallest sum before that, and in the lower half its index.
     best: u32,
-    /// Where the last block begins.
-    last: usize,
-    /// Values of a block.
-    lanes: usize,
 }
 
-impl Smallest {
+/// 0 to 15, and 16 to 31.
+const PLACES: [[u16; LANES / 2]; 2] = {
+    let mut places = [[0; LANES / 2]; 2];
+    let mut i = 0;
+    while i < LANES {
+        places[i / (LANES / 2)][i % (LANES / 2)] = i as u16;
+        i += 1;
+    }
+    places
+};
+
+impl<V: Simd> Smallest<V> {
     /// The smallest sum, and in the lower half its index, of equal ones the smallest.
     #[inline(always)]
-    fn winner<const G: usize>(&self) -> u32 {
-        let keys = &self.keys[..self.lanes];
-        let (mut least, mut at) = (u16::MAX, u16::MAX);
-        for &key in keys {
-            least = least.min(key);
+    fn winner<const G: usize>(&self, simd: V) -> u32 {
+        let least = simd.reduce_min_u16x16(simd.min_u16x16(self.keys[0], self.keys[1]));
+        let (wanted, none) = (simd.splat_u16x16(least), simd.splat_u16x16(u16::MAX));
+        let mut places = none;
+        for half in 0..2 {
+            let found = simd.simd_eq_u16x16(self.keys[half], wanted);
+            let found = simd.select_u16x16(found, u16x16::simd_from(simd, PLACES[half]), none);
+            places = simd.min_u16x16(places, found);
         }
-        for (lane, &key) in keys.iter().enumerate() {
-            at = at.min(if key == least { lane as u16 } else { u16::MAX });
-        }
-        let block = self.first + usize::from(least) % G;
-        let index = (block * BLOCK).min(self.last) + usize::from(at);
+        let place = simd.reduce_min_u16x16(places);
+        let index = (self.first + usize::from(least) % G) * LANES + usize::from(place);
         self.best.min(((u32::from(least) / G as u32) << 16) | index as u32)
     }
 }
 
-impl<const P: u16, const Q: usize, const G: usize> Receive<1> for Total<'_, P, Q, G> {
+impl<V: Simd, const P: u16, const Q: usize, const G: usize> Receive<V, 1> for Total<'_, V, P, Q, G> {
     #[inline(always)]
-    fn receive<const B: usize>(&mut self, at: usize, t: &[[u8; B]; 1]) {
-        let (cost, right, beyond) = (&self.cost[at..][..B], &self.right[at..][..B], &self.beyond[at..][..B]);
-        let planes: [&[u8]; Q] = std::array::from_fn(|q| &self.planes[q][at..][..B]);
-        let mut sums = Local([0u16; B]);
-        for d in 0..B {
-            let mut sum = P * u16::from(cost[d]) + u16::from(right[d].wrapping_add(t[0][d]));
-            for plane in &planes {
-                sum += u16::from(plane[d]);
-            }
-            // What lies beyond the disparities never wins and is no rival.
-            sums.0[d] = sum | beyond[d];
+    fn receive(&mut self, at: usize, [t]: [u8x32<V>; 1]) {
+        let simd = self.simd;
+        let (low, high) = simd.widen_u8x32(load(simd, self.cost, at));
+        let paths = simd.splat_u16x16(P);
+        let mut sum = [simd.mul_u16x16(low, paths), simd.mul_u16x16(high, paths)];
+        sum = add(simd, sum, simd.add_u8x32(load(simd, self.right, at), t));
+        for plane in &self.planes {
+            sum = add(simd, sum, load(simd, plane, at));
         }
-        self.sums[at..][..B].copy_from_slice(&sums.0);
+        // What lies beyond the disparities never wins and is no rival.
+        let beyond = words(simd, self.beyond, at);
+        let sum = [simd.or_u16x16(sum[0], beyond[0]), simd.or_u16x16(sum[1], beyond[1])];
+        store_words(sum, self.sums, at);
         let bits = G.trailing_zeros();
-        let Smallest { keys, blocks, first, .. } = &mut self.smallest;
-        let number = (*blocks - *first) as u16;
-        let (mut seen, mut smaller, mut least) = (Local([0u16; B]), Local([0u16; B]), Local([0u16; B]));
-        for group in 0..B / G {
-            seen.0[group * G..][..G].copy_from_slice(self.keys.seen::<G>(self.x, at + group * G));
+        let shifted = [simd.shl_u16x16(sum[0], bits), simd.shl_u16x16(sum[1], bits)];
+        let number = simd.splat_u16x16((self.smallest.blocks - self.smallest.first) as u16);
+        for half in 0..2 {
+            let keys = &mut self.smallest.keys[half];
+            *keys = simd.min_u16x16(*keys, simd.or_u16x16(shifted[half], number));
+            let first = at + half * LANES / 2;
+            let seen = self.keys.seen::<G>(self.x, first);
+            let places = u16x16::simd_from(simd, PLACES[first % G / (LANES / 2)]);
+            let key = simd.or_u16x16(shifted[half], places);
+            if let Some(seen) = seen.first_chunk_mut::<{ LANES / 2 }>() {
+                *seen = *simd.min_u16x16(u16x16::simd_from(simd, *seen), key);
+            }
         }
-        for d in 0..B {
-            let shifted = sums.0[d] << bits;
-            smaller.0[d] = seen.0[d].min(shifted | (d % G) as u16);
-            least.0[d] = keys[d].min(shifted | number);
-        }
-        for group in 0..B / G {
-            self.keys.seen::<G>(self.x, at + group * G).copy_from_slice(&smaller.0[group * G..][..G]);
-        }
-        keys[..B].copy_from_slice(&least.0);
-        *blocks += 1;
-        if *blocks - *first == G {
-            self.smallest.best = self.smallest.winner::<G>();
-            self.smallest.first = self.smallest.blocks;
-            self.smallest.keys = [u16::MAX; BLOCK];
+        self.smallest.blocks += 1;
+        if self.smallest.blocks - self.smallest.first == G {
+            let (best, next) = (self.smallest.winner::<G>(simd), self.smallest.blocks);
+            self.smallest = Smallest { keys: [simd.splat_u16x16(u16::MAX); 2], blocks: next, first: next, best };
         }
     }
 }

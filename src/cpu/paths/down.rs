@@ -1,8 +1,10 @@
 //! A row of the paths that lead from row to row: down, or up where the rows are walked upwards.
 
+use fearless_simd::{Simd, u8x32};
+
 use super::front::FrontRow;
-use super::step::{Receive, steps};
-use crate::cpu::instructions::Instructions;
+use super::step::{Receive, load, steps, store};
+use crate::cpu::instructions::{Instructions, Kernel};
 
 /// A row of a window of columns, all `[x][n]`.
 pub(super) struct DownRow<'a, 'b> {
@@ -34,34 +36,59 @@ pub(super) fn down_for(directions: usize, n: usize) -> Down {
     }
 }
 
-/// Half a step: T of a pixel to its planes.
-struct Sums<'a, const S: usize, const OTHER: bool> {
+/// K directions, S planes. N: the bytes of a pixel where they are known, else 0.
+fn down<const K: usize, const S: usize, const N: usize>(row: DownRow<'_, '_>, instructions: Instructions) {
+    instructions.launch(Row::<K, S, N>(row));
+}
+
+struct Row<'a, 'b, const K: usize, const S: usize, const N: usize>(DownRow<'a, 'b>);
+
+impl<const K: usize, const S: usize, const N: usize> Kernel for Row<'_, '_, K, S, N> {
+    type Output = ();
+
+    #[inline(always)]
+    fn run<V: Simd>(self, simd: V) {
+        let DownRow { fronts, cost, n, p1, planes, other } = self.0;
+        let n = if N > 0 { N } else { n };
+        let Ok(mut fronts) = <[FrontRow<'_>; K]>::try_from(fronts) else { return };
+        let Ok(mut planes) = <[&mut [u8]; S]>::try_from(planes) else {
+            for (x, cost) in cost.chunks_exact(n).enumerate() {
+                steps(simd, fronts.each_mut().map(|front| front.next(x)), cost, p1, &mut Nothing);
+            }
+            return;
+        };
+        for (x, cost) in cost.chunks_exact(n).enumerate() {
+            let paths = fronts.each_mut().map(|front| front.next(x));
+            let planes = planes.each_mut().map(|plane| &mut plane[x * n..][..n]);
+            match other {
+                Some(other) => {
+                    let other = &other[x * n..][..n];
+                    steps(simd, paths, cost, p1, &mut Sums::<V, S, true> { simd, planes, other });
+                }
+                None => steps(simd, paths, cost, p1, &mut Sums::<V, S, false> { simd, planes, other: &[] }),
+            }
+        }
+    }
+}
+
+/// T of a pixel to its planes, two in a byte: at most 127 each.
+struct Sums<'a, V, const S: usize, const OTHER: bool> {
+    simd: V,
     planes: [&'a mut [u8]; S],
     other: &'a [u8],
 }
 
-impl<const K: usize, const S: usize, const OTHER: bool> Receive<K> for Sums<'_, S, OTHER> {
+impl<V: Simd, const K: usize, const S: usize, const OTHER: bool> Receive<V, K> for Sums<'_, V, S, OTHER> {
     #[inline(always)]
-    fn receive<const B: usize>(&mut self, at: usize, t: &[[u8; B]; K]) {
+    fn receive(&mut self, at: usize, t: [u8x32<V>; K]) {
         for i in 0..S {
-            // At most 127 each.
-            let mut sum = [0u8; B];
-            if OTHER && i == 0 {
-                let other = &self.other[at..][..B];
-                for d in 0..B {
-                    sum[d] = other[d].wrapping_add(t[0][d]);
-                }
+            let sum = if OTHER && i == 0 {
+                self.simd.add_u8x32(load(self.simd, self.other, at), t[0])
             } else {
                 let first = if OTHER { 2 * i - 1 } else { 2 * i };
-                if first + 1 < K {
-                    for d in 0..B {
-                        sum[d] = t[first][d].wrapping_add(t[first + 1][d]);
-                    }
-                } else {
-                    sum = t[first];
-                }
-            }
-            self.planes[i][at..][..B].copy_from_slice(&sum);
+                if first + 1 < K { self.simd.add_u8x32(t[first], t[first + 1]) } else { t[first] }
+            };
+            store(sum, self.planes[i], at);
         }
     }
 }
@@ -69,38 +96,7 @@ impl<const K: usize, const S: usize, const OTHER: bool> Receive<K> for Sums<'_, 
 /// T is not wanted.
 struct Nothing;
 
-impl<const K: usize> Receive<K> for Nothing {
+impl<V: Simd, const K: usize> Receive<V, K> for Nothing {
     #[inline(always)]
-    fn receive<const B: usize>(&mut self, _: usize, _: &[[u8; B]; K]) {}
-}
-
-/// K directions, S planes. N: the bytes of a pixel where they are known, else 0.
-fn down<const K: usize, const S: usize, const N: usize>(row: DownRow<'_, '_>, instructions: Instructions) {
-    instructions.run(
-        #[inline(always)]
-        move || down_in_set::<K, S, N>(row),
-    );
-}
-
-#[inline(always)]
-fn down_in_set<const K: usize, const S: usize, const N: usize>(row: DownRow<'_, '_>) {
-    let DownRow { fronts, cost, n, p1, planes, other } = row;
-    let n = if N > 0 { N } else { n };
-    let Ok(mut fronts) = <[FrontRow<'_>; K]>::try_from(fronts) else { return };
-    let Ok(mut planes) = <[&mut [u8]; S]>::try_from(planes) else {
-        for (x, cost) in cost.chunks_exact(n).enumerate() {
-            steps(fronts.each_mut().map(|front| front.next(x)), cost, p1, &mut Nothing);
-        }
-        return;
-    };
-    for (x, cost) in cost.chunks_exact(n).enumerate() {
-        let paths = fronts.each_mut().map(|front| front.next(x));
-        let planes = planes.each_mut().map(|plane| &mut plane[x * n..][..n]);
-        match other {
-            Some(other) => {
-                steps(paths, cost, p1, &mut Sums::<S, true> { planes, other: &other[x * n..][..n] });
-            }
-            None => steps(paths, cost, p1, &mut Sums::<S, false> { planes, other: &[] }),
-        }
-    }
+    fn receive(&mut self, _: usize, _: [u8x32<V>; K]) {}
 }

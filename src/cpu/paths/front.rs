@@ -125,7 +125,7 @@ impl FrontRow<'_> {
         }
         let at = PAD + slot * (self.n + PAD);
         Stepping {
-            state: &mut self.states[at - 1..at + self.n + 1],
+            state: &mut self.states[at - 1..at + self.n + PAD],
             least: &mut self.leasts[slot],
             p2: self.p2.at(self.first + x),
         }

@@ -6,17 +6,16 @@
 //!
 //! What lies around a state is 255 and so never the best, and where the cost is 255, beyond the last disparity, L stays 255.
 
+use fearless_simd::{Simd, SimdFrom, u8x32};
+
 use crate::cpu::LANES;
 
 /// Bytes of 255 around each state; as many as keep the states aligned to vectors.
 pub(super) const PAD: usize = LANES;
 
-/// Disparities that are computed at once.
-pub(super) const BLOCK: usize = 2 * LANES;
-
 /// A state that takes a step.
 pub(super) struct Stepping<'a> {
-    /// L' between a byte of 255 on either side.
+    /// L' behind a byte of 255 and before [`PAD`] of them.
     pub(super) state: &'a mut [u8],
     /// The smallest L'.
     pub(super) least: &'a mut u8,
@@ -25,70 +24,62 @@ pub(super) struct Stepping<'a> {
 }
 
 /// Receives the T of a pixel along several paths.
-pub(super) trait Receive<const K: usize> {
+pub(super) trait Receive<V: Simd, const K: usize> {
     /// Those of the disparities from `at` on.
-    fn receive<const B: usize>(&mut self, at: usize, t: &[[u8; B]; K]);
+    fn receive(&mut self, at: usize, t: [u8x32<V>; K]);
 }
 
-/// T and L of some disparities: `before` begins with L' of the disparity before the first one.
+/// The values from `at` on.
 #[inline(always)]
-fn block<const B: usize>(before: &[u8], cost: &[u8], least: u8, p1: u8, most: u8) -> ([u8; B], [u8; B]) {
-    let (before, cost) = (&before[..B + 2], &cost[..B]);
-    let (mut t, mut l) = ([0; B], [0; B]);
-    for d in 0..B {
-        let beside = before[d].min(before[d + 2]).saturating_add(p1);
-        t[d] = beside.min(before[d + 1]).min(most).wrapping_sub(least);
-        l[d] = cost[d].saturating_add(t[d]);
+pub(super) fn load<V: Simd>(simd: V, from: &[u8], at: usize) -> u8x32<V> {
+    match from[at..].first_chunk::<LANES>() {
+        Some(values) => u8x32::simd_from(simd, *values),
+        None => simd.splat_u8x32(0),
     }
-    (t, l)
+}
+
+/// Writes the values from `at` on.
+#[inline(always)]
+pub(super) fn store<V: Simd>(vector: u8x32<V>, to: &mut [u8], at: usize) {
+    to[at..at + LANES].copy_from_slice(&*vector);
 }
 
 /// The steps into a pixel of cost `cost` along K paths.
-///
-/// Blocks follow each other; the last one begins where it ends at the end, and then repeats a part of the one before. Loops of fewer
-/// values than a block would be unrolled and not vectorised: with up to [`LANES`] disparities they are.
 #[inline(always)]
-pub(super) fn steps<const K: usize>(paths: [Stepping<'_>; K], cost: &[u8], p1: u8, to: &mut impl Receive<K>) {
-    if cost.len() < BLOCK {
-        steps_by::<K, LANES>(paths, cost, p1, to);
-    } else {
-        steps_by::<K, BLOCK>(paths, cost, p1, to);
-    }
-}
-
-#[inline(always)]
-fn steps_by<const K: usize, const B: usize>(
-    mut paths: [Stepping<'_>; K],
+pub(super) fn steps<V: Simd, const K: usize>(
+    simd: V,
+    paths: [Stepping<'_>; K],
     cost: &[u8],
     p1: u8,
-    to: &mut impl Receive<K>,
+    to: &mut impl Receive<V, K>,
 ) {
-    let last = cost.len() - B;
-    let (mut leasts, mut waiting) = ([255u8; K], [[0u8; B]; K]);
-    let (mut at, mut before) = (0, 0);
-    loop {
-        let mut t = [[0u8; B]; K];
+    let p1 = simd.splat_u8x32(p1);
+    let (mut leasts, mut most, mut before, mut smallest) = ([p1; K], [p1; K], [p1; K], [p1; K]);
+    for k in 0..K {
+        let path = &paths[k];
+        leasts[k] = simd.splat_u8x32(*path.least);
+        most[k] = simd.splat_u8x32(*path.least + path.p2);
+        before[k] = load(simd, path.state, 0);
+        smallest[k] = simd.splat_u8x32(255);
+    }
+    for at in (0..cost.len()).step_by(LANES) {
+        let cost = load(simd, cost, at);
+        let mut t = [p1; K];
         for k in 0..K {
-            let path = &mut paths[k];
-            let least = *path.least;
-            let (made, l) = block::<B>(&path.state[at..], &cost[at..], least, p1, least + path.p2);
-            t[k] = made;
-            leasts[k] = l.iter().fold(leasts[k], |least, &l| least.min(l));
-            // The block before is written only now that its last value has been read.
-            if at > 0 {
-                path.state[before + 1..][..B].copy_from_slice(&waiting[k]);
-            }
-            waiting[k] = l;
+            let state = &mut *paths[k].state;
+            let (here, after) = (load(simd, state, at + 1), load(simd, state, at + 2));
+            let beside = simd.saturating_add_u8x32(simd.min_u8x32(before[k], after), p1);
+            let best = simd.min_u8x32(simd.min_u8x32(beside, here), most[k]);
+            t[k] = simd.sub_u8x32(best, leasts[k]);
+            let l = simd.saturating_add_u8x32(cost, t[k]);
+            // What the next disparities have before them is read before it is overwritten.
+            before[k] = load(simd, state, at + LANES);
+            store(l, state, at + 1);
+            smallest[k] = simd.min_u8x32(smallest[k], l);
         }
-        to.receive(at, &t);
-        before = at;
-        if at == last {
-            break;
-        }
-        at = (at + B).min(last);
+        to.receive(at, t);
     }
     for k in 0..K {
-        paths[k].state[last + 1..][..B].copy_from_slice(&waiting[k]);
-        *paths[k].least = leasts[k];
+        *paths[k].least = simd.reduce_min_u8x32(smallest[k]);
     }
 }

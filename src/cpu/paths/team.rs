@@ -330,7 +330,7 @@ impl Part<'_> {
             let at = if matches!(keep, PartKeep::Band(_)) { i } else { 0 };
             let cost = &mut self.cost[at * bytes..][..bytes];
             self.source.row(y, window.clone(), cost);
-            fn slices<'s>(planes: &'s mut [Aligned<u8>], row: usize, bytes: usize) -> Vec<&'s mut [u8]> {
+            fn slices(planes: &mut [Aligned<u8>], row: usize, bytes: usize) -> Vec<&mut [u8]> {
                 planes.iter_mut().map(|plane| &mut plane[row * bytes..][..bytes]).collect()
             }
             let (planes, other) = match &mut keep {

@@ -141,6 +141,21 @@ fn equals_the_definition_at_thousands_of_disparities() {
     }
 }
 
+#[test]
+fn large_pairs_fit_the_memory() {
+    let instructions = Instructions::all()[0];
+    let buffers = Buffers::default();
+    for (paths, gigabytes) in [(Paths::Three, 1.0), (Paths::Four, 2.0), (Paths::Eight, 2.0), (Paths::Sixteen, 4.0)] {
+        let params = Params { paths, ..Params::sgm(256) };
+        let job = Aggregation::new([8000, 6000], &params, None, instructions, &buffers);
+        let bytes = job.bytes(2) as f64 / f64::from(1 << 30);
+        assert!((0.3..gigabytes).contains(&bytes), "{paths:?}: {bytes} GiB");
+        // Where all fits, nothing is computed twice.
+        let small = Aggregation::new([741, 500], &params, None, instructions, &buffers);
+        assert!(small.bytes(2) < 1 << 30, "{paths:?}: {}", small.bytes(2));
+    }
+}
+
 /// The test of the test: one cost that differs is found.
 #[test]
 fn a_single_cost_that_differs_is_found() {

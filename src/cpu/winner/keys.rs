@@ -29,10 +29,10 @@ impl RightKeys {
         self.keys.fill(u16::MAX);
     }
 
-    /// Of the group that begins at index `first`, what is seen from column x on.
+    /// The keys that the left pixel x votes for from index d on, up to the end of its group.
     #[inline(always)]
-    pub(crate) fn seen<const G: usize>(&mut self, x: usize, first: usize) -> &mut [u16] {
-        &mut self.keys[first / G * self.len + self.width - 1 - x..][..G]
+    pub(crate) fn seen<const G: usize>(&mut self, x: usize, d: usize) -> &mut [u16] {
+        &mut self.keys[d / G * self.len + self.width - 1 - x + d % G..][..G - d % G]
     }
 
     /// The right view of the row.
