@@ -2,12 +2,12 @@
 
 use crate::check::StageCheck;
 use crate::cpu::chain::Native;
-use crate::cpu::check;
 use crate::cpu::instructions::Instructions;
-use crate::cpu::paths::Buffers;
+use crate::cpu::paths::{Aggregation, Buffers};
+use crate::cpu::{LANES, check};
 use crate::image::check_made_for;
 use crate::reference::{ensure_memory, follow};
-use crate::{Error, Image, Matched, Method, Params, PixelFormat, StageTime};
+use crate::{Error, Image, Matched, Method, Params, PixelFormat, StageTime, memory};
 use std::fmt;
 
 /// Matches pairs on the CPU, by the native schedule: the same results as [`crate::reference::compute_all`], to the bit, in a
@@ -37,6 +37,23 @@ pub struct CpuMatcher {
     buffers: Buffers,
 }
 
+/// About the bytes that semi-global matching takes at its peak.
+fn bytes(size: [u32; 2], params: &Params, instructions: Instructions, buffers: &Buffers) -> u64 {
+    let threads = rayon::current_num_threads();
+    let [width, height] = size.map(|side| side as usize);
+    let paths = Aggregation::new([width, height], params, None, instructions, buffers).bytes(threads);
+    let [width, height, threads] = [width, height, threads].map(|count| count as u64);
+    let (columns, padded) = (width + 2 * u64::from(params.radius()), u64::from(params.disparities) + LANES as u64);
+    let planes = PLANES * height * (2 * columns + padded);
+    paths + planes + 6 * threads * columns * padded + PIXEL_BYTES * width * height
+}
+
+/// About the bytes of a pixel that a cost compares.
+const PLANES: u64 = 9;
+
+/// About the bytes per pixel that images, penalties and maps take.
+const PIXEL_BYTES: u64 = 36;
+
 impl CpuMatcher {
     /// A matcher for pairs of `width` x `height` pixels in `format`.
     ///
@@ -46,14 +63,20 @@ impl CpuMatcher {
     pub fn new(width: u32, height: u32, format: PixelFormat, params: &Params) -> Result<Self, Error> {
         params.validate()?;
         params.accepts(width, height)?;
-        let what = match params.method {
-            Method::Sgm | Method::Bm => "the native schedule",
-            Method::Bp => "belief propagation on the CPU",
-            Method::Psmnet => "the network on the CPU",
-        };
-        ensure_memory(what, [width, height], params, 0)?;
-        let instructions = Instructions::best()?;
-        Ok(Self { size: [width, height], format, params: params.clone(), instructions, buffers: Buffers::default() })
+        let (instructions, buffers) = (Instructions::best()?, Buffers::default());
+        let size = [width, height];
+        match params.method {
+            Method::Sgm if !params.memory_check => {}
+            Method::Sgm => {
+                let what =
+                    format!("the native schedule of {width}x{height} pixels at {} disparities", params.disparities);
+                memory::ensure(&what, bytes(size, params, instructions, &buffers))?;
+            }
+            Method::Bm => ensure_memory("the native schedule", size, params, 0)?,
+            Method::Bp => ensure_memory("belief propagation on the CPU", size, params, 0)?,
+            Method::Psmnet => ensure_memory("the network on the CPU", size, params, 0)?,
+        }
+        Ok(Self { size, format, params: params.clone(), instructions, buffers })
     }
 
     /// Makes the matcher fit for pairs of another size. If it fails, the matcher stays as it was.

@@ -15,9 +15,9 @@ pub(crate) mod images;
 pub(crate) mod instructions;
 mod matcher;
 mod network;
-#[allow(dead_code)]
+#[allow(dead_code, unused_imports)]
 pub(crate) mod paths;
-#[allow(dead_code)]
+#[allow(dead_code, unused_imports)]
 pub(crate) mod winner;
 
 pub(crate) use aligned::LANES;
