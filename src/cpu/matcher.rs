@@ -37,16 +37,22 @@ pub struct CpuMatcher {
     buffers: Buffers,
 }
 
-/// About the bytes that semi-global matching takes at its peak.
+/// About the bytes that semi-global matching or block matching takes at its peak.
 fn bytes(size: [u32; 2], params: &Params, instructions: Instructions, buffers: &Buffers) -> u64 {
     let threads = rayon::current_num_threads();
     let [width, height] = size.map(|side| side as usize);
-    let paths = Aggregation::new([width, height], params, None, instructions, buffers).bytes(threads);
+    let paths = match params.method {
+        Method::Sgm => Aggregation::new([width, height], params, None, instructions, buffers).bytes(threads),
+        _ => 0,
+    };
     let [width, height, threads] = [width, height, threads].map(|count| count as u64);
     let (columns, padded) = (width + 2 * u64::from(params.radius()), u64::from(params.disparities) + LANES as u64);
     let planes = PLANES * height * (2 * columns + padded);
-    paths + planes + 6 * threads * columns * padded + PIXEL_BYTES * width * height
+    paths + planes + ROW_BYTES * threads * columns * padded + PIXEL_BYTES * width * height
 }
+
+/// About the bytes per column and disparity that a thread takes for the costs of a row, and for the sums that they are made of.
+const ROW_BYTES: u64 = 16;
 
 /// About the bytes of a pixel that a cost compares.
 const PLANES: u64 = 9;
@@ -66,13 +72,12 @@ impl CpuMatcher {
         let (instructions, buffers) = (Instructions::best()?, Buffers::default());
         let size = [width, height];
         match params.method {
-            Method::Sgm if !params.memory_check => {}
-            Method::Sgm => {
+            Method::Sgm | Method::Bm if !params.memory_check => {}
+            Method::Sgm | Method::Bm => {
                 let what =
                     format!("the native schedule of {width}x{height} pixels at {} disparities", params.disparities);
                 memory::ensure(&what, bytes(size, params, instructions, &buffers))?;
             }
-            Method::Bm => ensure_memory("the native schedule", size, params, 0)?,
             Method::Bp => ensure_memory("belief propagation on the CPU", size, params, 0)?,
             Method::Psmnet => ensure_memory("the network on the CPU", size, params, 0)?,
         }
