@@ -301,9 +301,9 @@ impl<V: Simd> Smallest<V> {
         let least = simd.reduce_min_u16x16(simd.min_u16x16(self.keys[0], self.keys[1]));
         let (wanted, none) = (simd.splat_u16x16(least), simd.splat_u16x16(u16::MAX));
         let mut places = none;
-        for half in 0..2 {
+        for (half, of_half) in PLACES.iter().enumerate() {
             let found = simd.simd_eq_u16x16(self.keys[half], wanted);
-            let found = simd.select_u16x16(found, u16x16::simd_from(simd, PLACES[half]), none);
+            let found = simd.select_u16x16(found, u16x16::simd_from(simd, *of_half), none);
             places = simd.min_u16x16(places, found);
         }
         let place = simd.reduce_min_u16x16(places);
@@ -330,13 +330,13 @@ impl<V: Simd, const P: u16, const Q: usize, const G: usize> Receive<V, 1> for To
         let bits = G.trailing_zeros();
         let shifted = [simd.shl_u16x16(sum[0], bits), simd.shl_u16x16(sum[1], bits)];
         let number = simd.splat_u16x16((self.smallest.blocks - self.smallest.first) as u16);
-        for half in 0..2 {
+        for (half, &shifted) in shifted.iter().enumerate() {
             let keys = &mut self.smallest.keys[half];
-            *keys = simd.min_u16x16(*keys, simd.or_u16x16(shifted[half], number));
+            *keys = simd.min_u16x16(*keys, simd.or_u16x16(shifted, number));
             let first = at + half * LANES / 2;
             let seen = self.keys.seen::<G>(self.x, first);
             let places = u16x16::simd_from(simd, PLACES[first % G / (LANES / 2)]);
-            let key = simd.or_u16x16(shifted[half], places);
+            let key = simd.or_u16x16(shifted, places);
             if let Some(seen) = seen.first_chunk_mut::<{ LANES / 2 }>() {
                 *seen = *simd.min_u16x16(u16x16::simd_from(simd, *seen), key);
             }
