@@ -167,7 +167,7 @@ mod tests {
 
     #[test]
     fn every_set_computes_the_same() {
-        let values: Vec<u8> = (0..1000u32).map(|i| (i * i * 7 >> 3) as u8).collect();
+        let values: Vec<u8> = (0..1000u32).map(|i| ((i * i * 7) >> 3) as u8).collect();
         let expected: u32 = values.iter().map(|v| v.count_ones()).sum();
         let all = Instructions::all();
         for set in &all {

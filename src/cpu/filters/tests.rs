@@ -12,7 +12,7 @@ fn map(random: &mut ChaCha8Rng, [width, height]: [u32; 2], params: &Params) -> D
     let (first, count) = (16 * params.min_disparity, 16 * params.disparities as i32);
     let mut base = 0;
     let value = |i: u32| {
-        if i % 7 == 0 {
+        if i.is_multiple_of(7) {
             base = random.random_range(0..count);
         }
         let value = first + (base + random.random_range(0..noise)) % count;
