@@ -84,7 +84,7 @@
 #![cfg_attr(test, allow(clippy::unwrap_used))]
 #![cfg_attr(docsrs, feature(doc_cfg))]
 #![cfg_attr(target_arch = "wasm32", allow(dead_code, unused_imports))] // what only blocking functions use
-#![cfg_attr(not(feature = "gpu"), allow(dead_code, unused_imports))] // what only the shaders' schedule uses
+#![cfg_attr(not(all(feature = "gpu", feature = "cpu")), allow(dead_code, unused_imports))] // what only one schedule uses
 
 #[cfg(test)]
 extern crate self as gpu_stereo; // for tests/support, which the unit tests share
