@@ -55,17 +55,12 @@ impl<T: Pod> DerefMut for Aligned<T> {
     }
 }
 
-/// An array that begins at a multiple of 64 bytes, for a function's local values.
-#[derive(Clone, Copy)]
-#[repr(C, align(64))]
-pub struct Local<T, const N: usize>(pub [T; N]);
-
 #[cfg(test)]
 mod tests {
     use super::*;
 
     #[test]
-    fn buffers_and_local_arrays_begin_at_cache_lines() {
+    fn buffers_begin_at_cache_lines() {
         for len in [0, 1, 31, 32, 33, 1000] {
             let (mut bytes, words) = (Aligned::new(len, 7u8), Aligned::new(len, -3i16));
             assert_eq!((&bytes[..], &words[..]), (&vec![7; len][..], &vec![-3; len][..]));
@@ -74,7 +69,5 @@ mod tests {
             assert_eq!(bytes.iter().map(|&v| usize::from(v)).sum::<usize>(), len);
             assert!(Aligned::<u32>::zeroed(len).iter().all(|&v| v == 0));
         }
-        let local = Local([0u16; 5]);
-        assert_eq!(local.0.as_ptr().addr() % LINE, 0);
     }
 }

@@ -47,7 +47,7 @@ impl Stages for Native<'_> {
         params: &Params,
         trace: &mut Trace<'_>,
     ) -> (Views, Vec<u8>) {
-        if !has_own_stages(params) {
+        if !has_own_stages(params.method) {
             return views_of(sides, luma, content, params, self, trace);
         }
         let channels = sides.map(|image| Channels::new(image, params, self.instructions));
@@ -74,7 +74,7 @@ impl Stages for Native<'_> {
         params: &Params,
         trace: &mut Trace<'_>,
     ) -> Views {
-        if !has_own_stages(params) {
+        if !has_own_stages(params.method) {
             return trace.winner(sides, table, penalties, luma, params);
         }
         let [left, right] = sides;
@@ -94,9 +94,10 @@ impl Stages for Native<'_> {
     }
 }
 
-/// Whether there is a schedule of its own for what leads to the winners; else the reference computes it.
-fn has_own_stages(params: &Params) -> bool {
-    matches!(params.method, Method::Sgm | Method::Bm)
+/// Whether the native schedule has stages of its own for what leads to the winners of a method, compiled for several instruction
+/// sets. Else it computes them as the reference does, or by a network.
+pub fn has_own_stages(method: Method) -> bool {
+    matches!(method, Method::Sgm | Method::Bm)
 }
 
 impl Native<'_> {

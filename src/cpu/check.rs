@@ -4,9 +4,7 @@ use crate::check::StageCheck;
 use crate::cpu::chain::Native;
 use crate::cpu::instructions::Instructions;
 use crate::cpu::paths::Buffers;
-use crate::reference::{
-    Bytes, Content, Definition, Descriptors, Part, Plane, Report, Stages, Trace, Views, Volume, follow,
-};
+use crate::reference::{Bytes, Part, Plane, Report, Stages, follow};
 use crate::{Error, Image, Params};
 use std::collections::VecDeque;
 
@@ -22,29 +20,6 @@ struct AfterNetwork(VecDeque<Plane<f32>>);
 impl Stages for AfterNetwork {
     fn infer(&mut self, _: &Image, _: &Image, _: &Params, _: Report<'_>) -> Result<Plane<f32>, Error> {
         self.0.pop_front().ok_or_else(|| Error::Misuse("a network was not run".into()))
-    }
-
-    fn views(
-        &mut self,
-        sides: [&Image; 2],
-        luma: &Plane<u8>,
-        content: Option<&Content>,
-        params: &Params,
-        trace: &mut Trace<'_>,
-    ) -> (Views, Vec<u8>) {
-        Definition.views(sides, luma, content, params, trace)
-    }
-
-    fn winner(
-        &mut self,
-        sides: &[Descriptors; 2],
-        table: &[u8],
-        penalties: Option<&Volume<u8>>,
-        luma: Option<&Plane<u8>>,
-        params: &Params,
-        trace: &mut Trace<'_>,
-    ) -> Views {
-        Definition.winner(sides, table, penalties, luma, params, trace)
     }
 }
 

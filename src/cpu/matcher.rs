@@ -84,12 +84,15 @@ impl CpuMatcher {
         Ok(Self { size, format, params: params.clone(), instructions, buffers })
     }
 
-    /// Makes the matcher fit for pairs of another size. If it fails, the matcher stays as it was.
+    /// Makes the matcher fit for pairs of another size. If it fails, the matcher stays as it was. Of its own size it keeps what it
+    /// has allocated.
     ///
     /// # Errors
     /// As [`CpuMatcher::new`].
     pub fn resize(&mut self, width: u32, height: u32) -> Result<(), Error> {
-        *self = Self::new(width, height, self.format, &self.params)?;
+        if self.size != [width, height] {
+            *self = Self::new(width, height, self.format, &self.params)?;
+        }
         Ok(())
     }
 

@@ -1,7 +1,8 @@
 //! The definition: every stage in the plainest Rust that states its formula, without a device.
 //!
 //! The shaders are the schedule of this definition and equal it to the bit; docs/ALGORITHMS.md says the same in words.
-//! A network ([`network()`]) is defined in doubles; only what follows its disparities is equal to the bit. Work is spread over rows by rayon, which changes no result. The stages take parameters that [`Params::validate`](crate::Params::validate)
+//! A network ([`network()`]) is defined in doubles; only what follows its disparities is equal to the bit. Work is spread over
+//! rows by rayon, which changes no result. The stages take parameters that [`Params::validate`](crate::Params::validate)
 //! accepts, and each other's results: neither is checked again.
 //!
 //! [`compute`], [`compute_all`], [`compute_timed`] and [`compute_traced`] follow semantic versioning as the rest of the
@@ -38,8 +39,8 @@ mod winner;
 pub use beliefs::coarse_cost::{LARGEST_TERM, coarse_cost};
 pub use beliefs::messages::{Messages, beliefs, messages, shares};
 #[cfg(feature = "cpu")]
-pub(crate) use chain::{Definition, follow, views_of};
-pub use chain::{compute, compute_all, compute_timed, compute_traced, cost_table};
+pub(crate) use chain::follow;
+pub use chain::{compute, compute_all, compute_timed, compute_traced};
 pub use channels::{Images, images};
 pub use cost::cost_columns::{cost_columns, pixel_cost};
 pub use cost::descriptors::{Descriptors, descriptors};
@@ -64,7 +65,8 @@ pub use paths::penalties::penalties;
 pub use paths::sgm_aggregate::{Direction, aggregate_direction, sgm_aggregate};
 pub use plane::{Plane, Volume};
 #[cfg(feature = "cpu")]
-pub(crate) use stages::Stages;
+pub use stages::cost_table;
+pub(crate) use stages::{Stages, views_of};
 #[cfg(feature = "cpu")]
 pub(crate) use trace::{Bytes, Part, Trace};
 pub use winner::block_match::{block_match, block_sums};

@@ -64,8 +64,8 @@ fn farther(a: i16, b: i16) -> i16 {
     if a == INVALID || b == INVALID { a.max(b) } else { a.min(b) }
 }
 
-/// Fills the invalid pixels of a row that are `wanted` with the farther one of the two nearest values.
-fn fill_row(row: &mut [i16], wanted: impl Fn(usize) -> bool) {
+/// Sets each invalid pixel of a row to `value` of its column and the nearest values before and after it.
+fn fill_holes(row: &mut [i16], value: impl Fn(usize, i16, i16) -> i16) {
     let (mut x, mut before) = (0, INVALID);
     while x < row.len() {
         if row[x] != INVALID {
@@ -74,12 +74,17 @@ fn fill_row(row: &mut [i16], wanted: impl Fn(usize) -> bool) {
             continue;
         }
         let end = row[x..].iter().position(|&value| value != INVALID).map_or(row.len(), |count| x + count);
-        let value = farther(before, row.get(end).copied().unwrap_or(INVALID));
+        let after = row.get(end).copied().unwrap_or(INVALID);
         for (x, to) in (x..).zip(&mut row[x..end]) {
-            *to = if wanted(x) { value } else { INVALID };
+            *to = value(x, before, after);
         }
         x = end;
     }
+}
+
+/// Fills the invalid pixels of a row that are `wanted` with the farther one of the two nearest values.
+fn fill_row(row: &mut [i16], wanted: impl Fn(usize) -> bool) {
+    fill_holes(row, |x, before, after| if wanted(x) { farther(before, after) } else { INVALID });
 }
 
 /// Rows without a value take the farther one of the nearest rows on either side.
@@ -125,24 +130,13 @@ fn along_rays(map: &mut DisparityMap, value: impl Fn(usize, usize, &[i16]) -> i1
     let width = map.width as usize;
     let (above, below) = rayon::join(|| carried(&map.data, width, false), || carried(&map.data, width, true));
     map.data.par_chunks_mut(width).enumerate().for_each(|(y, row)| {
-        let (mut x, mut before) = (0, INVALID);
-        while x < row.len() {
-            if row[x] != INVALID {
-                before = row[x];
-                x += 1;
-                continue;
-            }
-            let end = row[x..].iter().position(|&value| value != INVALID).map_or(row.len(), |count| x + count);
-            let after = row.get(end).copied().unwrap_or(INVALID);
-            for (x, to) in (x..).zip(&mut row[x..end]) {
-                let [[a, b, c], [d, e, f]] = [&above, &below].map(|of| of.each_ref().map(|of| of[y * width + x]));
-                let mut values = [before, after, a, b, c, d, e, f];
-                values.sort_unstable();
-                let valid = values.iter().take_while(|&&value| value == INVALID).count();
-                *to = value(x, y, &values[valid..]);
-            }
-            x = end;
-        }
+        fill_holes(row, |x, before, after| {
+            let [[a, b, c], [d, e, f]] = [&above, &below].map(|of| of.each_ref().map(|of| of[y * width + x]));
+            let mut values = [before, after, a, b, c, d, e, f];
+            values.sort_unstable();
+            let valid = values.iter().take_while(|&&value| value == INVALID).count();
+            value(x, y, &values[valid..])
+        });
     });
 }
 

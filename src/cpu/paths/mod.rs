@@ -16,7 +16,7 @@ mod team;
 #[cfg(test)]
 mod tests;
 
-pub(crate) use aggregation::{Aggregation, CostSource, Record, Sources};
+pub(crate) use aggregation::{Aggregation, CostSource, Record};
 pub(crate) use buffers::Buffers;
 pub(crate) use meet::aggregate;
 pub(crate) use penalties::penalties;

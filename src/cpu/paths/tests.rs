@@ -5,7 +5,8 @@ use std::ops::Range;
 use rand::{Rng, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 
-use super::{Aggregation, Buffers, CostSource, Record, Sources, aggregate, penalties};
+use super::aggregation::Sources;
+use super::{Aggregation, Buffers, CostSource, Record, aggregate, penalties};
 use crate::cpu::instructions::Instructions;
 use crate::reference::{self, Plane, Volume};
 use crate::{Params, Paths, Subpixel};

@@ -6,6 +6,6 @@ mod rows;
 #[cfg(test)]
 mod tests;
 
-pub(crate) use finish::{Found, RowOfMaps, Sum};
+pub(crate) use finish::{Found, RowOfMaps};
 pub(crate) use keys::RightKeys;
 pub(crate) use rows::{Costs, WinnerRow};

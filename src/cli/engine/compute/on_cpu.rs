@@ -2,7 +2,7 @@
 
 use super::names::EngineNames;
 use anyhow::Result;
-use gpu_stereo::cpu::CpuMatcher;
+use gpu_stereo::cpu::{CpuMatcher, has_own_stages};
 use gpu_stereo::{Error, Image, Matched, Method, Params, StageCheck, StageTime, reference};
 
 /// Bytes for each pixel and disparity that the native schedule keeps for a comparison: the cost and the aggregate.
@@ -95,11 +95,6 @@ impl OnCpu {
     pub fn is_quick(&self, params: &Params) -> bool {
         matches!(self, Self::Native { .. }) && has_own_stages(params.method)
     }
-}
-
-/// Whether the native schedule computes the stages of a method by functions that are compiled for several instruction sets.
-fn has_own_stages(method: Method) -> bool {
-    matches!(method, Method::Sgm | Method::Bm)
 }
 
 /// Refuses a comparison with the reference for which less memory is left than it takes: every path and the aggregate, and what
