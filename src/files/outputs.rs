@@ -1,7 +1,7 @@
 //! Files that are written whole or not at all.
 
 use super::disk::{self, temporary};
-use super::encoders::{DepthFormat, Format, Maps, SheetFormat, encode, jpeg, png};
+use super::encoders::{Format, Maps, SheetFormat, encode, jpeg, png};
 use super::error::{Context as _, Error, Result, bail};
 use super::facts::Facts;
 use image::RgbImage;
@@ -48,8 +48,7 @@ pub struct Written {
 /// If a TIFF would be larger.
 pub fn ensure_size(outputs: &[Output], width: u32, height: u32) -> Result<()> {
     let too_large = 4 * u64::from(width) * u64::from(height) >= (1 << 32) - (1 << 20);
-    let of_tiff = |output: &&Output| matches!(output.format, Format::Tiff | Format::Depth(DepthFormat::Tiff));
-    match outputs.iter().find(of_tiff).filter(|_| too_large) {
+    match outputs.iter().find(|output| output.format.is_tiff()).filter(|_| too_large) {
         Some(Output { path, .. }) => {
             bail!("output {path:?} is a TIFF, which cannot hold {width}x{height} floats; use .pfm or .npy")
         }
@@ -184,6 +183,7 @@ fn cannot_write(path: &Path, error: std::io::Error) -> Error {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::files::encoders::SampleFormat;
     use crate::{DisparityMap, Params};
 
     fn map(data: &[i16]) -> DisparityMap {
@@ -194,7 +194,7 @@ mod tests {
     fn an_output_that_fails_last_says_which_are_written() {
         let folder = tempfile::tempdir().unwrap();
         let paths = ["a.npy", "b.npy", "c.npy"].map(|name| folder.path().join(name));
-        let outputs = paths.each_ref().map(|path| Output::at(path.clone(), Format::Npy));
+        let outputs = paths.each_ref().map(|path| Output::at(path.clone(), Format::Disparity(SampleFormat::Npy)));
         let calls = std::cell::Cell::new(0);
         let contents = |_| {
             calls.set(calls.get() + 1);
@@ -214,7 +214,8 @@ mod tests {
         let folder = tempfile::tempdir().unwrap();
         let paths = [folder.path().join("a.npy"), folder.path().join("b.png")];
         let [a, b] = paths;
-        let outputs = [Output::at(a, Format::Npy), Output::at(b, Format::Kitti)];
+        let outputs =
+            [Output::at(a, Format::Disparity(SampleFormat::Npy)), Output::at(b, Format::Disparity(SampleFormat::Png))];
         assert!(write(&outputs, &Maps::of(&map(&[-16]), &Params::sgm(8))).is_err());
         assert_eq!(fs::read_dir(folder.path()).unwrap().count(), 0);
     }

@@ -11,6 +11,7 @@ mod input;
 mod masks;
 #[cfg(target_os = "linux")]
 mod memory;
+mod outputs;
 #[cfg(unix)]
 mod resume;
 mod support;

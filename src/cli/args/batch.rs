@@ -1,14 +1,14 @@
 //! The command line of `batch`.
 
 use super::bulk::BulkArgs;
-use super::choices;
+use super::cameras::CameraArgs;
 use super::device::DeviceArgs;
+use super::formats::FormatArgs;
 use super::headings::{DEVICE, OUTPUT};
 use super::input::{InputArgs, MaskArgs};
 use super::numbers::Whole;
 use super::settings::Settings;
 use super::weights::NetworkArgs;
-use gpu_stereo::files::encoders::Format;
 use std::path::PathBuf;
 use std::str::FromStr;
 
@@ -64,6 +64,10 @@ pub struct BatchArgs {
     #[command(flatten)]
     pub input: InputArgs,
 
+    /// The cameras
+    #[command(flatten)]
+    pub cameras: CameraArgs,
+
     /// Where to compute
     #[command(flatten)]
     pub device: DeviceArgs,
@@ -84,10 +88,9 @@ pub struct BatchArgs {
     #[arg(short, long, visible_alias = "out", value_name = "DIR", required = true, help_heading = OUTPUT)]
     pub output: PathBuf,
 
-    /// What to write of each pair, with commas between them: png (16 bit as KITTI), pfm, npy, tif, color, mask,
-    /// confidence [default: png]
-    #[arg(long, value_name = "FORMAT", value_delimiter = ',', value_parser = choices::format(), hide_possible_values = true, help_heading = OUTPUT)]
-    pub format: Vec<Format>,
+    /// What is written
+    #[command(flatten)]
+    pub formats: FormatArgs,
 
     /// How the run resumes, writes and reports
     #[command(flatten)]

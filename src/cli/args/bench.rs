@@ -1,7 +1,9 @@
 //! The command line of `bench`.
 
+use super::cameras::CameraArgs;
 use super::choices;
 use super::device::DeviceArgs;
+use super::formats::MapsArgs;
 use super::headings::OUTPUT;
 use super::input::InputArgs;
 use super::numbers::Whole;
@@ -53,6 +55,10 @@ pub struct BenchArgs {
     #[command(flatten)]
     pub input: InputArgs,
 
+    /// The cameras
+    #[command(flatten)]
+    pub cameras: CameraArgs,
+
     /// Where to compute
     #[command(flatten)]
     pub device: DeviceArgs,
@@ -64,6 +70,10 @@ pub struct BenchArgs {
     /// Write report.md, its pictures and results.json into this folder
     #[arg(long, value_name = "FOLDER", help_heading = OUTPUT)]
     pub report: Option<PathBuf>,
+
+    /// Where the maps are written, too
+    #[command(flatten)]
+    pub maps: MapsArgs,
 
     /// Write the files that the benchmark takes into this folder: kitti SET/disp_0/*.png (2012: SET/*.png), middlebury
     /// SET/NAME/disp0METHOD.pfm (with holes disp0METHOD_s.pfm) and timeMETHOD.txt, eth3d low_res_two_view/NAME.pfm, .txt

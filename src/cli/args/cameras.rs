@@ -1,12 +1,12 @@
-//! `--calib`, `--rectify`, `--focal` and so on: the cameras of the pair, and what is made with them.
+//! `--calib`, `--rectify`, `--focal` and so on: the cameras of the pair.
 
 use super::choices;
 use gpu_stereo::files::calibration::{KittiPair, LensModel, Scale, Unit};
 use std::path::PathBuf;
 
-/// The cameras of the pair, and what is made with them.
+/// The cameras of the pair.
 #[derive(Debug, clap::Args)]
-#[command(next_help_heading = "Depth")]
+#[command(next_help_heading = "Cameras")]
 pub struct CameraArgs {
     /// The calibration of the pair: Middlebury's calib.txt, KITTI's and DrivingStereo's calib files, OpenCV's YAML or XML with
     /// P1 and P2 or Q (of stereoRectify), ROS camera_info YAML (with --calib-right); recognised by their content
@@ -41,6 +41,10 @@ pub struct CameraArgs {
     #[arg(long, value_parser = choices::pair(), value_name = "PAIR", requires = "cameras")]
     pub calib_pair: Option<KittiPair>,
 
+    /// The cameras in two numbers
+    #[command(flatten)]
+    pub optics: Optics,
+
     /// Column of the left principal point [default: the middle]
     #[arg(long, value_name = "PX", requires = "focal", allow_negative_numbers = true)]
     pub cx: Option<f64>,
@@ -52,21 +56,11 @@ pub struct CameraArgs {
     /// Column of the right principal point minus that of the left one [default: 0]
     #[arg(long, value_name = "PX", requires = "focal", allow_negative_numbers = true)]
     pub doffs: Option<f64>,
-
-    /// Write the depth: .png (16 bit, millimetres, 0 without a depth and from 65.5355 m on), .pfm (+inf without a depth),
-    /// .npy, .tif (metres as 32-bit floats, NaN without a depth); may be given several times
-    #[arg(long, value_name = "FILE")]
-    pub depth: Vec<PathBuf>,
-
-    /// Write coloured points, those that have a depth: .ply or .pcd, binary; metres to the right, down and forward of the
-    /// left camera; may be given several times
-    #[arg(long, value_name = "FILE")]
-    pub points: Vec<PathBuf>,
 }
 
 /// What converts disparities to depths and back.
 #[derive(Debug, clap::Args)]
-#[command(next_help_heading = "Depth")]
+#[command(next_help_heading = "Cameras")]
 pub struct Optics {
     /// Focal length in pixels, in place of a calibration
     #[arg(long, value_name = "PX", allow_negative_numbers = true)]

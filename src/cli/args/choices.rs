@@ -3,7 +3,7 @@
 use clap::builder::{PossibleValue, PossibleValuesParser, TypedValueParser};
 use gpu_stereo::files::calibration::{KittiPair, LensModel, Unit};
 use gpu_stereo::files::datasets::DataSet;
-use gpu_stereo::files::encoders::Format;
+use gpu_stereo::files::encoders::{Format, PointFormat, SampleFormat};
 
 /// What can be typed, the usual name first, what it means, and what `--help` says of it.
 type Choice<T> = (&'static [&'static str], T, &'static str);
@@ -45,14 +45,24 @@ pub fn lens() -> impl TypedValueParser<Value = LensModel> {
 }
 
 /// `--format`.
-const FORMATS: [Choice<Format>; 7] = [
-    (&["png"], Format::Kitti, ""),
-    (&["pfm"], Format::Pfm, ""),
-    (&["npy"], Format::Npy, ""),
-    (&["tif", "tiff"], Format::Tiff, ""),
+const FORMATS: [Choice<Format>; 17] = [
+    (&["png"], Format::Disparity(SampleFormat::Png), ""),
+    (&["pfm"], Format::Disparity(SampleFormat::Pfm), ""),
+    (&["npy"], Format::Disparity(SampleFormat::Npy), ""),
+    (&["tif", "tiff"], Format::Disparity(SampleFormat::Tiff), ""),
     (&["color"], Format::Color, ""),
     (&["mask"], Format::Mask, ""),
     (&["confidence"], Format::Confidence, ""),
+    (&["right", "right-png"], Format::Right(SampleFormat::Png), ""),
+    (&["right-pfm"], Format::Right(SampleFormat::Pfm), ""),
+    (&["right-npy"], Format::Right(SampleFormat::Npy), ""),
+    (&["right-tif", "right-tiff"], Format::Right(SampleFormat::Tiff), ""),
+    (&["depth", "depth-png"], Format::Depth(SampleFormat::Png), ""),
+    (&["depth-pfm"], Format::Depth(SampleFormat::Pfm), ""),
+    (&["depth-npy"], Format::Depth(SampleFormat::Npy), ""),
+    (&["depth-tif", "depth-tiff"], Format::Depth(SampleFormat::Tiff), ""),
+    (&["points", "points-ply", "ply"], Format::Points(PointFormat::Ply), ""),
+    (&["points-pcd", "pcd"], Format::Points(PointFormat::Pcd), ""),
 ];
 
 /// `--layout`.

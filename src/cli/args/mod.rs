@@ -7,6 +7,7 @@ mod cameras;
 mod choices;
 mod device;
 mod eval;
+mod formats;
 mod headings;
 mod input;
 mod names;
@@ -23,6 +24,7 @@ pub use bench::{BenchArgs, HELP as BENCH_HELP};
 pub use cameras::CameraArgs;
 pub use device::{Backend, DeviceArgs};
 pub use eval::{EvalArgs, HELP as EVAL_HELP};
+pub use formats::MapsArgs;
 pub use input::InputArgs;
 #[cfg(test)]
 pub use names::FOREIGN;

@@ -1,6 +1,6 @@
 //! The command line of a run of one pair.
 
-use super::cameras::{CameraArgs, Optics};
+use super::cameras::CameraArgs;
 use super::device::DeviceArgs;
 use super::headings::{DEVICE, OUTPUT, TRUTH};
 use super::input::{InputArgs, MaskArgs};
@@ -67,13 +67,9 @@ pub struct SingleArgs {
     #[command(flatten)]
     pub input: InputArgs,
 
-    /// The cameras, and what is made with them
+    /// The cameras
     #[command(flatten)]
     pub cameras: CameraArgs,
-
-    /// The cameras in two numbers
-    #[command(flatten)]
-    pub optics: Optics,
 
     /// Where to compute
     #[command(flatten)]
@@ -99,6 +95,21 @@ pub struct SingleArgs {
     /// Write how far each winner is ahead of its rivals (8-bit PNG): 1 to 255, 0 where there is no disparity
     #[arg(long, value_name = "FILE", help_heading = OUTPUT)]
     pub confidence: Option<PathBuf>,
+
+    /// Write the right view's map: at a pixel of RIGHT its disparity, in whole pixels, before any filter; the formats of --output;
+    /// may be given several times
+    #[arg(long = "right", value_name = "FILE", help_heading = OUTPUT)]
+    pub right_map: Vec<PathBuf>,
+
+    /// Write the depth: .png (16 bit, millimetres, 0 without a depth and from 65.5355 m on), .pfm (+inf without a depth),
+    /// .npy, .tif (metres as 32-bit floats, NaN without a depth); may be given several times
+    #[arg(long, value_name = "FILE", help_heading = OUTPUT)]
+    pub depth: Vec<PathBuf>,
+
+    /// Write coloured points, those that have a depth: .ply or .pcd, binary; metres to the right, down and forward of the
+    /// left camera; may be given several times
+    #[arg(long, value_name = "FILE", help_heading = OUTPUT)]
+    pub points: Vec<PathBuf>,
 
     /// Score the map against this truth: 16-bit PNG of KITTI (256 a pixel), .pfm, .npy, .tif; other gray PNG or PGM with
     /// --gt-scale

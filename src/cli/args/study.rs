@@ -1,6 +1,8 @@
 //! The command lines of `sweep` and `compare`.
 
+use super::cameras::CameraArgs;
 use super::device::DeviceArgs;
+use super::formats::MapsArgs;
 use super::headings::OUTPUT;
 use super::input::{InputArgs, MaskArgs};
 use super::numbers::Whole;
@@ -49,6 +51,10 @@ pub struct StudyArgs {
     #[command(flatten)]
     pub input: InputArgs,
 
+    /// The cameras
+    #[command(flatten)]
+    pub cameras: CameraArgs,
+
     /// Where to compute
     #[command(flatten)]
     pub device: DeviceArgs,
@@ -56,6 +62,10 @@ pub struct StudyArgs {
     /// Write the sheet, .png or .jpg [default: sweep.png, compare.png]
     #[arg(short, long, value_name = "FILE", help_heading = OUTPUT)]
     pub output: Option<PathBuf>,
+
+    /// Where the maps are written, too
+    #[command(flatten)]
+    pub maps: MapsArgs,
 
     /// Width of a map on the sheet, 16 to 4096 [default: so that the sheet is legible]
     #[arg(long, value_name = "PX", allow_negative_numbers = true, help_heading = OUTPUT)]

@@ -1,14 +1,14 @@
 //! The command line of `video`.
 
 use super::bulk::BulkArgs;
-use super::choices;
+use super::cameras::CameraArgs;
 use super::device::DeviceArgs;
+use super::formats::FormatArgs;
 use super::headings::{DEVICE, OUTPUT};
 use super::input::{InputArgs, MaskArgs};
 use super::numbers::Whole;
 use super::settings::Settings;
 use super::weights::NetworkArgs;
-use gpu_stereo::files::encoders::Format;
 use std::path::PathBuf;
 
 /// The usage.
@@ -58,6 +58,10 @@ pub struct VideoArgs {
     #[command(flatten)]
     pub input: InputArgs,
 
+    /// The cameras
+    #[command(flatten)]
+    pub cameras: CameraArgs,
+
     /// Where to compute
     #[command(flatten)]
     pub device: DeviceArgs,
@@ -70,10 +74,9 @@ pub struct VideoArgs {
     #[arg(short, long, value_name = "OUT", required = true, help_heading = OUTPUT)]
     pub output: PathBuf,
 
-    /// What to write of each frame, with commas between them: png (16 bit as KITTI), pfm, npy, tif, color, mask,
-    /// confidence [default: png, or as the pattern ends]
-    #[arg(long, value_name = "FORMAT", value_delimiter = ',', value_parser = choices::format(), hide_possible_values = true, help_heading = OUTPUT)]
-    pub format: Vec<Format>,
+    /// What is written
+    #[command(flatten)]
+    pub formats: FormatArgs,
 
     /// Frames a second of a video, above 0, at most 1000 [default: 10]
     #[arg(long, value_name = "FPS", allow_negative_numbers = true, help_heading = OUTPUT)]

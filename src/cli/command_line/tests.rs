@@ -54,7 +54,7 @@ fn names_of_other_programs_become_ours() {
     }
     for (line, words) in [
         ("video l r -o m --output-dir x", "use --output <OUT>; see gpu-stereo video --help"),
-        ("video l r -o m --calib x", "--calib <FILE> is an option of a single run, not of this"),
+        ("video l r -o m --check", "--check is an option of a single run, not of this"),
         ("sweep l r --max-disp 9", "--disp <N> is how many"),
         ("compare l r --variant sad", "a similar option is --variants"),
         ("bench d --layout kitti", "a similar value is"),

@@ -120,6 +120,9 @@ fn tip(unknown: &str, root: &Command, verb: Option<&str>, args: &[OsString]) -> 
     if let Some(long) = off.filter(|long| value(long, "off") == Some("off")) {
         return Some(format!("use --{long} off"));
     }
+    if let Some(format) = verb.and_then(|_| by_format(option, &names)) {
+        return Some(format);
+    }
     match squeezed(option).as_str() {
         "left" | "right" | "l" | "r" | "leftimage" | "rightimage" | "leftimg" | "rightimg" | "input" | "inputleft"
         | "inputright" | "i" | "images" => {
@@ -130,6 +133,14 @@ fn tip(unknown: &str, root: &Command, verb: Option<&str>, args: &[OsString]) -> 
     }
     elsewhere(option, root, command)
         .or_else(|| near(option, names.iter().copied()).map(|long| format!("a similar option is {}", shown(long))))
+}
+
+/// What a single run writes by an option, verbs that write many files write by --format.
+fn by_format(option: &str, names: &[&str]) -> Option<String> {
+    let format = ours(option, &["depth", "points", "right", "color", "mask", "confidence"])?;
+    let folder = if names.contains(&"maps") { "--maps <FOLDER> " } else { "" };
+    let ending = if format == "points" { "ply" } else { "png" };
+    names.contains(&"format").then(|| format!("use {folder}--format {format}, which writes NAME_{format}.{ending}"))
 }
 
 /// Which other verbs have this option.

@@ -4,6 +4,7 @@ use super::network;
 use super::outcome::Outcome;
 use super::summary::Summary;
 use crate::args::{self, BatchArgs, DeviceArgs, InputArgs, Shard};
+use crate::engine::compute::{Cameras, ParamsBySize};
 use crate::engine::pair::Pair;
 use crate::engine::pipeline::Setup;
 use crate::engine::signals::stop_on_signals;
@@ -11,7 +12,6 @@ use crate::engine::store::{self, FailedLine, Item, Mode, Planned, Store};
 use crate::engine::{adapter, pairs, trial};
 use crate::engine::{disk, images, output_files};
 use anyhow::{Result, bail};
-use gpu_stereo::Params;
 use gpu_stereo::files::encoders::Format;
 use gpu_stereo::files::lists::{self, Listed};
 use gpu_stereo::files::masks::MaskFiles;
@@ -22,7 +22,7 @@ struct Batch {
     shard: Option<Shard>,
     device: DeviceArgs,
     input: InputArgs,
-    params: Params,
+    params: ParamsBySize,
     in_flight: usize,
     threads: usize,
     json: bool,
@@ -43,17 +43,16 @@ fn resolve(typed: BatchArgs) -> Result<Batch> {
     let given: Vec<_> = typed.settings.iter().map(|(name, _)| name).collect();
     args::ensure_disparities(&given)?;
     let mut params = args::params(typed.settings.iter())?;
-    let mut formats = output_files::formats(&typed.format)?;
-    if formats.is_empty() {
-        formats.push(output_files::default_format(&params, "NAME"));
-    }
-    params.confidence = formats.contains(&Format::Confidence);
+    let formats = output_files::formats(&typed.formats.format, &params)?;
+    output_files::want(&mut params, &formats);
+    let cameras = Cameras::resolve(&typed.cameras)?;
+    cameras.ensure_fit(output_files::asks_for_depth(&formats), false)?;
     network::give(&typed.network, [&mut params])?;
     let masks = MaskFiles::resolve(typed.masks.mask_in.as_deref())?;
     params.masks = images::reported(masks.read()?);
     adapter::ensure_consistent(&typed.device)?;
     let in_flight = args::in_flight(&typed.in_flight)?;
-    output_files::ensure_ranges(&typed.format, &typed.output, &params)?;
+    output_files::ensure_ranges(&formats, &typed.output, &params)?;
     let threads = typed.threads.as_ref().map_or(Ok(args::usual_threads()), args::threads)?;
     if typed.bulk.no_sync {
         disk::leave_to_the_system();
@@ -65,8 +64,8 @@ fn resolve(typed: BatchArgs) -> Result<Batch> {
         retry: typed.bulk.retry,
         video: false,
         input: typed.input.clone(),
-        masks,
-        weights: typed.network.weights.clone(),
+        cameras: cameras.digest(),
+        inputs: masks.paths().chain(cameras.files()).chain(typed.network.weights.as_deref()).map(Into::into).collect(),
         suspects: typed.bulk.suspects,
     };
     let advice = "give each a name of its own in a list";
@@ -78,6 +77,7 @@ fn resolve(typed: BatchArgs) -> Result<Batch> {
         _ => planned,
     })?;
     args::report_unused(&[(given, &params)]);
+    let params = ParamsBySize::new(params, cameras, formats.iter().any(|format| format.needs_depth()));
     Ok(Batch {
         store,
         shard: typed.shard,
@@ -146,7 +146,7 @@ impl Batch {
         closed?;
         let failures = ran.failed.iter().map(|failed| store.failure(failed.place, &failed.error)).collect();
         let skipped = store.skipped();
-        let summary = Summary::new("pairs", ran, &params, store.out, failures);
+        let summary = Summary::new("pairs", ran, &params.common, store.out, failures);
         let shard = shard.map(|Shard { index, count }| format!("{index}/{count}"));
         Ok(Summary { shard: Some(shard), skipped, log: Some(store.failures.path), ..summary })
     }

@@ -7,9 +7,10 @@ use super::network;
 use super::outcome::Outcome;
 use super::variants::{self, MAX_MAPS, Variant, in_words};
 use crate::args::{self, CompareArgs, DeviceArgs, InputArgs, StudyArgs};
-use crate::engine::compute::{Engine, EngineNames, FrameMs};
+use crate::engine::compute::{Cameras, Engine, EngineNames, FrameMs};
 use crate::engine::diagnosis::{self, Finding};
-use crate::engine::{adapter, images, output_files};
+use crate::engine::output_files::{self, MapFolder, file_name};
+use crate::engine::{adapter, images, places};
 use crate::terminal::{self, Progress, table, warnings};
 use anyhow::{Context as _, Result, bail, ensure};
 use gpu_stereo::files::encoders::SheetFormat;
@@ -32,6 +33,8 @@ struct Study {
     right: PathBuf,
     masks: MaskFiles,
     input: InputArgs,
+    cameras: Cameras,
+    maps: Option<MapFolder>,
     variants: Vec<Variant>,
     /// The settings that all have in common.
     common: String,
@@ -121,15 +124,26 @@ fn resolve(typed: &StudyArgs, mut variants: Vec<Variant>, common: String, order:
     });
     let tile_width = tile_width.transpose()?;
     let masks = MaskFiles::resolve(typed.masks.mask_in.as_deref())?;
+    let cameras = Cameras::resolve(&typed.cameras)?;
+    let maps = MapFolder::resolve(&typed.maps)?;
+    cameras.ensure_fit(output_files::asks_for_depth(MapFolder::formats(maps.as_ref())), false)?;
     let images = [typed.left.as_path(), &typed.right];
-    let inputs: Vec<_> = images.into_iter().chain(masks.paths()).chain(typed.network.weights.as_deref()).collect();
+    let others = masks.paths().chain(cameras.files()).chain(typed.network.weights.as_deref());
+    let inputs: Vec<_> = images.into_iter().chain(others).collect();
     let outputs = output_files::resolve_sheet(typed.output.as_deref().unwrap_or(name.as_ref()), &inputs)?;
     args::report_unused(&given);
+    if let Some(maps) = &maps {
+        let files = (1..).zip(&variants).map(|(place, v)| maps.files(&map_name(place, v, variants.len()), &v.params));
+        let files = files.collect::<Result<Vec<_>>>()?.concat();
+        places::ensure_apart(files.iter().map(PathBuf::as_path), inputs.iter().copied())?;
+    }
     Ok(Study {
         left: typed.left.clone(),
         right: typed.right.clone(),
         masks,
         input: typed.input.clone(),
+        cameras,
+        maps,
         variants,
         common,
         order,
@@ -140,6 +154,13 @@ fn resolve(typed: &StudyArgs, mut variants: Vec<Variant>, common: String, order:
         json: typed.json,
         quiet: typed.quiet,
     })
+}
+
+/// The name of a variant's map in the folder of `--maps`: its number, which makes it unique, and the beginning of its label.
+fn map_name(place: usize, variant: &Variant, of: usize) -> PathBuf {
+    let digits = of.to_string().len();
+    let label: String = file_name(&variant.label).chars().take(80).collect();
+    format!("{place:0digits$}_{label}").into()
 }
 
 /// The results of a study; `--json` prints them as they are.
@@ -189,7 +210,10 @@ impl Study {
     fn run(&self) -> Result<StudyReport> {
         let ImagePair { left, right, doubts, .. } = images::read_pair(&self.left, &self.right, &self.input)?;
         doubts.iter().for_each(|doubt| warnings::warn(doubt));
-        let evidence = diagnosis::evidence(&left, &right, &Params::sgm(1))?; // no variant rectifies
+        let mut fitted = Params::sgm(1); // any: all variants have the cameras in common
+        let needs_depth = self.maps.as_ref().is_some_and(MapFolder::needs_depth);
+        self.cameras.fit(&mut fitted, [left.width(), left.height()], needs_depth)?;
+        let evidence = diagnosis::evidence(&left, &right, &fitted)?;
         let masks = images::reported(self.masks.read_for(&left)?);
         let (mut engine, mut names): (Option<Engine>, _) = (None, EngineNames::default());
         let mut sheet = None;
@@ -201,6 +225,8 @@ impl Study {
             progress.begin(label);
             let mut params = params.clone();
             params.masks = masks.clone();
+            (params.rectify, params.depth) = (fitted.rectify.clone(), fitted.depth);
+            output_files::want(&mut params, MapFolder::formats(self.maps.as_ref()));
             energy::want(&mut params, self.json);
             let context = || label.clone();
             let open = |params: &Params| Engine::again(&mut engine, &self.device, &left, params).map(drop);
@@ -209,11 +235,16 @@ impl Study {
             let repeat = self.repeat.or_else(|| ready.is_quick(params).then_some(REPEAT));
             names.add(ready.names([params]));
             if sheet.is_none() {
+                let left = images::rectified(&left, params, 0)?;
                 sheet = Some(self.blank(ready, &left, repeat, (first, last))?);
             }
             let show = |share| progress.share(label, share);
             let frames = ready.frames(&left, &right, params, false, repeat, &show).with_context(context)?;
             let energy = EnergyReport::new(&left, &right, &frames.matched, params)?;
+            if let Some(maps) = &self.maps {
+                let name = map_name(place, &self.variants[place - 1], self.variants.len());
+                maps.write(&name, &frames.matched, &left, params).with_context(context)?;
+            }
             let (map, times) = (frames.matched.map, frames.times);
             match evidence.finding(&params.searched()) {
                 Some(finding @ Finding::Range { .. }) => warn(&format!("{label}: {finding}")),
@@ -240,7 +271,8 @@ impl Study {
             bail!("there is nothing to compute; give a setting");
         };
         outputs::write_sheet(&self.outputs, &sheet.finish())?;
-        let outputs = self.outputs.iter().map(|output| output.path.clone()).collect();
+        let sheets = self.outputs.iter().map(|output| output.path.clone());
+        let outputs = sheets.chain(self.maps.iter().map(|maps| maps.folder.clone())).collect();
         let (width, height, warnings) = (left.width(), left.height(), warnings::all());
         Ok(StudyReport { names, width, height, variants, warnings, outputs })
     }

@@ -6,6 +6,7 @@ use super::network;
 use super::outcome::Outcome;
 use super::summary::Summary;
 use crate::args::{self, DeviceArgs, InputArgs, VideoArgs};
+use crate::engine::compute::{Cameras, ParamsBySize};
 use crate::engine::pair::Pair;
 use crate::engine::pairs::{self, Pattern};
 use crate::engine::pipeline::{self, FailedPair, MatchedPair, Ran, Refused, Setup, Work};
@@ -29,7 +30,7 @@ const DIAGNOSED: usize = 16;
 struct Video {
     device: DeviceArgs,
     input: InputArgs,
-    params: Params,
+    params: ParamsBySize,
     in_flight: usize,
     sink: Sink,
     output: PathBuf,
@@ -45,15 +46,12 @@ enum Sink {
 }
 
 /// A file a frame.
-struct Numbered {
-    outputs: Vec<Output>,
-    params: Params,
-}
+struct Numbered(Vec<Output>);
 
 impl Work for Numbered {
     fn write(&self, pair: &MatchedPair) -> Result<(), Refused> {
-        let (output, matched) = (&self.outputs[pair.place..=pair.place], &pair.matched);
-        let written = output_files::write(output, matched, &self.params);
+        let output = &self.0[pair.place..=pair.place];
+        let written = output_files::write(output, &pair.matched, &pair.left, &pair.params);
         written.map(drop).map_err(Refused::of)
     }
 }
@@ -81,13 +79,17 @@ fn resolve(typed: VideoArgs) -> Result<Video> {
     let given: Vec<_> = typed.settings.iter().map(|(name, _)| name).collect();
     args::ensure_disparities(&given)?;
     let mut params = args::params(typed.settings.iter())?;
-    params.confidence = typed.format.contains(&Format::Confidence);
+    let formats = &typed.formats.format;
+    output_files::want(&mut params, formats);
+    let cameras = Cameras::resolve(&typed.cameras)?;
+    cameras.ensure_fit(output_files::asks_for_depth(formats), false)?;
+    let depth = formats.iter().any(|format| format.needs_depth());
     network::give(&typed.network, [&mut params])?;
     let masks = MaskFiles::resolve(typed.masks.mask_in.as_deref())?;
     params.masks = images::reported(masks.read()?);
     adapter::ensure_consistent(&typed.device)?;
     let in_flight = args::in_flight(&typed.in_flight)?;
-    output_files::ensure_ranges(&typed.format, &typed.output, &params)?;
+    output_files::ensure_ranges(formats, &typed.output, &params)?;
 
     if typed.bulk.no_sync {
         disk::leave_to_the_system();
@@ -96,8 +98,10 @@ fn resolve(typed: VideoArgs) -> Result<Video> {
     let pairs = pairs::find(left, right)?;
     let first: Vec<_> = pairs.iter().take(images::FIRST).map(|(_, pair)| pair.clone()).collect();
     let input = images::as_first(&typed.input, &first);
+    let inputs: Vec<PathBuf> =
+        masks.paths().chain(cameras.files()).chain(typed.network.weights.as_deref()).map(Into::into).collect();
     let sink = if film::is_film(&typed.output) {
-        film(&typed, pairs, &params, &masks)?
+        film(&typed, pairs, &params, &inputs)?
     } else {
         ensure!(
             !OTHER_FILMS.contains(&encoders::ending(&typed.output).as_str()) || typed.output.is_dir(),
@@ -110,15 +114,15 @@ fn resolve(typed: VideoArgs) -> Result<Video> {
             typed.output
         );
         match Pattern::parse(&typed.output).with_context(|| format!("output is {:?}", typed.output))? {
-            Some(pattern) => numbered(&typed, pairs, &params, &masks, &pattern)?,
-            None => Sink::Folder(Box::new(folder(&typed, pairs, &params, &input, masks, [left, right])?)),
+            Some(pattern) => numbered(&typed, pairs, &inputs, &pattern)?,
+            None => Sink::Folder(Box::new(folder(&typed, pairs, &params, &input, (&cameras, inputs))?)),
         }
     };
     args::report_unused(&[(given, &params)]);
     Ok(Video {
         device: typed.device,
         input,
-        params,
+        params: ParamsBySize::new(params, cameras, depth),
         in_flight,
         sink,
         output: typed.output,
@@ -127,18 +131,13 @@ fn resolve(typed: VideoArgs) -> Result<Video> {
     })
 }
 
-fn film(args: &VideoArgs, pairs: Vec<(u64, Pair)>, params: &Params, masks: &MaskFiles) -> Result<Sink> {
+fn film(args: &VideoArgs, pairs: Vec<(u64, Pair)>, params: &Params, inputs: &[PathBuf]) -> Result<Sink> {
     ensure!(
-        args.format.is_empty() && !args.bulk.resume,
+        args.formats.format.is_empty() && !args.bulk.resume,
         "--format and --resume are for numbered files, but output {:?} is a video; drop them, or give a folder",
         args.output
     );
-    places::ensure_no_input(
-        [args.output.as_path()],
-        pairs.iter().map(|(_, pair)| pair),
-        masks,
-        args.network.weights.as_deref(),
-    )?;
+    places::ensure_no_input([args.output.as_path()], pairs.iter().map(|(_, pair)| pair), inputs)?;
     let fps = args.fps.as_deref().unwrap_or("10");
     ensure!(
         fps.parse().is_ok_and(|fps: f64| fps > 0.0 && fps <= MAX_FPS),
@@ -148,28 +147,20 @@ fn film(args: &VideoArgs, pairs: Vec<(u64, Pair)>, params: &Params, masks: &Mask
     Ok(Sink::Film(pairs.into_iter().map(|(_, pair)| pair).collect(), film))
 }
 
-fn numbered(
-    args: &VideoArgs,
-    pairs: Vec<(u64, Pair)>,
-    params: &Params,
-    masks: &MaskFiles,
-    pattern: &Pattern,
-) -> Result<Sink> {
+fn numbered(args: &VideoArgs, pairs: Vec<(u64, Pair)>, inputs: &[PathBuf], pattern: &Pattern) -> Result<Sink> {
     let out = &args.output;
-    let formats = output_files::formats(&args.format)?;
     ensure!(!args.bulk.resume, "--resume needs a folder, but output is {out:?}; give a folder, or drop it");
-    let of_name = encoders::map_format(&pattern.path(0))?;
-    let format = match formats[..] {
-        [] => of_name,
+    let format = match args.formats.format[..] {
+        [] => Format::Disparity(encoders::sample_format(&pattern.path(0))?),
         [format] if format.suffix().ends_with(&format!(".{}", encoders::ending(out))) => format,
         _ => bail!("output {out:?} is one file a frame, and --format must fit its ending; drop it, or give a folder"),
     };
     let outputs: Vec<_> = pairs.iter().map(|(number, _)| Output::at(pattern.path(*number), format)).collect();
     places::make_folder(pattern.folder(), out)?;
     let paths = outputs.iter().map(|output| output.path.as_path());
-    places::ensure_no_input(paths, pairs.iter().map(|(_, pair)| pair), masks, args.network.weights.as_deref())?;
+    places::ensure_no_input(paths, pairs.iter().map(|(_, pair)| pair), inputs)?;
     let pairs = pairs.into_iter().map(|(_, pair)| pair).collect();
-    Ok(Sink::Numbered(pairs, Numbered { outputs, params: params.clone() }))
+    Ok(Sink::Numbered(pairs, Numbered(outputs)))
 }
 
 fn folder(
@@ -177,14 +168,10 @@ fn folder(
     pairs: Vec<(u64, Pair)>,
     params: &Params,
     input: &InputArgs,
-    masks: MaskFiles,
-    sides: [&PathBuf; 2],
+    (cameras, inputs): (&Cameras, Vec<PathBuf>),
 ) -> Result<Store> {
     let out = &args.output;
-    let mut formats = output_files::formats(&args.format)?;
-    if formats.is_empty() {
-        formats.push(output_files::default_format(params, "NAME"));
-    }
+    let formats = output_files::formats(&args.formats.format, params)?;
     let planned = |pair, name| Planned { pair, item: Item::new(out, name, &formats), line: None };
     let named = |(_, pair): (u64, Pair)| {
         let name = pair.left.file_stem().unwrap_or_default().into();
@@ -199,12 +186,12 @@ fn folder(
         retry: args.bulk.retry,
         video: true,
         input: input.clone(),
-        masks,
-        weights: args.network.weights.clone(),
+        cameras: cameras.digest(),
+        inputs,
         suspects: args.bulk.suspects.clone(),
     };
     let advice = format!("give a printf pattern as output, such as {:?}", out.join("%06d.png"));
-    let sources = [("left", sides[0].as_path()), ("right", sides[1].as_path())];
+    let sources: Vec<_> = ["left", "right"].into_iter().zip(args.sides.iter().map(PathBuf::as_path)).collect();
     let mut store = Store::new(out, params, &sources, &planned, &advice, mode)?;
     store.fill(planned)?;
     Ok(store)
@@ -257,7 +244,7 @@ impl Video {
             }
         };
         let (size, failures) = (ran.size, std::mem::take(&mut ran.failed));
-        let summary = Summary::new("frames", ran, &self.params, self.output, failures);
+        let summary = Summary::new("frames", ran, &self.params.common, self.output, failures);
         Ok(Summary { size: Some(size), skipped, ..summary })
     }
 }

@@ -7,8 +7,9 @@ use anyhow::Result;
 use gpu_stereo::files::images::{self, Bits, ImagePair};
 use gpu_stereo::files::masks::ReadMasks;
 use gpu_stereo::reference::{self, Channel};
-use gpu_stereo::{Image, Masks};
+use gpu_stereo::{Image, Masks, Params};
 use image::{Rgb, RgbImage};
+use std::borrow::Cow;
 use std::path::Path;
 
 /// Reads a pair. The facts are those of the file that was given first, and of the other one.
@@ -40,6 +41,14 @@ pub fn as_first(options: &InputArgs, pairs: &[Pair]) -> InputArgs {
 pub fn reported(read: ReadMasks) -> Option<Masks> {
     read.doubts.iter().for_each(|doubt| warnings::warn(doubt));
     read.masks
+}
+
+/// An image as it is matched with `params`: rectified, if they say so. `side`: 0 the left one.
+pub fn rectified<'a>(image: &'a Image, params: &Params, side: usize) -> Result<Cow<'a, Image>> {
+    Ok(match &params.rectify {
+        Some(rectification) => Cow::Owned(reference::rectify(image, rectification, side)?),
+        None => Cow::Borrowed(image),
+    })
 }
 
 /// An image in 8 bits a channel.

@@ -1,42 +1,49 @@
 //! The files that the command line asks for: what each holds, and where it is written.
 
-use super::places;
+use super::known::KnownFile;
+use super::{images, places};
+use crate::args::MapsArgs;
 use crate::terminal::{message, warnings};
 use anyhow::{Context as _, Result, bail, ensure};
 use gpu_stereo::files::Facts;
 use gpu_stereo::files::encoders::{self, Maps};
-use gpu_stereo::files::encoders::{DepthFormat, Format, SheetFormat, ending, ensure_range, map_format, searched};
+use gpu_stereo::files::encoders::{
+    Format, PointFormat, SampleFormat, SheetFormat, ending, ensure_range, sample_format, searched,
+};
 use gpu_stereo::files::outputs::{self, Output};
-use gpu_stereo::{Matched, Params};
+use gpu_stereo::{Image, Matched, Params};
 use std::path::{Path, PathBuf};
 
 /// The files to write, each checked: its ending is known, its folder can be written, it is neither an input nor named
-/// twice. Pictures have an option of their own, each. Without any file, the default ones.
-pub fn resolve(
-    maps: &[PathBuf],
-    pictures: &[(&str, &Option<PathBuf>, Format)],
-    depths: &[(PathBuf, DepthFormat)],
-    inputs: &[&Path],
-    params: &Params,
-) -> Result<Vec<Output>> {
-    let depths = depths.iter().map(|(path, format)| (path.clone(), Format::Depth(*format)));
-    let mut wanted: Vec<_> = depths.collect();
-    for path in maps {
-        let format = map_format(path)?;
-        ensure_range(format, path, params)?;
-        wanted.push((path.clone(), format));
-    }
-    for (option, path, format) in pictures {
-        let Some(path) = path else { continue };
-        ensure_png(option, path)?;
-        wanted.push((path.clone(), *format));
-    }
+/// twice. Without any file, the default ones.
+pub fn resolve(mut wanted: Vec<(PathBuf, Format)>, inputs: &[&Path], params: &Params) -> Result<Vec<Output>> {
+    wanted.iter().try_for_each(|(path, format)| ensure_range(*format, path, params))?;
     if wanted.is_empty() {
         wanted.push(default_map(params));
         wanted.push(("disparity_color.png".into(), Format::Color));
     }
-
     places(wanted, inputs)
+}
+
+/// The files of options that take names of maps: each name's ending tells the format, of which `of` makes what is written.
+pub fn maps(paths: &[PathBuf], of: impl Fn(SampleFormat) -> Format) -> Result<Vec<(PathBuf, Format)>> {
+    paths.iter().map(|path| Ok((path.clone(), of(sample_format(path)?)))).collect()
+}
+
+/// The files of `--points`.
+pub fn points(paths: &[PathBuf]) -> Result<Vec<(PathBuf, Format)>> {
+    let format = |path: &PathBuf| match ending(path).as_str() {
+        "ply" => Ok((path.clone(), Format::Points(PointFormat::Ply))),
+        "pcd" => Ok((path.clone(), Format::Points(PointFormat::Pcd))),
+        _ => bail!("--points is {path:?}, but points are written as .ply or .pcd; give a name that ends so"),
+    };
+    paths.iter().map(format).collect()
+}
+
+/// The files of options that take the name of a picture: option, name and what it shows.
+pub fn pictures(given: &[(&str, &Option<PathBuf>, Format)]) -> Result<Vec<(PathBuf, Format)>> {
+    let there = given.iter().filter_map(|(option, path, format)| Some((option, path.as_ref()?, format)));
+    there.map(|(option, path, format)| ensure_png(option, path).map(|()| (path.clone(), *format))).collect()
 }
 
 fn ensure_png(option: &str, path: &Path) -> Result<()> {
@@ -83,7 +90,7 @@ fn places<F>(wanted: Vec<(PathBuf, F)>, inputs: &[&Path]) -> Result<Vec<Output<F
 pub fn ensure_ranges(formats: &[Format], out: &Path, params: &Params) -> Result<()> {
     let is_pattern = out.file_name().is_some_and(|name| name.to_string_lossy().contains('%'));
     if is_pattern && formats.is_empty() && ending(out) == "png" {
-        ensure_range(Format::Kitti, out, params)?;
+        ensure_range(Format::Disparity(SampleFormat::Png), out, params)?;
     }
     formats.iter().try_for_each(|format| ensure_range(*format, &out.join("NAME.png"), params))?;
     Ok(())
@@ -97,40 +104,39 @@ fn default_map(params: &Params) -> (PathBuf, Format) {
 /// What a map without a format of its own becomes; said where it is not a PNG.
 pub fn default_format(params: &Params, name: &str) -> Format {
     let format = encoders::default_format(params);
-    if format != Format::Kitti {
+    if format != SampleFormat::Png {
         let (first, last) = searched(params);
         message(&format!(
             "note: disparities from {first} to {last} px do not fit a 16-bit PNG (0 to 255); writing {name}.tif instead"
         ));
     }
-    format
+    Format::Disparity(format)
 }
 
-/// The formats of `--depth` and `--points`.
-pub fn depth_formats(depth: &[PathBuf], points: &[PathBuf]) -> Result<Vec<(PathBuf, DepthFormat)>> {
-    let mut formats = Vec::new();
-    for path in depth {
-        let format = match map_format(path)? {
-            Format::Pfm => DepthFormat::Pfm,
-            Format::Npy => DepthFormat::Npy,
-            Format::Tiff => DepthFormat::Tiff,
-            _ => DepthFormat::Png,
-        };
-        formats.push((path.clone(), format));
-    }
-    for path in points {
-        let format = match ending(path).as_str() {
-            "ply" => DepthFormat::Ply,
-            "pcd" => DepthFormat::Pcd,
-            _ => bail!("--points is {path:?}, but points are written as .ply or .pcd; give a name that ends so"),
-        };
-        formats.push((path.clone(), format));
-    }
-    Ok(formats)
+/// Has all computed that files of these formats hold, but for the depth, which needs cameras.
+pub fn want(params: &mut Params, formats: &[Format]) {
+    params.confidence = formats.contains(&Format::Confidence);
+    params.right_map = formats.iter().any(|format| matches!(format, Format::Right(_)));
+}
+
+/// The option that asks for a depth, if one of the formats does.
+pub fn asks_for_depth(formats: &[Format]) -> Option<&'static str> {
+    let found = formats.iter().find(|format| format.needs_depth())?;
+    Some(if matches!(found, Format::Depth(_)) { "a depth" } else { "a file of points" })
+}
+
+/// The files of a map in a folder, one a format: NAME.png, NAME_depth.png and so on.
+pub fn of_name(folder: &Path, name: &Path, formats: &[Format]) -> Vec<Output> {
+    let file = |&format: &Format| {
+        let mut path = folder.join(name).into_os_string();
+        path.push(format.suffix());
+        Output::at(path.into(), format)
+    };
+    formats.iter().map(file).collect()
 }
 
 /// The formats that were asked for, each once.
-pub fn formats(given: &[Format]) -> Result<Vec<Format>> {
+fn each_once(given: &[Format]) -> Result<Vec<Format>> {
     let mut formats = Vec::new();
     for &format in given {
         ensure!(!formats.contains(&format), "--format has {:?} twice; give each once", format.suffix());
@@ -139,9 +145,21 @@ pub fn formats(given: &[Format]) -> Result<Vec<Format>> {
     Ok(formats)
 }
 
-/// Writes a map and its confidence to every file, or, if one cannot be written, to none.
-pub fn write(outputs: &[Output], matched: &Matched, params: &Params) -> Result<Vec<Facts>> {
-    write_all(outputs, &Maps { confidence: matched.confidence.as_ref(), ..Maps::of(&matched.map, params) })
+/// The same, or the usual one if there is none.
+pub fn formats(given: &[Format], params: &Params) -> Result<Vec<Format>> {
+    let mut formats = each_once(given)?;
+    if formats.is_empty() {
+        formats.push(default_format(params, "NAME"));
+    }
+    Ok(formats)
+}
+
+/// Writes what was computed of a pair with these settings to every file, or, if one cannot be written, to none. `left`: the left
+/// image as it was given.
+pub fn write(outputs: &[Output], matched: &Matched, left: &Image, params: &Params) -> Result<Vec<Facts>> {
+    let has_points = outputs.iter().any(|output| matches!(output.format, Format::Points(_)));
+    let left = if has_points { Some(images::rectified(left, params, 0)?) } else { None };
+    write_all(outputs, &Maps { left: left.as_deref(), ..Maps::all(matched, params) })
 }
 
 /// The same of all that there is, once it is reported what the files do not hold.
@@ -149,4 +167,56 @@ pub fn write_all(outputs: &[Output], maps: &Maps<'_>) -> Result<Vec<Facts>> {
     let written = outputs::write(outputs, maps)?;
     written.doubts.iter().for_each(|doubt| warnings::warn(doubt));
     Ok(written.facts)
+}
+
+/// A folder of maps beside what a verb writes otherwise: `--maps`.
+pub struct MapFolder {
+    /// Where it is.
+    pub folder: PathBuf,
+    /// What is written of each map.
+    pub formats: Vec<Format>,
+}
+
+impl MapFolder {
+    /// The folder, if one is given, created if missing.
+    pub fn resolve(given: &MapsArgs) -> Result<Option<Self>> {
+        given.ensure_folder()?;
+        let Some(folder) = &given.maps else { return Ok(None) };
+        let mut formats = each_once(&given.formats.format)?;
+        if formats.is_empty() {
+            formats.push(Format::Disparity(SampleFormat::Png));
+        }
+        places::ensure_folder(folder)?;
+        Ok(Some(Self { folder: folder.clone(), formats }))
+    }
+
+    /// The formats, none without a folder.
+    pub fn formats(folder: Option<&Self>) -> &[Format] {
+        folder.map_or(&[], |folder| &folder.formats)
+    }
+
+    /// Whether anything in it is made from the depth.
+    pub fn needs_depth(&self) -> bool {
+        asks_for_depth(&self.formats).is_some()
+    }
+
+    /// The files of a map, once it is sure that they can hold it.
+    pub fn files(&self, name: &Path, params: &Params) -> Result<Vec<PathBuf>> {
+        let outputs = of_name(&self.folder, name, &self.formats);
+        outputs.iter().try_for_each(|output| ensure_range(output.format, &output.path, params))?;
+        Ok(outputs.into_iter().map(|output| output.path).collect())
+    }
+
+    /// Writes a map as [`write`] does.
+    pub fn write(&self, name: &Path, matched: &Matched, left: &Image, params: &Params) -> Result<Vec<KnownFile>> {
+        let outputs = of_name(&self.folder, name, &self.formats);
+        self.folder.join(name).parent().map_or(Ok(()), places::ensure_folder)?;
+        let facts = write(&outputs, matched, left, params)?;
+        Ok(outputs.iter().zip(facts).map(|(output, facts)| KnownFile::new(&output.path, facts)).collect())
+    }
+}
+
+/// A label as a part of a file's name.
+pub fn file_name(label: &str) -> String {
+    label.chars().map(|c| if c.is_ascii_alphanumeric() || "-_".contains(c) { c } else { '_' }).collect()
 }

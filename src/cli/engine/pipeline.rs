@@ -121,11 +121,11 @@ impl Run<'_> {
     }
 
     fn make_room(&mut self, left: &Image) -> Result<Result<()>> {
-        let Some(format) = self.flow.as_ref().map(|flow| flow.format) else {
+        let Some(flow) = &self.flow else {
             return Ok(Flow::open(self.setup, left).map(|flow| *self.flow = Some(flow)));
         };
-        // Streams of other samples give their results in an order of their own.
-        if self.setup.mixed && format != left.format() {
+        // Other streams give their results in an order of their own.
+        if self.setup.mixed && flow.is_other(self.setup, left) {
             self.hand_on_all()?;
         }
         let fits = self.fit(left);

@@ -4,7 +4,6 @@
 use super::pair::Pair;
 use crate::engine::disk::temporary;
 use anyhow::{Context as _, Result, bail, ensure};
-use gpu_stereo::files::masks::MaskFiles;
 use std::collections::HashSet;
 use std::fs;
 use std::io::ErrorKind;
@@ -154,15 +153,14 @@ pub fn ensure_folder(folder: &Path) -> Result<()> {
 }
 
 /// Checks files of a folder and of folders below it that are created when needed: nothing is in their way, and none is an input,
-/// even under another name.
+/// even under another name. `others`: inputs besides the pairs.
 pub fn ensure_no_input<'a>(
     outputs: impl IntoIterator<Item = &'a Path>,
     pairs: impl IntoIterator<Item = &'a Pair>,
-    masks: &'a MaskFiles,
-    weights: Option<&'a Path>,
+    others: &'a [PathBuf],
 ) -> Result<()> {
     let images = pairs.into_iter().flat_map(|pair| [pair.left.as_path(), &pair.right]);
-    ensure_apart(outputs, images.chain(masks.paths()).chain(weights))
+    ensure_apart(outputs, images.chain(others.iter().map(PathBuf::as_path)))
 }
 
 /// The same with any inputs.

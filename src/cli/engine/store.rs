@@ -19,7 +19,6 @@ use entry::Entry;
 pub use entry::FailedLine;
 use gpu_stereo::Params;
 use gpu_stereo::files::images::ImagePair;
-use gpu_stereo::files::masks::MaskFiles;
 use gpu_stereo::files::{Facts, JsonPath};
 use journal::{Begun, Dead};
 pub use journal::{Journal, State};
@@ -49,10 +48,10 @@ pub struct Mode {
     pub video: bool,
     /// How images are read.
     pub input: InputArgs,
-    /// Which pixels have content; no map replaces such a file.
-    pub masks: MaskFiles,
-    /// The file of a network's weights; no map replaces it either.
-    pub weights: Option<PathBuf>,
+    /// The digest of the cameras.
+    pub cameras: Option<String>,
+    /// Files that no map replaces: masks, calibrations, weights.
+    pub inputs: Vec<PathBuf>,
     /// The journal whose suspects are computed alone, in place of any list.
     pub suspects: Option<PathBuf>,
 }
@@ -79,7 +78,6 @@ pub struct Store {
     pub mode: Mode,
     /// Where failures are logged.
     pub failures: Log,
-    params: Params,
     record: Record,
     settings: String,
     done: Log,
@@ -107,13 +105,8 @@ impl Store {
             ensure_possible(out, all, true, advice)?;
         }
         let outputs = all.iter().flat_map(|planned| &planned.item.outputs).map(|output| output.path.as_path());
-        places::ensure_no_input(
-            outputs,
-            all.iter().map(|planned| &planned.pair),
-            &mode.masks,
-            mode.weights.as_deref(),
-        )?;
-        let record = Record::new(out, params, &mode.input, sources);
+        places::ensure_no_input(outputs, all.iter().map(|planned| &planned.pair), &mode.inputs)?;
+        let record = Record::new(out, params, mode.cameras.as_deref(), &mode.input, sources);
         let log = |name: &str| Log { path: out.join(name) };
         let store = Self {
             out: out.into(),
@@ -125,7 +118,6 @@ impl Store {
             kept: Vec::new(),
             kind: None,
             failures: log(plan::FAILURES),
-            params: params.clone(),
             settings: format!("{} {:?}", record.fingerprint(), mode.input.bits),
             record,
             done: log(plan::DONE),
@@ -365,8 +357,7 @@ impl Store {
         for folder in item.outputs.iter().filter_map(|output| output.path.parent()) {
             disk::make_folder_below(&self.out, folder)?;
         }
-        let maps = &matched.matched;
-        let facts = output_files::write(&item.outputs, maps, &self.params)?;
+        let facts = output_files::write(&item.outputs, &matched.matched, &matched.left, &matched.params)?;
         let outputs = item.outputs.iter().zip(facts);
         let outputs = outputs.map(|(output, facts)| KnownFile { path: self.below(&output.path), facts }).collect();
         let pair = &self.pairs[matched.place];

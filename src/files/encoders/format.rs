@@ -4,17 +4,40 @@ use crate::Params;
 use crate::files::error::{Result, bail, ensure};
 use std::path::Path;
 
-/// What a file holds.
+/// The formats of a file with a number a pixel.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Format {
-    /// 16-bit gray PNG as in the KITTI benchmark: 256 a pixel of disparity, 0 invalid, a valid 0 is written as 1.
-    Kitti,
+pub enum SampleFormat {
+    /// 16-bit gray PNG. Disparities as in the KITTI benchmark: 256 a pixel, 0 invalid, a valid 0 is written as 1. Depths in
+    /// millimetres: 0 without a depth and beyond what 16 bits hold.
+    Png,
     /// Portable float map, little endian, rows from the bottom, +inf invalid.
     Pfm,
     /// NumPy array of 32-bit floats, rows x columns, NaN invalid.
     Npy,
     /// TIFF of 32-bit floats, NaN invalid.
     Tiff,
+}
+
+/// The formats of a file with coloured points.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum PointFormat {
+    /// Binary PLY.
+    Ply,
+    /// Binary PCD.
+    Pcd,
+}
+
+/// What a file holds.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Format {
+    /// The disparities of the left view, in pixels.
+    Disparity(SampleFormat),
+    /// Those of the right view.
+    Right(SampleFormat),
+    /// The depth, in millimetres (PNG) or metres.
+    Depth(SampleFormat),
+    /// The points that have a depth.
+    Points(PointFormat),
     /// A picture: turbo colours over the searched range, invalid black.
     Color,
     /// An 8-bit gray PNG: 255 where there is a disparity, 0 where not.
@@ -23,46 +46,45 @@ pub enum Format {
     Confidence,
     /// A picture: the errors.
     ErrorMap,
-    /// The depth.
-    Depth(DepthFormat),
-}
-
-/// What a file with a depth holds.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum DepthFormat {
-    /// 16-bit gray PNG: millimetres, 0 without a depth and beyond what 16 bits hold.
-    Png,
-    /// As [`Format::Pfm`], in metres.
-    Pfm,
-    /// As [`Format::Npy`], in metres.
-    Npy,
-    /// As [`Format::Tiff`], in metres.
-    Tiff,
-    /// Coloured points.
-    Ply,
-    /// Coloured points.
-    Pcd,
 }
 
 impl Format {
     /// What follows the name of a frame.
     pub fn suffix(self) -> &'static str {
+        use SampleFormat::{Npy, Pfm, Png, Tiff};
         match self {
-            Self::Kitti => ".png",
-            Self::Pfm => ".pfm",
-            Self::Npy => ".npy",
-            Self::Tiff => ".tif",
+            Self::Disparity(Png) => ".png",
+            Self::Disparity(Pfm) => ".pfm",
+            Self::Disparity(Npy) => ".npy",
+            Self::Disparity(Tiff) => ".tif",
+            Self::Right(Png) => "_right.png",
+            Self::Right(Pfm) => "_right.pfm",
+            Self::Right(Npy) => "_right.npy",
+            Self::Right(Tiff) => "_right.tif",
+            Self::Depth(Png) => "_depth.png",
+            Self::Depth(Pfm) => "_depth.pfm",
+            Self::Depth(Npy) => "_depth.npy",
+            Self::Depth(Tiff) => "_depth.tif",
+            Self::Points(PointFormat::Ply) => "_points.ply",
+            Self::Points(PointFormat::Pcd) => "_points.pcd",
             Self::Color => "_color.png",
             Self::Mask => "_mask.png",
             Self::Confidence => "_confidence.png",
-            Self::Depth(DepthFormat::Png) => "_depth.png",
-            Self::Depth(DepthFormat::Pfm) => "_depth.pfm",
-            Self::Depth(DepthFormat::Npy) => "_depth.npy",
-            Self::Depth(DepthFormat::Tiff) => "_depth.tif",
-            Self::Depth(DepthFormat::Ply) => ".ply",
-            Self::Depth(DepthFormat::Pcd) => ".pcd",
             Self::ErrorMap => "_errors.png",
         }
+    }
+
+    /// Whether it is made from the depth, so that the cameras must be known.
+    pub fn needs_depth(self) -> bool {
+        matches!(self, Self::Depth(_) | Self::Points(_))
+    }
+
+    /// Whether it is a TIFF, which has at most 4 GiB.
+    pub fn is_tiff(self) -> bool {
+        matches!(
+            self,
+            Self::Disparity(SampleFormat::Tiff) | Self::Right(SampleFormat::Tiff) | Self::Depth(SampleFormat::Tiff)
+        )
     }
 }
 
@@ -81,8 +103,9 @@ pub enum SheetFormat {
 /// If it cannot.
 pub fn ensure_range(format: Format, path: &Path, params: &Params) -> Result<()> {
     let (first, last) = searched(params);
+    let is_png = matches!(format, Format::Disparity(SampleFormat::Png) | Format::Right(SampleFormat::Png));
     ensure!(
-        format != Format::Kitti || (first >= 0 && last <= 255),
+        !is_png || (first >= 0 && last <= 255),
         "output {path:?} is a 16-bit PNG, which holds 0 to 255.9375 px, but disparities from {first} to {last} px are \
          searched; use .pfm, .npy or .tif, or search another range"
     );
@@ -90,9 +113,9 @@ pub fn ensure_range(format: Format, path: &Path, params: &Params) -> Result<()> 
 }
 
 /// The format of a map whose name has no ending: 16-bit PNG if it can hold the searched range, else TIFF.
-pub fn default_format(params: &Params) -> Format {
+pub fn default_format(params: &Params) -> SampleFormat {
     let (first, last) = searched(params);
-    if first >= 0 && last <= 255 { Format::Kitti } else { Format::Tiff }
+    if first >= 0 && last <= 255 { SampleFormat::Png } else { SampleFormat::Tiff }
 }
 
 /// The smallest and the largest disparity searched.
@@ -109,12 +132,12 @@ pub fn ending(path: &Path) -> String {
 ///
 /// # Errors
 /// If there is no ending, or it is unknown.
-pub fn map_format(path: &Path) -> Result<Format> {
+pub fn sample_format(path: &Path) -> Result<SampleFormat> {
     Ok(match ending(path).as_str() {
-        "png" => Format::Kitti,
-        "pfm" => Format::Pfm,
-        "npy" => Format::Npy,
-        "tif" | "tiff" => Format::Tiff,
+        "png" => SampleFormat::Png,
+        "pfm" => SampleFormat::Pfm,
+        "npy" => SampleFormat::Npy,
+        "tif" | "tiff" => SampleFormat::Tiff,
         "" => bail!("output {path:?} has no ending, which selects the format; add .png, .pfm, .npy, .tif or .tiff"),
         other => {
             bail!("output {path:?} ends in .{other}, but .png, .pfm, .npy, .tif and .tiff are known; use one of them")

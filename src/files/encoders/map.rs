@@ -1,12 +1,12 @@
 //! A map in the bytes of each format.
 
 use super::disparity::{kitti, pixels};
-use super::format::{DepthFormat, Format, searched};
+use super::format::{Format, PointFormat, SampleFormat, searched};
 use super::pictures::picture;
 use super::samples::{npy, pfm, png, png8, png16, tiff};
 use super::{depth, points};
-use crate::files::error::{Context as _, Result, bail};
-use crate::{ConfidenceMap, DepthMap, DisparityMap, Image, Params};
+use crate::files::error::{Context as _, Result};
+use crate::{ConfidenceMap, DepthMap, DisparityMap, Image, Matched, Params};
 use image::RgbImage;
 
 /// What is written.
@@ -14,11 +14,13 @@ use image::RgbImage;
 pub struct Maps<'a> {
     /// The disparities.
     pub map: &'a DisparityMap,
-    /// Their confidence, if it was computed.
+    /// Those of the right view, if they were computed.
+    pub right: Option<&'a DisparityMap>,
+    /// The confidence of the left view, if it was computed.
     pub confidence: Option<&'a ConfidenceMap>,
-    /// Their depth, if it was computed.
+    /// The depth of the left view, if it was computed.
     pub depth: Option<&'a DepthMap>,
-    /// The left image, for the colours of points.
+    /// The left image, rectified if the pair was, for the colours of points.
     pub left: Option<&'a Image>,
     /// The picture of its errors, if there is a truth.
     pub errors: Option<&'a RgbImage>,
@@ -29,7 +31,14 @@ pub struct Maps<'a> {
 impl<'a> Maps<'a> {
     /// A map alone.
     pub fn of(map: &'a DisparityMap, params: &'a Params) -> Self {
-        Self { map, confidence: None, depth: None, left: None, errors: None, params }
+        Self { map, right: None, confidence: None, depth: None, left: None, errors: None, params }
+    }
+
+    /// All that was computed.
+    pub fn all(matched: &'a Matched, params: &'a Params) -> Self {
+        let Matched { map, right, confidence, depth, .. } = matched;
+        let (right, confidence, depth) = (right.as_ref(), confidence.as_ref(), depth.as_ref());
+        Self { right, confidence, depth, ..Self::of(map, params) }
     }
 }
 
@@ -41,51 +50,70 @@ pub struct Encoded {
     pub doubt: Option<String>,
 }
 
+/// Disparities in a format.
+fn disparities(format: SampleFormat, map: &DisparityMap) -> Result<Vec<u8>> {
+    let (width, height) = (map.width, map.height);
+    let floats = |invalid: f32| map.data.iter().map(|&value| pixels(value).unwrap_or(invalid)).collect::<Vec<_>>();
+    match format {
+        SampleFormat::Png => png16(width, height, kitti(map)?),
+        SampleFormat::Pfm => pfm(width, height, &floats(f32::INFINITY)),
+        SampleFormat::Npy => npy(width, height, &floats(f32::NAN)),
+        SampleFormat::Tiff => tiff(width, height, &floats(f32::NAN)),
+    }
+}
+
+/// Depths in a format.
+fn depths(format: SampleFormat, depth: &DepthMap, baseline: f64) -> Result<Encoded> {
+    let (width, height, mut doubt) = (depth.width, depth.height, None);
+    let bytes = match format {
+        SampleFormat::Png => {
+            let (samples, lost) = depth::millimetres(depth);
+            if lost > 0 {
+                doubt = Some(format!(
+                    "{lost} pixels are 65.5355 m away or farther at a baseline of {baseline} m, beyond a 16-bit PNG in \
+                     millimetres, and are 0 there; if the baseline is right, use .pfm, .npy or .tif"
+                ));
+            }
+            png16(width, height, samples)
+        }
+        SampleFormat::Pfm => pfm(width, height, &depth::metres(depth, f32::INFINITY)),
+        SampleFormat::Npy => npy(width, height, &depth::metres(depth, f32::NAN)),
+        SampleFormat::Tiff => tiff(width, height, &depth::metres(depth, f32::NAN)),
+    }?;
+    Ok(Encoded { bytes, doubt })
+}
+
 /// A map in a format.
 ///
 /// # Errors
 /// Where the format cannot hold the map, or `maps` lacks what it is of.
 pub fn encode(format: Format, maps: &Maps<'_>) -> Result<Encoded> {
-    let mut doubt = None;
-    let Maps { map, confidence, params, .. } = maps;
-    let (width, height) = (map.width, map.height);
-    let floats = |invalid: f32| map.data.iter().map(|&value| pixels(value).unwrap_or(invalid)).collect::<Vec<_>>();
+    let Maps { map, params, .. } = maps;
+    let depth = || maps.depth.zip(params.depth.as_ref()).context("no depth was computed");
     let bytes = match format {
-        Format::Kitti => png16(width, height, kitti(map)?),
-        Format::Pfm => pfm(width, height, &floats(f32::INFINITY)),
-        Format::Npy => npy(width, height, &floats(f32::NAN)),
-        Format::Tiff => tiff(width, height, &floats(f32::NAN)),
+        Format::Disparity(format) => disparities(format, map),
+        Format::Right(format) => {
+            disparities(format, maps.right.context("no map of the right view was computed")?).context("the right view")
+        }
         Format::Color => png(&picture(map, searched(params))),
         Format::Mask => {
             let samples: Vec<u8> =
                 map.data.iter().map(|&value| if pixels(value).is_some() { 255 } else { 0 }).collect();
-            png8(width, height, &samples)
+            png8(map.width, map.height, &samples)
         }
-        Format::Confidence => png8(width, height, &confidence.context("no confidence was computed")?.data),
+        Format::Confidence => png8(map.width, map.height, &maps.confidence.context("no confidence was computed")?.data),
         Format::Depth(format) => {
-            let (Some(found), Some(camera), Some(left)) = (maps.depth, &params.depth, maps.left) else {
-                bail!("no depth was computed")
-            };
+            let (found, camera) = depth()?;
+            return depths(format, found, camera.baseline);
+        }
+        Format::Points(format) => {
+            let ((found, camera), left) = (depth()?, maps.left.context("points need the left image")?);
             match format {
-                DepthFormat::Png => {
-                    let (samples, lost) = depth::millimetres(found);
-                    if lost > 0 {
-                        doubt = Some(format!(
-                            "{lost} pixels are 65.5355 m away or farther at a baseline of {} m, beyond a 16-bit PNG in \
-                             millimetres, and are 0 there; if the baseline is right, use .pfm, .npy or .tif",
-                            camera.baseline
-                        ));
-                    }
-                    png16(width, height, samples)
-                }
-                DepthFormat::Pfm => pfm(width, height, &depth::metres(found, f32::INFINITY)),
-                DepthFormat::Npy => npy(width, height, &depth::metres(found, f32::NAN)),
-                DepthFormat::Tiff => tiff(width, height, &depth::metres(found, f32::NAN)),
-                DepthFormat::Ply => points::ply(found, camera, left),
-                DepthFormat::Pcd => points::pcd(found, camera, left),
+                PointFormat::Ply => points::ply(found, camera, left),
+                PointFormat::Pcd => points::pcd(found, camera, left),
             }
         }
         Format::ErrorMap => png(maps.errors.context("no truth was read")?),
     }?;
-    Ok(Encoded { bytes, doubt })
+    Ok(Encoded { bytes, doubt: None })
 }

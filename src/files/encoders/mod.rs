@@ -9,7 +9,9 @@ mod points;
 mod samples;
 
 pub use depth::{metres, millimetres};
-pub use format::{DepthFormat, Format, SheetFormat, default_format, ending, ensure_range, map_format, searched};
+pub use format::{
+    Format, PointFormat, SampleFormat, SheetFormat, default_format, ending, ensure_range, sample_format, searched,
+};
 pub use map::{Encoded, Maps, encode};
 pub use pictures::{picture, rgba8, truth_picture};
 pub use points::{pcd, ply};

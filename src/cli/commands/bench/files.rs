@@ -5,11 +5,6 @@ use anyhow::Result;
 use gpu_stereo::files::outputs;
 use std::path::Path;
 
-/// A label as a part of a file's name.
-pub fn file_name(label: &str) -> String {
-    label.chars().map(|c| if c.is_ascii_alphanumeric() || "-_".contains(c) { c } else { '_' }).collect()
-}
-
 /// Writes a file that belongs to a result.
 pub fn put(path: &Path, bytes: &[u8]) -> Result<KnownFile> {
     Ok(KnownFile::new(path, outputs::write_in_folder(path, bytes)?))

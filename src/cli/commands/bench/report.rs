@@ -1,16 +1,17 @@
 //! The results of a data set, and `--report`: report.md, its pictures and results.json.
 
-use super::files::{file_name, put};
+use super::files::put;
 use super::scene::{Loaded, SceneReport};
 use super::tables::{SetReport, scene_table, set_table};
 use crate::engine::compute::EngineNames;
 use crate::engine::images;
 use crate::engine::known::KnownFile;
+use crate::engine::output_files::file_name;
 use crate::terminal::{self, plain};
 use anyhow::Result;
-use gpu_stereo::DisparityMap;
 use gpu_stereo::evaluation::FloatMap;
 use gpu_stereo::files::{encoders, outputs};
+use gpu_stereo::{DisparityMap, Params};
 use image::RgbImage;
 use image::imageops::{self, FilterType};
 use serde::Serialize;
@@ -61,16 +62,17 @@ pub fn write_pictures(
     found: &SceneReport,
     loaded: &Loaded,
     estimate: &DisparityMap,
-    range: (i32, i32),
+    params: &Params,
     is_first: bool,
 ) -> Result<Vec<KnownFile>> {
     let folder = report.join(PICTURES);
     let put = |kind: &str, picture: &RgbImage| {
         put(&folder.join(picture_name(found, kind)), &encoders::png(&scaled(picture))?)
     };
+    let range = encoders::searched(params);
     let mut written = Vec::new();
     if is_first {
-        written.push(put("input", &images::drawn(&loaded.left))?);
+        written.push(put("input", &images::drawn(&*images::rectified(&loaded.left, params, 0)?))?);
         if let Some(truth) = &loaded.truth {
             written.push(put("truth", &encoders::truth_picture(&thinned(&truth.map)?, range))?);
         }

@@ -6,13 +6,14 @@ use super::submission::Submission;
 use crate::args::{self, BenchArgs, DeviceArgs, InputArgs};
 use crate::commands::network;
 use crate::commands::variants::{self, Variant, in_words};
+use crate::engine::compute::Cameras;
 use crate::engine::disk;
+use crate::engine::output_files::{self, MapFolder, file_name};
 use crate::engine::{adapter, places};
 use crate::terminal::name;
 use anyhow::{Result, bail, ensure};
 use gpu_stereo::files::datasets::{DataSet, Scene};
 use gpu_stereo::files::encoders;
-use gpu_stereo::files::encoders::Format;
 use gpu_stereo::files::lists::absolute;
 use gpu_stereo::files::weights::fingerprint;
 use std::collections::BTreeSet;
@@ -36,6 +37,10 @@ pub struct Bench {
     pub repeat: Option<u32>,
     /// The folder of the report.
     pub report: Option<PathBuf>,
+    /// The cameras of all pairs.
+    pub cameras: Cameras,
+    /// Where maps go.
+    pub maps: Option<MapFolder>,
     /// Where files to submit go.
     pub submission: Option<Submission>,
     /// Keep what an earlier run found.
@@ -57,6 +62,9 @@ pub fn resolve(typed: BenchArgs) -> Result<Bench> {
     let scenes = scenes(typed.layout, &typed.dataset, &typed.only)?;
     let submission = typed.submission.map(|folder| submission(folder, typed.method_name, typed.layout, variants.len()));
     let submission = submission.transpose()?;
+    let cameras = Cameras::resolve(&typed.cameras)?;
+    let maps = MapFolder::resolve(&typed.maps)?;
+    cameras.ensure_fit(output_files::asks_for_depth(MapFolder::formats(maps.as_ref())), false)?;
     for folder in [typed.report.as_ref(), submission.as_ref().map(|s| &s.folder)].into_iter().flatten() {
         places::ensure_folder(folder)?;
     }
@@ -76,6 +84,8 @@ pub fn resolve(typed: BenchArgs) -> Result<Bench> {
         device: typed.device,
         repeat,
         report: typed.report,
+        cameras,
+        maps,
         submission,
         resume: typed.resume,
         json: typed.json,
@@ -163,16 +173,29 @@ impl Bench {
                 );
                 for scene in &self.scenes {
                     let files = [false, true].map(|sparse| submission.files(scene, variant, sparse));
-                    if files[0].format == Format::Kitti {
-                        let (_, params) = settings(variant, scene.disparities()?)?;
-                        encoders::ensure_range(Format::Kitti, &files[0].map, &params)?;
-                    }
+                    let (_, params) = settings(variant, scene.disparities()?)?;
+                    encoders::ensure_range(files[0].format, &files[0].map, &params)?;
                     outputs.extend(files.into_iter().flat_map(|files| [Some(files.map), files.time]).flatten());
                 }
             }
         }
+        if let Some(maps) = &self.maps {
+            for variant in &self.variants {
+                for scene in &self.scenes {
+                    let (_, params) = settings(variant, scene.disparities()?)?;
+                    outputs.extend(maps.files(&self.map_name(scene, variant), &params)?);
+                }
+            }
+        }
+        let weights = weights.into_iter().chain(self.cameras.files());
         let inputs = self.scenes.iter().flat_map(Scene::files).chain(weights);
         places::ensure_apart(outputs.iter().map(PathBuf::as_path), inputs)
+    }
+
+    /// The name of a map below the folder of `--maps`: [VARIANT/]SET/SCENE.
+    pub fn map_name(&self, scene: &Scene, variant: &Variant) -> PathBuf {
+        let of_scene = Path::new(&scene.set).join(&scene.name);
+        if self.variants.len() > 1 { Path::new(&file_name(&variant.label)).join(of_scene) } else { of_scene }
     }
 
     /// Everything that determines the results and files of a scene with a variant, except the contents of the scene's files.
@@ -191,9 +214,11 @@ impl Bench {
             several,
             &self.input,
         );
+        let maps = self.maps.as_ref().map(|maps| (absolute(&maps.folder), &maps.formats));
+        let cameras = self.cameras.digest();
         let weights = variant.params.network.as_ref().and(self.weights.as_ref());
         format!(
-            "{of_run:?} {number} {place} {:?} {:?} {weights:?} {scene:?} {files:?}",
+            "{of_run:?} {number} {place} {:?} {:?} {weights:?} {scene:?} {files:?} {maps:?} {cameras:?}",
             variant.settings, variant.params
         )
     }

@@ -8,12 +8,12 @@ use super::tables::sets;
 use crate::commands::variants::Variant;
 use crate::engine::compute::{Engine, EngineNames};
 use crate::engine::known::KnownFile;
+use crate::engine::output_files::{self, MapFolder};
 use crate::engine::{adapter, disk};
 use crate::terminal::{Progress, name, one_line, plain, warnings};
 use anyhow::{Result, anyhow};
 use gpu_stereo::files::datasets::Scene;
-use gpu_stereo::files::encoders;
-use gpu_stereo::{DisparityMap, Params};
+use gpu_stereo::{Matched, Params};
 use std::fmt::{self, Display, Formatter};
 
 /// Computes everything.
@@ -81,7 +81,7 @@ impl<'a> Run<'a> {
         let mut read = None;
         if !kept.iter().all(Option::is_some) {
             let inputs = log.inputs(scene.files());
-            match load(scene, &bench.input) {
+            match load(scene, bench) {
                 Ok(loaded) => read = Some((inputs, loaded)),
                 Err(error) => {
                     self.failed(&label, None, &error);
@@ -145,10 +145,10 @@ impl<'a> Run<'a> {
         if let Some(names) = names.clone() {
             self.names.get_or_insert_default().add(names);
         }
-        let (params, map, report) = result?;
+        let (params, matched, report) = result?;
         loaded.warn(task.scene, task.variant, &params, &self.progress);
-        let report = report.scored(loaded, &(&map).into())?;
-        let outputs = self.write(task, &report, loaded, &map, &params).map_err(Unwritten)?;
+        let report = report.scored(loaded, &(&matched.map).into())?;
+        let outputs = self.write(task, &report, loaded, &matched, &params).map_err(Unwritten)?;
         let found = report.kept(names.unwrap_or_default(), &warnings::all()[task.warned..]);
         let label = task.scene.label();
         let of = [&label, &task.variant.label, &task.key].map(String::as_str);
@@ -157,8 +157,10 @@ impl<'a> Run<'a> {
     }
 
     /// The map of a scene, not scored yet.
-    fn matched(&mut self, task: &Task<'_>, loaded: &Loaded) -> Result<(Params, DisparityMap, SceneReport)> {
-        let (settings, params) = settings(task.variant, loaded.disparities)?;
+    fn matched(&mut self, task: &Task<'_>, loaded: &Loaded) -> Result<(Params, Matched, SceneReport)> {
+        let (settings, mut params) = settings(task.variant, loaded.disparities)?;
+        output_files::want(&mut params, MapFolder::formats(self.bench.maps.as_ref()));
+        (params.rectify, params.depth) = (loaded.rectify.clone(), loaded.camera);
         let engine = Engine::again(&mut self.engine, &self.bench.device, &loaded.left, &params)?;
         // On an adapter the first frame compiles.
         let repeat = self.bench.repeat.or_else(|| (engine.device_bytes() > 0).then_some(1));
@@ -171,11 +173,12 @@ impl<'a> Run<'a> {
                 return Err(error.into());
             }
         };
-        let map = frames.matched.map;
+        let matched = frames.matched;
+        let map = &matched.map;
         let report = SceneReport::new(task.scene, task.variant, &params, settings, frames.times);
         let (width, height, valid) = (map.width, map.height, map.valid_fraction());
         let report = SceneReport { width, height, valid, numbers: task.numbers, ..report };
-        Ok((params, map, report))
+        Ok((params, matched, report))
     }
 
     /// Writes the files of a scene with a variant.
@@ -184,16 +187,19 @@ impl<'a> Run<'a> {
         task: &Task<'_>,
         report: &SceneReport,
         loaded: &Loaded,
-        map: &DisparityMap,
+        matched: &Matched,
         params: &Params,
     ) -> Result<Vec<KnownFile>> {
         let mut written = Vec::new();
         if let Some(submission) = &self.bench.submission {
-            written.extend(submission.write(task.scene, task.variant, map, report, params)?);
+            written.extend(submission.write(task.scene, task.variant, &matched.map, report, params)?);
         }
         if let Some(folder) = &self.bench.report {
-            let range = encoders::searched(params);
-            written.extend(write_pictures(folder, report, loaded, map, range, task.is_first)?);
+            written.extend(write_pictures(folder, report, loaded, &matched.map, params, task.is_first)?);
+        }
+        if let Some(maps) = &self.bench.maps {
+            let name = self.bench.map_name(task.scene, task.variant);
+            written.extend(maps.write(&name, matched, &loaded.left, params)?);
         }
         Ok(written)
     }

@@ -1,18 +1,20 @@
 //! A scene: its images and truths, and its results with a variant.
 
 use super::log::{Kept, ToKeep};
-use crate::args::{self, InputArgs};
+use super::resolve::Bench;
+use crate::args;
 use crate::commands::variants::{self, Variant};
 use crate::engine::compute::{EngineNames, FrameMs};
 use crate::engine::diagnosis::{self, Evidence, Finding};
 use crate::engine::images;
+use crate::engine::output_files::MapFolder;
 use crate::terminal::{Evaluation, Progress, percent, warnings};
 use anyhow::Result;
 use gpu_stereo::evaluation::{FloatMap, Scores};
 use gpu_stereo::files::datasets::Scene;
 use gpu_stereo::files::images::ImagePair;
 use gpu_stereo::files::truth::Truth;
-use gpu_stereo::{Image, Params};
+use gpu_stereo::{Camera, Image, Params, Rectification};
 use serde::Serialize;
 
 /// A scene as it was read.
@@ -23,17 +25,22 @@ pub struct Loaded {
     pub doubts: Vec<String>,
     pub evidence: Evidence,
     pub disparities: u32,
+    /// How the pair is rectified, and the cameras of its depth, if that is wanted.
+    pub rectify: Option<Rectification>,
+    pub camera: Option<Camera>,
     /// The truth with all its pixels, and with those that are not occluded.
     pub truth: Option<Truth>,
     pub noc: Option<Truth>,
 }
 
 /// Reads a scene.
-pub fn load(scene: &Scene, options: &InputArgs) -> Result<Loaded> {
+pub fn load(scene: &Scene, bench: &Bench) -> Result<Loaded> {
     let disparities = scene.disparities()?;
-    let ImagePair { left, right, doubts, .. } = images::read_pair(&scene.left, &scene.right, options)?;
-    let evidence = diagnosis::evidence(&left, &right, &Params::sgm(1))?; // no variant rectifies
+    let ImagePair { left, right, doubts, .. } = images::read_pair(&scene.left, &scene.right, &bench.input)?;
     let size = (left.width(), left.height());
+    let mut fitted = Params::sgm(1); // any: all variants have the cameras in common
+    bench.cameras.fit(&mut fitted, size.into(), bench.maps.as_ref().is_some_and(MapFolder::needs_depth))?;
+    let evidence = diagnosis::evidence(&left, &right, &fitted)?;
     let truth = scene.truth.as_ref().map(|truth| truth.read(size, &scene.left)).transpose()?;
     let noc = match (&truth, &scene.non_occluded) {
         (Some(truth), Some(non_occluded)) => {
@@ -41,7 +48,8 @@ pub fn load(scene: &Scene, options: &InputArgs) -> Result<Loaded> {
         }
         _ => None,
     };
-    Ok(Loaded { left, right, doubts, evidence, disparities, truth, noc })
+    let Params { rectify, depth: camera, .. } = fitted;
+    Ok(Loaded { left, right, doubts, evidence, disparities, rectify, camera, truth, noc })
 }
 
 impl Loaded {

@@ -1,13 +1,14 @@
 //! `--submission`: the files that a benchmark takes.
 
-use super::files::{file_name, put};
+use super::files::put;
 use super::scene::SceneReport;
 use crate::commands::variants::Variant;
 use crate::engine::known::KnownFile;
+use crate::engine::output_files::file_name;
 use anyhow::Result;
 use gpu_stereo::files::datasets::{DataSet, Scene};
 use gpu_stereo::files::encoders;
-use gpu_stereo::files::encoders::{Format, Maps};
+use gpu_stereo::files::encoders::{Format, Maps, SampleFormat};
 use gpu_stereo::{DisparityMap, Params};
 use std::path::PathBuf;
 
@@ -46,8 +47,8 @@ impl Submission {
     pub fn files(&self, scene: &Scene, variant: &Variant, sparse: bool) -> Files {
         let folder = self.folder_of(variant);
         let (set, method) = (folder.join(&scene.set), &self.method);
-        let kitti = |map| Files { map, format: Format::Kitti, time: None };
-        let with_time = |map, time| Files { map, format: Format::Pfm, time: Some(time) };
+        let kitti = |map| Files { map, format: Format::Disparity(SampleFormat::Png), time: None };
+        let with_time = |map, time| Files { map, format: Format::Disparity(SampleFormat::Pfm), time: Some(time) };
         match self.layout {
             DataSet::Kitti2015 => kitti(set.join("disp_0").join(format!("{}.png", scene.name))),
             DataSet::Kitti2012 => kitti(set.join(format!("{}.png", scene.name))),

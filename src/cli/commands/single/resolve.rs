@@ -1,17 +1,16 @@
 //! Resolve: options become valid settings, before an image is decoded or a device opened.
 
 use super::shaders;
-use crate::args::{self, Backend, CameraArgs, DeviceArgs, InputArgs, SingleArgs};
+use crate::args::{self, Backend, DeviceArgs, InputArgs, SingleArgs};
 use crate::commands::{energy, network};
+use crate::engine::compute::Cameras;
 use crate::engine::{adapter, output_files};
-use crate::terminal::message;
 use anyhow::{Result, bail, ensure};
-use gpu_stereo::files::calibration::{Calibration, LensModel, Reading};
+use gpu_stereo::Params;
 use gpu_stereo::files::encoders::Format;
 use gpu_stereo::files::masks::MaskFiles;
 use gpu_stereo::files::outputs::Output;
 use gpu_stereo::files::truth::TruthFile;
-use gpu_stereo::{Camera, Params};
 use std::path::PathBuf;
 
 /// A run, ready to start.
@@ -27,12 +26,10 @@ pub struct Job {
     pub params: Params,
     /// Which pixels have content.
     pub masks: MaskFiles,
-    /// What the calibration says.
-    pub calibration: Option<Calibration>,
+    /// The cameras.
+    pub cameras: Cameras,
     /// Whether the depth is wanted.
     pub depth: bool,
-    /// Whether the principal point is to be in the middle of the image, along each axis.
-    pub middle: [bool; 2],
     /// Where to compute.
     pub device: DeviceArgs,
     /// The truth to score the map against.
@@ -60,7 +57,6 @@ pub fn resolve(typed: SingleArgs) -> Result<Job> {
     let given: Vec<_> = typed.settings.iter().map(|(name, _)| name).collect();
     args::ensure_disparities(&given)?;
     let mut params = args::params(typed.settings.iter())?;
-    params.confidence = typed.confidence.is_some();
     energy::want(&mut params, typed.json || typed.timings);
     args::report_unused(&[(given, &params)]);
     network::give(&typed.network, [&mut params])?;
@@ -72,44 +68,28 @@ pub fn resolve(typed: SingleArgs) -> Result<Job> {
     ensure!(compares, "--check compares with the reference, but --backend is reference; use auto, gpu or cpu");
     adapter::ensure_consistent(&typed.device)?;
     let repeat = typed.repeat.as_ref().map(args::repeat).transpose()?.or(typed.timings.then_some(1));
-    let (Some(left), Some(right)) = (typed.left, typed.right) else {
+    let (Some(left), Some(right)) = (typed.left.clone(), typed.right.clone()) else {
         bail!("two images are needed, LEFT and RIGHT; see gpu-stereo --help");
     };
-    let optics = typed.optics.both()?;
-    let calibration = calibration(&typed.cameras, optics)?;
-    let depths = output_files::depth_formats(&typed.cameras.depth, &typed.cameras.points)?;
-    match &calibration {
-        Some(_) if !depths.is_empty() => {}
-        Some(calibration) if calibration.has_lenses() => {}
-        Some(_) if typed.truth.gt_depth => {}
-        Some(_) => message("note: the cameras have no effect without --depth or --points"),
-        None if depths.is_empty() => {}
-        None => bail!(
-            "--depth and --points need the cameras; give --calib FILE, --rectify FILE, or --focal PX and --baseline M"
-        ),
-    }
-    let pictures = [
-        ("color", &typed.color, Format::Color),
-        ("mask", &typed.mask, Format::Mask),
-        ("confidence", &typed.confidence, Format::Confidence),
-        ("error-map", &typed.truth.error_map, Format::ErrorMap),
-    ];
+    let cameras = Cameras::resolve(&typed.cameras)?;
+    let wanted = wanted(&typed)?;
+    let formats: Vec<_> = wanted.iter().map(|(_, format)| *format).collect();
+    output_files::want(&mut params, &formats);
+    cameras.ensure_fit(output_files::asks_for_depth(&formats), typed.truth.gt_depth)?;
     let truth = match &typed.gt {
-        Some(path) => Some(typed.truth.file(path, optics)?),
+        Some(path) => Some(typed.truth.file(path, typed.cameras.optics.both()?)?),
         None => typed.truth.ensure_unused().map(|()| None)?,
     };
     let masks = MaskFiles::resolve(typed.masks.mask_in.as_deref())?;
-    let CameraArgs { calib, rectify, calib_right, .. } = &typed.cameras;
-    let calibrations = [calib, rectify, calib_right].into_iter().flatten().map(PathBuf::as_path);
     let inputs: Vec<_> = truth
         .iter()
         .flat_map(TruthFile::files)
-        .chain(calibrations)
+        .chain(cameras.files())
         .chain(masks.paths())
         .chain(typed.network.weights.as_deref())
         .chain([left.as_path(), &right])
         .collect();
-    let outputs = output_files::resolve(&typed.output, &pictures, &depths, &inputs, &params)?;
+    let outputs = output_files::resolve(wanted, &inputs, &params)?;
     if let Some(folder) = &typed.dump_shaders {
         shaders::ensure_empty(folder, &inputs)?;
     }
@@ -119,9 +99,8 @@ pub fn resolve(typed: SingleArgs) -> Result<Job> {
         input: typed.input,
         params,
         masks,
-        calibration,
-        depth: !depths.is_empty(),
-        middle: [typed.cameras.cx, typed.cameras.cy].map(|given| optics.is_some() && given.is_none()),
+        cameras,
+        depth: formats.iter().any(|format| format.needs_depth()),
         device: typed.device,
         truth,
         outputs,
@@ -140,27 +119,20 @@ fn needs_adapter(typed: &SingleArgs) -> Option<&'static str> {
     typed.dump_shaders.is_some().then_some("--dump-shaders writes the kernels that an adapter runs")
 }
 
-/// The cameras that the options name.
-fn calibration(cameras: &CameraArgs, optics: Option<[f64; 2]>) -> Result<Option<Calibration>> {
-    let CameraArgs { calib, rectify, calib_right, .. } = cameras;
-    if let Some(path) = calib.as_ref().or(rectify.as_ref()) {
-        // Clap does not require --rectify for --lens if --calib, which excludes it, is given.
-        ensure!(
-            cameras.lens == LensModel::Auto || rectify.is_some(),
-            "--lens goes with --rectify, since --calib takes a rectified pair; drop it, or give the file with --rectify"
-        );
-        let reading = Reading {
-            unit: cameras.calib_unit,
-            pair: cameras.calib_pair,
-            lens: cameras.lens,
-            scale: cameras.calib_scale,
-            lenses: rectify.is_some(),
-        };
-        return Ok(Some(Calibration::read(path, calib_right.as_deref(), reading)?));
-    }
-    let Some([focal, baseline]) = optics else { return Ok(None) };
-    let [doffs, cx, cy] = [cameras.doffs, cameras.cx, cameras.cy].map(Option::unwrap_or_default);
-    let camera = Camera { focal, baseline, doffs, cx, cy };
-    camera.validate().map_err(args::by_option)?;
-    Ok(Some(Calibration::typed(camera)))
+/// The files that the options name.
+fn wanted(typed: &SingleArgs) -> Result<Vec<(PathBuf, Format)>> {
+    let pictures = [
+        ("color", &typed.color, Format::Color),
+        ("mask", &typed.mask, Format::Mask),
+        ("confidence", &typed.confidence, Format::Confidence),
+        ("error-map", &typed.truth.error_map, Format::ErrorMap),
+    ];
+    let wanted = [
+        output_files::maps(&typed.depth, Format::Depth)?,
+        output_files::points(&typed.points)?,
+        output_files::maps(&typed.output, Format::Disparity)?,
+        output_files::maps(&typed.right_map, Format::Right)?,
+        output_files::pictures(&pictures)?,
+    ];
+    Ok(wanted.concat())
 }

@@ -9,12 +9,11 @@ use crate::engine::{diagnosis, images, output_files};
 use crate::terminal::{Evaluation, Share, warnings};
 use anyhow::Result;
 use gpu_stereo::evaluation::FloatMap;
-use gpu_stereo::files::calibration::Fitted;
 use gpu_stereo::files::encoders::{Format, Maps};
 use gpu_stereo::files::images::ImagePair;
 use gpu_stereo::files::outputs;
 use gpu_stereo::files::truth::Truth;
-use gpu_stereo::{Camera, Image, Matched, Params, Rectification, reference};
+use gpu_stereo::{Camera, Image, Matched, Params};
 use std::time::Instant;
 
 /// Does the job.
@@ -48,7 +47,7 @@ pub fn run(job: &Job) -> Result<Report> {
     let energy = EnergyReport::new(&left, &right, &matched, params)?;
     let check = if job.check { Some(engine.check(&left, &right, params)?) } else { None };
     let passed = check.iter().flatten().all(|stage| stage.mismatches == 0);
-    let evaluation = if passed { write(job, params, left, &matched, truth.as_ref())? } else { None };
+    let evaluation = if passed { write(job, params, &left, &matched, truth.as_ref())? } else { None };
     let outputs = if passed { job.outputs.iter().map(|output| output.path.clone()).collect() } else { Vec::new() };
     Ok(Report {
         names: engine.names([params]),
@@ -75,31 +74,17 @@ pub fn run(job: &Job) -> Result<Report> {
 
 /// The settings of the job for images of this size, and the rectified cameras, if they are known.
 fn params_for(job: &Job, image: &Image) -> Result<(Params, Option<Camera>)> {
-    let (width, height) = (image.width(), image.height());
     let mut params = job.params.clone();
     params.masks = images::reported(job.masks.read_for(image)?);
-    let Some(calibration) = &job.calibration else { return Ok((params, None)) };
-    let Fitted { mut camera, lenses } = calibration.fit(width, height)?;
-    if let Some(doubt) = calibration.doubt(&camera) {
-        warnings::warn(&doubt);
-    }
-    if let Some(lenses) = lenses {
-        params.rectify = Some(Rectification::new(width, height, lenses)?);
-    }
-    for (is_middle, place, side) in [(job.middle[0], &mut camera.cx, width), (job.middle[1], &mut camera.cy, height)] {
-        if is_middle {
-            *place = f64::from(side - 1) / 2.0;
-        }
-    }
-    params.depth = job.depth.then_some(camera);
-    Ok((params, Some(camera)))
+    let camera = job.cameras.fit(&mut params, [image.width(), image.height()], job.depth)?;
+    Ok((params, camera))
 }
 
 /// Scores the map where there is a truth, and writes all files.
 fn write(
     job: &Job,
     params: &Params,
-    left: Image,
+    left: &Image,
     matched: &Matched,
     truth: Option<&Truth>,
 ) -> Result<Option<Evaluation>> {
@@ -111,11 +96,8 @@ fn write(
             errors = Some(truth.error_picture(&estimate)?);
         }
     }
-    let Matched { map, confidence, depth, .. } = matched;
-    let (confidence, depth, errors) = (confidence.as_ref(), depth.as_ref(), errors.as_ref());
-    let rectified = params.rectify.as_ref().map(|rectification| reference::rectify(&left, rectification, 0));
-    let left = rectified.transpose()?.unwrap_or(left);
-    let maps = Maps { map, confidence, errors, depth, left: Some(&left), params };
+    let left = images::rectified(left, params, 0)?;
+    let maps = Maps { errors: errors.as_ref(), left: Some(&left), ..Maps::all(matched, params) };
     output_files::write_all(&job.outputs, &maps)?;
     Ok(evaluation)
 }

@@ -51,7 +51,8 @@ impl Film {
 
     /// Adds a frame. All have the size of the first one.
     fn add(&self, frame: &MatchedPair) -> Result<()> {
-        let (left, map) = (images::drawn(&frame.left), encoders::picture(&frame.matched.map, self.range));
+        let left = images::drawn(&*images::rectified(&frame.left, &frame.params, 0)?);
+        let map = encoders::picture(&frame.matched.map, self.range);
         let row = 3 * map.width() as usize;
         let rows = left.as_raw().chunks_exact(row).zip(map.as_raw().chunks_exact(row));
         let pixels: Vec<u8> = rows.flat_map(|(left, map)| left.iter().chain(map)).copied().collect();

@@ -1,9 +1,11 @@
-//! What computes the maps of pairs: an adapter, the native schedule or the reference.
+//! What computes the maps of pairs: an adapter, the native schedule or the reference; and the cameras that settings are fitted to.
 
+mod cameras;
 mod engine;
 mod names;
 mod on_cpu;
 
+pub use cameras::{Cameras, ParamsBySize};
 pub use engine::{Computed, Engine, FrameMs, OnAdapter};
 pub use names::EngineNames;
 pub use on_cpu::OnCpu;

@@ -43,15 +43,14 @@ impl OnCpu {
         }
     }
 
-    /// The same for pairs that are as `image` is, with the settings that it has.
-    pub fn fit(&mut self, image: &Image) -> Result<(), Error> {
-        let (width, height) = (image.width(), image.height());
-        let params = match self {
-            Self::Native { matcher, .. } if matcher.format() == image.format() => return matcher.resize(width, height),
-            Self::Native { matcher, .. } => matcher.params().clone(),
-            Self::Reference(params) => params.as_ref().clone(),
-        };
-        *self = self.again(image, &params)?;
+    /// Makes it fit for pairs that are as `image` is, with these settings.
+    pub fn fit(&mut self, image: &Image, params: &Params) -> Result<(), Error> {
+        match self {
+            Self::Native { matcher, .. } if matcher.format() == image.format() && matcher.params() == params => {
+                return matcher.resize(image.width(), image.height());
+            }
+            _ => *self = self.again(image, params)?,
+        }
         Ok(())
     }
 

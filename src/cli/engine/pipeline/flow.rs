@@ -6,6 +6,7 @@ use crate::engine::compute::{Engine, EngineNames, OnAdapter, OnCpu};
 use anyhow::{Result, anyhow};
 use gpu_stereo::{Error, Image, Matched, Params, PixelFormat, StereoMatcher, StereoStream};
 use std::collections::VecDeque;
+use std::sync::Arc;
 
 /// The engine of the pipeline, and the pairs in flight.
 pub struct Flow {
@@ -17,7 +18,9 @@ pub struct Flow {
     pub format: PixelFormat,
     engine: FlowEngine,
     kind: PairKind,
-    waiting: VecDeque<(usize, Image)>,
+    /// The settings for pairs of the present size.
+    params: Arc<Params>,
+    waiting: VecDeque<(usize, Image, Arc<Params>)>,
 }
 
 enum FlowEngine {
@@ -30,7 +33,6 @@ enum FlowEngine {
 struct Streams {
     opened: Opened,
     all: Vec<StereoStream>,
-    params: Params,
     in_flight: usize,
     peak_bytes: u64,
 }
@@ -41,14 +43,14 @@ impl Streams {
     }
 
     /// Prepares for pairs of the size and format of `left`. If `idle`, other streams may be dropped for it.
-    fn fit(&mut self, left: &Image, idle: bool) -> Result<()> {
-        let mut turned = self.turn(left);
+    fn fit(&mut self, left: &Image, params: &Params, idle: bool) -> Result<()> {
+        let mut turned = self.turn(left, params);
         if idle && matches!(turned, Err(Error::TooLarge { .. } | Error::Image(_))) {
-            turned = self.renew(left); // a wide pair and a high one need less room one after the other
+            turned = self.renew(left, params); // a wide pair and a high one need less room one after the other
         }
         if idle && matches!(turned, Err(Error::OutOfMemory | Error::Memory { .. })) {
             self.all.clear();
-            turned = self.renew(left);
+            turned = self.renew(left, params);
         }
         self.opened.fault()?;
         turned?;
@@ -57,23 +59,29 @@ impl Streams {
     }
 
     /// Uses the stream for this format.
-    fn turn(&mut self, left: &Image) -> Result<(), Error> {
+    fn turn(&mut self, left: &Image, params: &Params) -> Result<(), Error> {
         let (width, height) = (left.width(), left.height());
         let Some(place) = self.all.iter().position(|stream| stream.matcher().format() == left.format()) else {
-            return self.renew(left);
+            return self.renew(left, params);
         };
         self.all[place..].rotate_left(1);
         match self.all.last_mut() {
+            // A rectification is of one size.
+            Some(stream) if stream.matcher().params() != params => self.renew(left, params),
             Some(stream) if stream.matcher().size() != (width, height) => stream.resize(width, height),
             _ => Ok(()),
         }
     }
 
     /// Replaces the stream for this format by a new one.
-    fn renew(&mut self, left: &Image) -> Result<(), Error> {
+    fn renew(&mut self, left: &Image, params: &Params) -> Result<(), Error> {
         let (width, height, format) = (left.width(), left.height(), left.format());
         let Opened { device, queue, .. } = &self.opened;
-        let matcher = StereoMatcher::new(device, queue, width, height, format, &self.params)?;
+        // What another one has compiled is not compiled again.
+        let matcher = match self.all.first() {
+            Some(stream) => stream.matcher().another(width, height, format, params)?,
+            None => StereoMatcher::new(device, queue, width, height, format, params)?,
+        };
         let stream = StereoStream::new(matcher, self.in_flight)?;
         self.all.retain(|stream| stream.matcher().format() != format);
         self.all.push(stream);
@@ -84,8 +92,9 @@ impl Streams {
 impl Flow {
     /// Opens an engine for pairs of the size and format of `left`.
     pub fn open(setup: &Setup<'_>, left: &Image) -> Result<Self> {
-        let engine = Engine::open(setup.device, None, left, setup.params)?;
-        let names = engine.names([setup.params]);
+        let params = setup.params.of([left.width(), left.height()])?;
+        let engine = Engine::open(setup.device, None, left, &params)?;
+        let names = engine.names([&*params]);
         let engine = match engine {
             Engine::Cpu(on) => FlowEngine::Cpu(on, None),
             Engine::Adapter(on) => {
@@ -94,12 +103,13 @@ impl Flow {
                 opened.fault()?;
                 let stream = stream?;
                 let peak_bytes = stream.matcher().device_bytes();
-                let (params, in_flight) = (setup.params.clone(), setup.in_flight);
-                FlowEngine::Streams(Box::new(Streams { opened, all: vec![stream], params, in_flight, peak_bytes }))
+                let in_flight = setup.in_flight;
+                FlowEngine::Streams(Box::new(Streams { opened, all: vec![stream], in_flight, peak_bytes }))
             }
         };
         let size = (left.width(), left.height());
-        Ok(Self { engine, names, size, kind: PairKind::of(left), format: left.format(), waiting: VecDeque::new() })
+        let (kind, format) = (PairKind::of(left), left.format());
+        Ok(Self { engine, names, size, kind, format, params, waiting: VecDeque::new() })
     }
 
     /// Makes sure that a pair can be pushed. Unless pairs may differ, it must be like the first one; those in flight always have
@@ -109,12 +119,20 @@ impl Flow {
         if !setup.mixed {
             self.kind.ensure(left)?;
         }
+        let params = setup.params.of([left.width(), left.height()])?;
         match &mut self.engine {
-            FlowEngine::Streams(on) => on.fit(left, self.waiting.is_empty())?,
-            FlowEngine::Cpu(on, _) => on.fit(left)?,
+            FlowEngine::Streams(on) => on.fit(left, &params, self.waiting.is_empty())?,
+            FlowEngine::Cpu(on, _) => on.fit(left, &params)?,
         }
-        self.format = format;
+        (self.format, self.params) = (format, params);
         Ok(())
+    }
+
+    /// Whether a pair needs a stream of its own, so that those in flight must be done before: its samples are of another format,
+    /// or the cameras fit its size otherwise.
+    pub fn is_other(&self, setup: &Setup<'_>, left: &Image) -> bool {
+        let params = setup.params.of([left.width(), left.height()]);
+        self.format != left.format() || params.is_ok_and(|params| params != self.params)
     }
 
     /// The number of pairs in flight.
@@ -148,7 +166,7 @@ impl Flow {
             }
             FlowEngine::Cpu(on, result) => *result = Some(Box::new(on.compute(&left, right)?.0)),
         }
-        self.waiting.push_back((place, left));
+        self.waiting.push_back((place, left, Arc::clone(&self.params)));
         Ok(())
     }
 
@@ -163,7 +181,7 @@ impl Flow {
             FlowEngine::Cpu(_, result) => result.take().map(|matched| *matched),
         };
         let ended = || Error::Lost("the stream gave no result".into());
-        let Some((place, left)) = self.waiting.pop_front() else { return Ok(None) };
-        Ok(Some(MatchedPair { place, left, matched: matched.ok_or_else(ended)? }))
+        let Some((place, left, params)) = self.waiting.pop_front() else { return Ok(None) };
+        Ok(Some(MatchedPair { place, left, matched: matched.ok_or_else(ended)?, params }))
     }
 }

@@ -26,9 +26,10 @@ impl ReadPair {
     pub fn read(work: &dyn Work, place: usize, pair: &Pair, setup: &Setup<'_>) -> Result<Self, Refused> {
         let ImagePair { left, right, doubts, .. } = work.read(place, pair, setup.input)?;
         let mut doubts: Vec<_> = doubts.into_iter().map(|text| Doubt { text, kind: None }).collect();
-        // What cannot be rectified is refused later.
+        // What the cameras do not fit is refused later.
         if place.is_multiple_of(setup.diagnosed)
-            && let Ok(Some(finding)) = diagnosis::finding(&left, &right, setup.params)
+            && let Ok(params) = setup.params.of([left.width(), left.height()])
+            && let Ok(Some(finding)) = diagnosis::finding(&left, &right, &params)
         {
             doubts.push(Doubt { text: finding.to_string(), kind: Some(finding.kind()) });
         }

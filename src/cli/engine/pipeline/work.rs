@@ -1,7 +1,7 @@
 //! What the pipeline takes and returns: the setup, the source and the sink of pairs, and the results.
 
 use crate::args::{DeviceArgs, InputArgs};
-use crate::engine::compute::EngineNames;
+use crate::engine::compute::{EngineNames, ParamsBySize};
 use crate::engine::pair::Pair;
 use crate::engine::{disk, images};
 use crate::terminal::{one_line, warnings};
@@ -11,6 +11,7 @@ use gpu_stereo::files::images::ImagePair;
 use gpu_stereo::{Error, Image, Matched, Params};
 use serde::{Deserialize, Serialize};
 use std::collections::HashSet;
+use std::sync::Arc;
 
 /// How to match the pairs.
 #[derive(Clone, Copy)]
@@ -18,7 +19,7 @@ pub struct Setup<'a> {
     /// Where to compute.
     pub device: &'a DeviceArgs,
     /// The settings.
-    pub params: &'a Params,
+    pub params: &'a ParamsBySize,
     /// How the images are read.
     pub input: &'a InputArgs,
     /// One of so many pairs is diagnosed.
@@ -49,6 +50,8 @@ pub struct MatchedPair {
     pub left: Image,
     /// The map.
     pub matched: Matched,
+    /// The settings that it was computed with.
+    pub params: Arc<Params>,
 }
 
 /// The size and the format of a pair, in words.

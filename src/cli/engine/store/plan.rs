@@ -1,8 +1,8 @@
 //! What the pairs of a store become, before any of them is computed.
 
 use super::{journal, record};
-use crate::engine::disk;
 use crate::engine::pair::Pair;
+use crate::engine::{disk, output_files};
 use anyhow::{Result, bail, ensure};
 use gpu_stereo::files::encoders::Format;
 use gpu_stereo::files::outputs::Output;
@@ -28,12 +28,7 @@ pub struct Item {
 impl Item {
     /// The files of these formats.
     pub fn new(out: &Path, name: PathBuf, formats: &[Format]) -> Self {
-        let file = |&format: &Format| {
-            let mut path = out.join(&name).into_os_string();
-            path.push(format.suffix());
-            Output::at(path.into(), format)
-        };
-        Self { outputs: formats.iter().map(file).collect(), name }
+        Self { outputs: output_files::of_name(out, &name, formats), name }
     }
 }
 

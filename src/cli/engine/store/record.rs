@@ -41,9 +41,15 @@ pub struct Record {
 }
 
 impl Record {
-    /// The record that the maps in `folder` are made with `params` of images read as `input` says. A video has `sources`, two
-    /// names with a path each.
-    pub fn new(folder: &Path, params: &Params, input: &InputArgs, sources: &[(&str, &Path)]) -> Self {
+    /// The record that the maps in `folder` are made with `params` of images read as `input` says, taken by `cameras`, a digest. A
+    /// video has `sources`, two names with a path each.
+    pub fn new(
+        folder: &Path,
+        params: &Params,
+        cameras: Option<&str>,
+        input: &InputArgs,
+        sources: &[(&str, &Path)],
+    ) -> Self {
         let mut made_with = Map::new();
         made_with.insert("version".into(), env!("CARGO_PKG_VERSION").into());
         for (name, path) in sources {
@@ -58,6 +64,9 @@ impl Record {
         }
         if let Some(network) = &params.network {
             made_with.insert("weights".into(), fingerprint(network).into());
+        }
+        if let Some(cameras) = cameras {
+            made_with.insert("cameras".into(), cameras.into());
         }
         // Defaults are not recorded.
         if input.swap {

@@ -1,0 +1,134 @@
+//! The cameras of a run: what the options say, and the settings that follow for images of each size.
+
+use crate::args::{self, CameraArgs};
+use crate::terminal::{message, warnings};
+use anyhow::{Result, bail, ensure};
+use gpu_stereo::files::calibration::{Calibration, Fitted, LensModel, Reading};
+use gpu_stereo::files::hash;
+use gpu_stereo::{Camera, Error, Params, Rectification};
+use std::collections::VecDeque;
+use std::path::{Path, PathBuf};
+use std::sync::{Arc, Mutex, PoisonError};
+
+/// What the options say about the cameras.
+#[derive(Clone, Debug, Default)]
+pub struct Cameras {
+    calibration: Option<Calibration>,
+    /// Whether the principal point is to be in the middle of the image, along each axis.
+    middle: [bool; 2],
+    files: Vec<PathBuf>,
+}
+
+impl Cameras {
+    /// Reads the calibration, if one is given.
+    pub fn resolve(given: &CameraArgs) -> Result<Self> {
+        let CameraArgs { calib, rectify, calib_right, optics, .. } = given;
+        let files = [calib, rectify, calib_right].into_iter().flatten().cloned().collect();
+        if let Some(path) = calib.as_ref().or(rectify.as_ref()) {
+            // Clap does not require --rectify for --lens if --calib, which excludes it, is given.
+            ensure!(
+                given.lens == LensModel::Auto || rectify.is_some(),
+                "--lens goes with --rectify, since --calib takes a rectified pair; drop it, or give the file with --rectify"
+            );
+            let reading = Reading {
+                unit: given.calib_unit,
+                pair: given.calib_pair,
+                lens: given.lens,
+                scale: given.calib_scale,
+                lenses: rectify.is_some(),
+            };
+            let calibration = Some(Calibration::read(path, calib_right.as_deref(), reading)?);
+            return Ok(Self { calibration, middle: [false; 2], files });
+        }
+        let Some([focal, baseline]) = optics.both()? else { return Ok(Self::default()) };
+        let [doffs, cx, cy] = [given.doffs, given.cx, given.cy].map(Option::unwrap_or_default);
+        let camera = Camera { focal, baseline, doffs, cx, cy };
+        camera.validate().map_err(args::by_option)?;
+        let middle = [given.cx, given.cy].map(|given| given.is_none());
+        Ok(Self { calibration: Some(Calibration::typed(camera)), middle, files })
+    }
+
+    /// Refuses a depth without cameras (`depth`: the option that asks for one); reports cameras that nothing needs.
+    pub fn ensure_fit(&self, depth: Option<&str>, needed_otherwise: bool) -> Result<()> {
+        match (&self.calibration, depth) {
+            (None, Some(option)) => {
+                bail!("{option} needs the cameras; give --calib FILE, --rectify FILE, or --focal PX and --baseline M")
+            }
+            (Some(calibration), None) if !calibration.has_lenses() && !needed_otherwise => {
+                message("note: the cameras have no effect without a depth or points");
+            }
+            _ => {}
+        }
+        Ok(())
+    }
+
+    /// The files that are read.
+    pub fn files(&self) -> impl Iterator<Item = &Path> {
+        self.files.iter().map(PathBuf::as_path)
+    }
+
+    /// A digest of all that decides about maps and depths; nothing without cameras.
+    pub fn digest(&self) -> Option<String> {
+        let calibration = self.calibration.as_ref()?;
+        let option = match self.files.is_empty() {
+            true => "focal",
+            false if calibration.has_lenses() => "rectify",
+            false => "calib",
+        };
+        Some(format!("{option} {}", hash(format!("{calibration:?} {:?}", self.middle).as_bytes())))
+    }
+
+    /// Fits the settings to images of a size: rectification, and with `depth` the cameras that it is seen by. Returns the
+    /// rectified cameras, if they are known.
+    pub fn fit(&self, params: &mut Params, [width, height]: [u32; 2], depth: bool) -> Result<Option<Camera>> {
+        let Some(calibration) = &self.calibration else { return Ok(None) };
+        let Fitted { mut camera, lenses } = calibration.fit(width, height)?;
+        if let Some(doubt) = calibration.doubt(&camera) {
+            warnings::warn(&doubt);
+        }
+        if let Some(lenses) = lenses {
+            params.rectify = Some(Rectification::new(width, height, lenses)?);
+        }
+        let [x, y] = self.middle;
+        for (is_middle, place, side) in [(x, &mut camera.cx, width), (y, &mut camera.cy, height)] {
+            if is_middle {
+                *place = f64::from(side - 1) / 2.0;
+            }
+        }
+        params.depth = depth.then_some(camera);
+        Ok(Some(camera))
+    }
+}
+
+/// So many sizes of images are kept: the positions of a rectification take 16 bytes a pixel.
+const KEPT: usize = 4;
+
+/// The settings of a run over pairs that may differ in size.
+pub struct ParamsBySize {
+    /// Those that all sizes have in common.
+    pub common: Params,
+    cameras: Cameras,
+    depth: bool,
+    known: Mutex<VecDeque<([u32; 2], Arc<Params>)>>,
+}
+
+impl ParamsBySize {
+    /// `depth`: whether a depth is wanted.
+    pub fn new(common: Params, cameras: Cameras, depth: bool) -> Self {
+        Self { common, cameras, depth, known: Mutex::default() }
+    }
+
+    /// The settings for images of a size. An error is one of the pair alone: [`Error::Image`].
+    pub fn of(&self, size: [u32; 2]) -> Result<Arc<Params>> {
+        let mut known = self.known.lock().unwrap_or_else(PoisonError::into_inner);
+        if let Some((_, params)) = known.iter().find(|(other, _)| *other == size) {
+            return Ok(Arc::clone(params));
+        }
+        let mut params = self.common.clone();
+        self.cameras.fit(&mut params, size, self.depth).map_err(|error| Error::Image(format!("{error:#}")))?;
+        let params = Arc::new(params);
+        known.push_front((size, Arc::clone(&params)));
+        known.truncate(KEPT);
+        Ok(params)
+    }
+}

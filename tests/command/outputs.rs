@@ -1,0 +1,251 @@
+//! What every verb writes of a pair besides its map, and the cameras that it takes: the options of a single run, and the same bytes.
+//!
+//! On the CPU, so that no adapter is needed.
+
+use crate::support::{is_one_line_error, on, refuses, run, scene, stderr, stdout, succeeds};
+use serde_json::Value;
+use std::fs;
+use std::path::Path;
+use tempfile::TempDir;
+
+/// What is written of each pair: the word of --format, what follows the name, and the option of a single run.
+const KINDS: [(&str, &str, &str); 7] = [
+    ("npy", ".npy", "-o"),
+    ("color", "_color.png", "--color"),
+    ("right-npy", "_right.npy", "--right"),
+    ("right", "_right.png", "--right"),
+    ("depth-tif", "_depth.tif", "--depth"),
+    ("points", "_points.ply", "--points"),
+    ("confidence", "_confidence.png", "--confidence"),
+];
+
+/// The lenses of the pairs of [`scene`]: rectified ones see 2 px farther to the left.
+fn lenses(size: [u32; 2], baseline: f64) -> String {
+    let matrix = |name: &str, rows: u32, numbers: &[f64]| {
+        let columns = numbers.len() as u32 / rows;
+        format!("{name}: !!opencv-matrix\n   rows: {rows}\n   cols: {columns}\n   dt: d\n   data: {numbers:?}\n")
+    };
+    let [width, height] = size;
+    let (cx, cy) = (f64::from(width) / 2.0, f64::from(height) / 2.0);
+    let mut text = format!("%YAML:1.0\n---\nimage_width: {width}\nimage_height: {height}\n");
+    for (side, shift) in [("1", 0.0), ("2", -50.0 * baseline)] {
+        text += &matrix(&format!("M{side}"), 3, &[50.0, 0.0, cx, 0.0, 50.0, cy, 0.0, 0.0, 1.0]);
+        text += &matrix(&format!("D{side}"), 1, &[0.0; 5]);
+        text += &matrix(&format!("R{side}"), 3, &[1.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 1.0]);
+        let projection = [50.0, 0.0, cx + 2.0, shift, 0.0, 50.0, cy, 0.0, 0.0, 0.0, 1.0, 0.0];
+        text += &matrix(&format!("P{side}"), 3, &projection);
+    }
+    text
+}
+
+/// [`scene`] with its lenses in lenses.yml, and the same pair in folders l and r.
+fn folder() -> TempDir {
+    let folder = scene();
+    let at = |name: &str| folder.path().join(name);
+    fs::write(at("lenses.yml"), lenses([48, 30], 0.1)).unwrap();
+    for (side, image) in [("l", "left.png"), ("r", "right.png")] {
+        fs::create_dir(at(side)).unwrap();
+        fs::copy(at(image), at(side).join("a.png")).unwrap();
+    }
+    fs::write(at("pairs.csv"), "left,right,name\nleft.png,right.png,a\n").unwrap();
+    folder
+}
+
+fn formats() -> String {
+    KINDS.map(|(word, ..)| word).join(",")
+}
+
+/// What a single run writes with these options, as `maps/a` and what follows.
+fn expected(folder: &Path, options: &[&str]) -> Vec<(String, Vec<u8>)> {
+    fs::create_dir_all(folder.join("single")).unwrap();
+    let names = KINDS.map(|(_, ending, option)| (option, format!("single/a{ending}")));
+    let files: Vec<_> = names.iter().flat_map(|(option, name)| [*option, name.as_str()]).collect();
+    succeeds(folder, &on("left.png", "right.png", &[options, &files, &["-q"]].concat()));
+    KINDS
+        .iter()
+        .map(|(_, ending, _)| (format!("a{ending}"), fs::read(folder.join(format!("single/a{ending}"))).unwrap()))
+        .collect()
+}
+
+#[track_caller]
+fn has(folder: &Path, expected: &[(String, Vec<u8>)], of: &str) {
+    for (name, bytes) in expected {
+        let found = fs::read(folder.join(name)).unwrap_or_else(|error| panic!("{of}: {name}: {error}"));
+        assert!(found == *bytes, "{of}: {name} is not what a single run writes");
+    }
+}
+
+const RECTIFY: [&str; 2] = ["--rectify", "lenses.yml"];
+const FOCAL: [&str; 4] = ["--focal", "50", "--baseline", "0.2"];
+
+#[test]
+fn every_verb_writes_what_a_single_run_writes() {
+    let folder = folder();
+    let path = folder.path();
+    let formats = formats();
+    let plain = expected(path, &FOCAL);
+    for options in [&RECTIFY[..], &FOCAL] {
+        let expected = expected(path, options);
+        let is_rectified = expected != plain;
+        assert_eq!(is_rectified, options == RECTIFY, "the images are rectified");
+        let tail = [&["--disp", "16", "--backend", "cpu", "-q", "--format", &formats], options].concat();
+        for (of, verb) in [("batch", &["batch", "pairs.csv"][..]), ("video", &["video", "l", "r"])] {
+            succeeds(path, &[verb, &["-o", "maps"], &tail].concat());
+            has(&path.join("maps"), &expected, of);
+            fs::remove_dir_all(path.join("maps")).unwrap();
+        }
+        let compare: &[&str] = &["compare", "left.png", "right.png", "--variants", "balanced", "sad", "--maps", "maps"];
+        succeeds(path, &[compare, &tail].concat());
+        for (name, bytes) in &expected {
+            assert!(
+                fs::read(path.join(format!("maps/1_preset_balanced{}", &name[1..]))).unwrap() == *bytes,
+                "compare: {name}"
+            );
+            assert!(path.join(format!("maps/2_cost_sad{}", &name[1..])).exists());
+        }
+        fs::remove_dir_all(path.join("maps")).unwrap();
+        succeeds(path, &[&["sweep", "left.png", "right.png", "--maps", "maps"], &tail[..]].concat());
+        assert_eq!(fs::read_dir(path.join("maps")).unwrap().count(), KINDS.len());
+        fs::remove_dir_all(path.join("maps")).unwrap();
+        fs::write(
+            path.join("MANIFEST.json"),
+            r#"[{"set": "s", "scene": "a", "left": "left.png", "right": "right.png"}]"#,
+        )
+        .unwrap();
+        succeeds(path, &[&["bench", "MANIFEST.json", "--layout", "manifest", "--maps", "maps"], &tail[..]].concat());
+        has(&path.join("maps/s"), &expected, "bench");
+        fs::remove_dir_all(path.join("maps")).unwrap();
+    }
+}
+
+#[test]
+fn the_right_map_holds_what_the_right_view_shows() {
+    let folder = folder();
+    let options = ["--right", "right.npy", "-o", "left.npy"];
+    succeeds(folder.path(), &on("left.png", "right.png", &options));
+    let read = |name: &str| -> Vec<f32> {
+        let file = npyz::NpyFile::new(fs::File::open(folder.path().join(name)).unwrap()).unwrap();
+        assert_eq!(file.shape(), [30, 48]);
+        file.into_vec().unwrap()
+    };
+    let right = read("right.npy");
+    // At the right view's left border the partner lies at column 5, at its right border outside.
+    let known = |x: usize| (0..30).filter(|y| right[y * 48 + x] == 5.0).count();
+    assert!(known(1) > 25 && known(30) > 25, "{} {}", known(1), known(30));
+    assert!(known(46) < 15, "{}", known(46));
+}
+
+#[test]
+fn frames_of_other_sizes_are_fitted_one_by_one() {
+    let folder = folder();
+    let path = folder.path();
+    for (side, image) in ["left", "right"].into_iter().zip(crate::support::pair(60, 40)) {
+        image.save(path.join(format!("{side}2.png"))).unwrap();
+    }
+    fs::write(
+        path.join("pairs.csv"),
+        "left,right,name\nleft.png,right.png,a\nleft2.png,right2.png,b\nleft.png,right.png,c\n",
+    )
+    .unwrap();
+    let tail = ["--disp", "16", "--backend", "cpu", "-o", "maps", "--format", "depth-npy,points"];
+    // Typed cameras have their principal point in the middle of each size.
+    succeeds(path, &[&["batch", "pairs.csv"], &tail[..], &FOCAL].concat());
+    for (name, left, right) in
+        [("a", "left.png", "right.png"), ("b", "left2.png", "right2.png"), ("c", "left.png", "right.png")]
+    {
+        let single = [&FOCAL[..], &["--depth", "d.npy", "--points", "p.ply"]].concat();
+        succeeds(path, &on(left, right, &single));
+        for (one, other) in [("d.npy", format!("maps/{name}_depth.npy")), ("p.ply", format!("maps/{name}_points.ply"))]
+        {
+            assert!(fs::read(path.join(one)).unwrap() == fs::read(path.join(&other)).unwrap(), "{other}");
+        }
+    }
+    fs::remove_dir_all(path.join("maps")).unwrap();
+    // A calibration of one size fits the others or fails for them alone.
+    let output = run(path, &[&["batch", "pairs.csv"], &tail[..], &RECTIFY].concat());
+    assert_eq!(output.status.code(), Some(1), "{}", stderr(&output));
+    assert!(stderr(&output).contains("the images are 60x40, but the calibration is of 48x30"), "{}", stderr(&output));
+    assert!(stdout(&output).contains("2 done, 1 failed"), "{}", stdout(&output));
+}
+
+#[test]
+fn the_frames_of_a_video_are_refused_together() {
+    let folder = folder();
+    fs::write(folder.path().join("lenses.yml"), lenses([96, 60], 0.1)).unwrap();
+    let args = ["video", "l", "r", "-o", "maps", "--disp", "16", "--backend", "cpu", "--rectify", "lenses.yml"];
+    let output = run(folder.path(), &args);
+    assert_eq!(output.status.code(), Some(2), "{}", stderr(&output));
+    assert!(stderr(&output).contains("give --calib-scale 0.5"), "{}", stderr(&output));
+}
+
+#[test]
+fn resume_compares_the_cameras() {
+    let folder = folder();
+    let path = folder.path();
+    let args = |more: &[&'static str]| {
+        let all = ["batch", "pairs.csv", "-o", "maps", "--disp", "16", "--backend", "cpu", "--resume", "--json"];
+        [&all, more].concat()
+    };
+    let told =
+        |more: &[&'static str]| -> Value { serde_json::from_str(&stdout(&succeeds(path, &args(more)))).unwrap() };
+    assert_eq!(told(&RECTIFY)["done"], 1);
+    assert_eq!(told(&RECTIFY)["skipped"], 1);
+    // The same numbers in a file of another name are the same cameras.
+    fs::rename(path.join("lenses.yml"), path.join("other.yml")).unwrap();
+    assert_eq!(told(&["--rectify", "other.yml"])["skipped"], 1);
+    assert_eq!(told(&["--rectify", "other.yml", "--format", "png,depth"])["done"], 1);
+    fs::write(path.join("lenses.yml"), lenses([48, 30], 0.2)).unwrap();
+    for more in [&RECTIFY[..], &[]] {
+        is_one_line_error(&run(path, &args(more)), &["maps made with other settings", "cameras"]);
+    }
+    // bench keeps a scene only with the same cameras.
+    fs::write(path.join("MANIFEST.json"), r#"[{"set": "s", "scene": "a", "left": "left.png", "right": "right.png"}]"#)
+        .unwrap();
+    let bench = |more: &[&'static str]| {
+        let all = ["bench", "MANIFEST.json", "--layout", "manifest", "--disp", "16", "--backend", "cpu", "--json"];
+        let found: Value = serde_json::from_str(&stdout(&succeeds(
+            path,
+            &[&all[..], &["--report", "report", "--resume"], more].concat(),
+        )))
+        .unwrap();
+        found["scenes"][0]["valid"].as_f64().unwrap()
+    };
+    let plain = bench(&[]);
+    assert!(bench(&RECTIFY) < plain && bench(&[]) == plain);
+}
+
+#[test]
+fn what_is_missing_is_said() {
+    let folder = folder();
+    let path = folder.path();
+    for (args, words) in [
+        (
+            &["batch", "pairs.csv", "-o", "maps", "--format", "depth"][..],
+            &["a depth needs the cameras", "--calib FILE"][..],
+        ),
+        (&["video", "l", "r", "-o", "maps", "--format", "points"], &["points needs the cameras", "--calib FILE"]),
+        (&["compare", "left.png", "right.png", "--variants", "sad", "--format", "depth"], &["add --maps FOLDER"]),
+        (&["batch", "pairs.csv", "-o", "maps", "--depth", "d.png"], &["use --format depth", "NAME_depth.png"]),
+        (&["compare", "left.png", "right.png", "--points", "p.ply"], &["use --maps <FOLDER> --format points"]),
+        (&["batch", "pairs.csv", "-o", "maps", "--format", "deph"], &["a similar value is depth"]),
+        (&["batch", "pairs.csv", "-o", "maps", "--rectify", "missing.yml"], &["missing.yml"]),
+        (&["compare", "left.png", "right.png", "--variants", "sad", "--lens", "fisheye"], &["--rectify"]),
+        (&["left.png", "right.png", "--right", "map.jpg"], &[".jpg"]),
+        (&["left.png", "right.png", "--right", "map.npy", "-o", "map.npy"], &["is given twice"]),
+        (&["left.png", "right.png", "--right", "right.png"], &["is an input"]),
+    ] {
+        refuses(path, &[args, &["--disp", "16", "--backend", "cpu"]].concat(), words);
+    }
+    // A calibration is an input: no map replaces it.
+    fs::write(path.join("l/a.npy"), lenses([48, 30], 0.1)).unwrap();
+    let args = ["video", "l", "r", "-o", "l", "--format", "npy", "--rectify", "l/a.npy", "--disp", "16"];
+    let output = run(path, &args);
+    assert_eq!(output.status.code(), Some(2));
+    assert!(stderr(&output).contains("is an input"), "{}", stderr(&output));
+    // Cameras that nothing needs are reported.
+    let output = succeeds(
+        path,
+        &[&["batch", "pairs.csv", "-o", "maps", "--disp", "16", "--backend", "cpu"], &FOCAL[..]].concat(),
+    );
+    assert!(stderr(&output).contains("note: the cameras have no effect"), "{}", stderr(&output));
+}
