@@ -14,6 +14,7 @@ use clap::{CommandFactory as _, Parser, Subcommand};
 
 const USAGE: &str = "\
 gpu-stereo <LEFT> <RIGHT> --disp <N> [OPTIONS]
+       gpu-stereo <BOTH> [--split <HOW>] --disp <N> [OPTIONS]
        gpu-stereo sweep|compare <LEFT> <RIGHT> --disp <N> [OPTIONS]
        gpu-stereo video <LEFT> <RIGHT> -o <OUT> --disp <N> [OPTIONS]
        gpu-stereo batch <LIST>|<LEFT> <RIGHT> -o <DIR> --disp <N> [OPTIONS]

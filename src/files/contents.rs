@@ -11,20 +11,38 @@ use std::path::Path;
 pub const MAX_BYTES: u64 = 1 << 30;
 
 /// A guess from its form why a path does not exist, to end a sentence with; empty without one.
-pub fn hint(path: &Path) -> &'static str {
+pub fn hint(path: &Path) -> String {
     let text = path.to_string_lossy();
-    match () {
-        () if text.contains("://") => ", not an address: download it first, or drop file://",
+    match text.split_once("://") {
+        Some(("file", _)) => return ", not an address: drop file://".into(),
+        Some(_) => return format!(", not an address: download it first, by curl -LO {}", in_shell(path)),
+        None => {}
+    }
+    let hint = match () {
         () if text.starts_with('~') => "; the shell expands ~ only outside quotes",
         () if cfg!(not(windows)) && text.contains('\\') => "; separate folders by / instead of \\",
         () => "",
+    };
+    hint.into()
+}
+
+/// A path as a word of a shell's command line; `FILE` if it cannot be shown so.
+pub(super) fn in_shell(path: &Path) -> String {
+    let is_plain = |c: char| c.is_alphanumeric() || "_-./:%+,=@".contains(c);
+    match path.to_str() {
+        Some(text) if text.contains(|c: char| c.is_control() || c == '\'') => "FILE".into(),
+        Some(text) if !text.is_empty() && text.chars().all(is_plain) => text.into(),
+        Some(text) => format!("'{text}'"),
+        None => "FILE".into(),
     }
 }
 
 /// Describes a pointer file of Git LFS or git-annex, whose content is yet to be fetched; `None` for any other file.
-fn pointer(bytes: &[u8]) -> Option<&'static str> {
+pub(super) fn pointer(bytes: &[u8]) -> Option<&'static str> {
     if bytes.starts_with(b"version https://git-lfs.github.com/spec/") {
-        return Some("a Git LFS pointer, not the file itself; run git lfs pull");
+        return Some(
+            "a Git LFS pointer, not the file itself; run git lfs pull in its repository (once before: install git-lfs)",
+        );
     }
     let is_annexed = bytes.len() < 4096 && bytes.starts_with(b"/annex/objects/");
     is_annexed.then_some("a git-annex pointer, not the file itself; run git annex get")

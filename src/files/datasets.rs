@@ -54,7 +54,7 @@ pub struct Scene {
     pub name: String,
     /// The left image.
     pub left: PathBuf,
-    /// The right image.
+    /// The right image; the left one again if one file holds both views.
     pub right: PathBuf,
     /// The truth, where there is one.
     pub truth: Option<TruthFile>,
@@ -265,7 +265,8 @@ struct Entry {
     scene: String,
     /// Relative to the manifest; of a sequence with `%06d` for the number of the frame, from 0.
     left: String,
-    right: String,
+    /// None where the left image holds both views.
+    right: Option<String>,
     frames: Option<u32>,
     gt: Option<String>,
     gt_scale: Option<f64>,
@@ -302,11 +303,12 @@ fn manifest(dataset: &Path) -> Result<Vec<Scene>> {
             Some(largest) => bail!("{path:?}: {name} has max_disp {largest}, but 0 to 100000 is allowed; correct it"),
         };
         let encoding = Encoding { scale: entry.gt_scale, depth: None };
+        let right = entry.right.as_ref().unwrap_or(&entry.left);
         let scene = Scene {
             set: entry.set,
             name: entry.scene,
             left: folder.join(&entry.left),
-            right: folder.join(&entry.right),
+            right: folder.join(right),
             truth: entry.gt.map(|gt| TruthFile { path: folder.join(gt), mask: None, encoding }),
             non_occluded: entry.mask.and_then(|masks| masks.nonocc).map(|mask| NonOccluded::Mask(folder.join(mask))),
             range,
@@ -323,7 +325,7 @@ fn manifest(dataset: &Path) -> Result<Vec<Scene>> {
             scenes.push(Scene {
                 name: format!("{}_{frame:06}", scene.name),
                 left: folder.join(entry.left.replace("%06d", &format!("{frame:06}"))),
-                right: folder.join(entry.right.replace("%06d", &format!("{frame:06}"))),
+                right: folder.join(right.replace("%06d", &format!("{frame:06}"))),
                 ..scene.clone()
             });
         }

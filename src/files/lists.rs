@@ -1,5 +1,6 @@
 //! Lists of pairs, as CSV or as JSON lines.
 
+use super::contents::pointer;
 use super::error::{Context as _, Error, Result, bail, ensure, error};
 use super::json_path::JsonPath;
 use serde::Deserialize;
@@ -19,7 +20,7 @@ pub struct Listed {
     pub line: Option<usize>,
     /// The left image.
     pub left: PathBuf,
-    /// The right image.
+    /// The right image; the left one again if one file holds both views.
     pub right: PathBuf,
     /// A path within the output folder, without an ending; `None`: that of the left image.
     pub name: Option<PathBuf>,
@@ -28,10 +29,24 @@ pub struct Listed {
 /// How a list is written.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Kind {
-    /// Left, right and perhaps a name, with or without a header.
+    /// Left, right and perhaps a name, with or without a header; or left alone.
     Csv,
     /// An object a line.
     JsonLines,
+}
+
+/// Whether a path is that of a list, by its ending, or `-`.
+#[must_use]
+pub fn is_list(path: &Path) -> bool {
+    path == Path::new("-") || kind_of(path).is_some()
+}
+
+fn kind_of(path: &Path) -> Option<Kind> {
+    match path.extension().unwrap_or_default().to_string_lossy().to_ascii_lowercase().as_str() {
+        "csv" => Some(Kind::Csv),
+        "jsonl" | "ndjson" => Some(Kind::JsonLines),
+        _ => None,
+    }
 }
 
 /// The pairs of a list, at least one. Their paths are relative to the list's folder, or, from stdin (`-`), to this one.
@@ -39,20 +54,21 @@ pub enum Kind {
 /// # Errors
 /// If the list cannot be read, has no pair, or has a line that is not one.
 pub fn read(path: &Path) -> Result<Vec<Listed>> {
-    let kind = match path.extension().unwrap_or_default().to_string_lossy().to_ascii_lowercase().as_str() {
-        _ if path == Path::new("-") => None,
-        "csv" => Some(Kind::Csv),
-        "jsonl" | "ndjson" => Some(Kind::JsonLines),
-        _ => bail!(
-            "LIST is {path:?}, but a list ends in .csv, .jsonl or .ndjson, or is - for stdin; rename it, or give LEFT \
-             and RIGHT"
-        ),
-    };
+    let kind = kind_of(path);
+    if !is_list(path) {
+        bail!(
+            "LIST is {path:?}, but a list ends in .csv, .jsonl or .ndjson, or is - for stdin; rename it, give LEFT and \
+             RIGHT, or say by --split how each image holds both views"
+        );
+    }
     let text = match kind {
         None => text(std::io::stdin().lock()),
         Some(_) => File::open(path).map_err(Into::into).and_then(text),
     };
     let text = text.with_context(|| format!("list {path:?} cannot be read"))?;
+    if let Some(pointer) = pointer(text.as_bytes()) {
+        bail!("list {path:?} is {pointer}");
+    }
     let text = text.strip_prefix('\u{feff}').unwrap_or(&text);
     let guess = if text.trim_start().starts_with('{') { Kind::JsonLines } else { Kind::Csv };
     let mut all = parse(text, kind.unwrap_or(guess)).with_context(|| format!("list {path:?}"))?;
@@ -87,16 +103,30 @@ pub fn parse(text: &str, kind: Kind) -> Result<Vec<Listed>> {
             Kind::JsonLines => json_row(text).map(Some),
         };
         let listed = row.and_then(|row| row.map(|row| row.listed(line)).transpose());
-        all.extend(listed.with_context(|| format!("line {line}"))?);
+        let listed = listed.with_context(|| format!("line {line}"))?;
+        if let (Some(first), Some(listed)) = (all.first(), &listed) {
+            ensure!(
+                is_alone(first) == is_alone(listed),
+                "line {line}: right is missing here or in the lines before, but not in both; add it, or give files that hold \
+                 both views in a list of their own"
+            );
+        }
+        all.extend(listed);
     }
     Ok(all)
+}
+
+/// Whether one file holds both views.
+fn is_alone(pair: &Listed) -> bool {
+    pair.left == pair.right
 }
 
 #[derive(Deserialize)]
 #[serde(deny_unknown_fields)]
 struct Row {
     left: JsonPath,
-    right: JsonPath,
+    /// None where the left one holds both views.
+    right: Option<JsonPath>,
     name: Option<JsonPath>,
     /// The log of failures is a list, too.
     #[serde(rename = "error")]
@@ -105,11 +135,12 @@ struct Row {
 
 impl Row {
     fn listed(self, line: usize) -> Result<Listed> {
-        for (side, path) in [("left", &self.left), ("right", &self.right)] {
-            ensure!(path.0 != Path::new(""), "{side} is empty; give the path of an image");
+        let (left, right) = (self.left.0, self.right.map(|right| right.0));
+        for (side, path) in [("left", Some(&left)), ("right", right.as_ref())] {
+            ensure!(path.is_none_or(|path| path != Path::new("")), "{side} is empty; give the path of an image");
         }
         let name = self.name.filter(|name| name.0 != Path::new("")).map(|name| within(&name.0)).transpose()?;
-        Ok(Listed { line: Some(line), left: self.left.0, right: self.right.0, name })
+        Ok(Listed { line: Some(line), right: right.unwrap_or_else(|| left.clone()), left, name })
     }
 }
 
@@ -140,6 +171,8 @@ type Columns = [Option<usize>; 3];
 
 /// Without a header.
 const BARE: Columns = [Some(0), Some(1), Some(2)];
+/// Without a header, if the first line has one field.
+const ALONE: Columns = [Some(0), None, None];
 
 const NAMES: [&str; 3] = ["left", "right", "name"];
 
@@ -153,9 +186,10 @@ fn csv_row(text: &str, columns: &mut Option<Columns>) -> Result<Option<Row>> {
     let record = reader.records().next().context("it has no field")?.map_err(|error| Error::of(&error))?;
     let Some(columns) = columns else {
         let header: Vec<_> = record.iter().map(str::to_ascii_lowercase).collect();
-        let is_header = ["left", "right"].iter().all(|name| header.iter().any(|field| field == name));
+        let is_header = header.iter().any(|field| field == "left");
         if !is_header {
-            *columns = Some(BARE);
+            let is_alone = record.len() == 1 && !text.contains([';', '\t']);
+            *columns = Some(if is_alone { ALONE } else { BARE });
             return csv_row(text, columns);
         }
         let mut known = HashSet::new();
@@ -169,11 +203,14 @@ fn csv_row(text: &str, columns: &mut Option<Columns>) -> Result<Option<Row>> {
     ensure!(
         if *columns == BARE { count == 2 || count == 3 } else { count == header },
         "it has {count} fields, but {} are expected; separate them by commas",
-        if *columns == BARE { "left,right or left,right,name".into() } else { format!("{header}, as in the header,") }
+        if *columns == BARE {
+            "left,right or left,right,name".into()
+        } else {
+            format!("{header}, as in the first line,")
+        }
     );
     let [left, right, name] = columns.map(|column| column.and_then(|column| record.get(column)).map(JsonPath::from));
-    let none = || JsonPath::from("");
-    Ok(Some(Row { left: left.unwrap_or_else(none), right: right.unwrap_or_else(none), name, _error: None }))
+    Ok(Some(Row { left: left.unwrap_or_else(|| JsonPath::from("")), right, name, _error: None }))
 }
 
 /// The name of each pair. One without a name has that of its left image below the folder that all such images are in.

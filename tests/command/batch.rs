@@ -439,7 +439,7 @@ fn what_cannot_be_is_one_line() {
         ("", &["list \"x.csv\" has no pairs"]),
         ("# nothing\n\nleft,right\n", &["has no pairs"]),
         ("l0.png,r0.png\n\n# x\nl1.png\n", &["list \"x.csv\": line 4: it has 1 fields, but left,right or"]),
-        ("right,left\nl0.png,r0.png,a\n", &["line 2: it has 3 fields, but 2, as in the header"]),
+        ("right,left\nl0.png,r0.png,a\n", &["line 2: it has 3 fields, but 2, as in the first line"]),
         ("l0.png;r0.png\n", &["line 1: it has 1 fields"]),
         ("l0.png,r0.png,a,b\n", &["line 1: it has 4 fields"]),
         ("left,right,mask\nl0.png,r0.png,m\n", &["line 1: the header has \"mask\"", "left, right and name"]),
@@ -457,7 +457,10 @@ fn what_cannot_be_is_one_line() {
     }
     let json: [(&str, &[&str]); 9] = [
         ("\n", &["list \"x.jsonl\" has no pairs"]),
-        ("{\"left\": \"l0.png\", \"right\": \"r0.png\"}\n{\"left\": \"l1.png\"}\n", &["line 2: missing field `right`"]),
+        (
+            "{\"left\": \"l0.png\", \"right\": \"r0.png\"}\n{\"left\": \"l1.png\"}\n",
+            &["line 2: right is missing here or"],
+        ),
         ("{\"left\": \"l0.png\", \"right\": \"r0.png\"", &["line 1: EOF", "(column 36)"]),
         ("{\"left\": 1, \"right\": \"r0.png\"}", &["line 1: invalid type: integer"]),
         ("{\"left\": \"l\", \"right\": \"r\", \"disp\": 3}", &["line 1: unknown field `disp`"]),

@@ -232,13 +232,17 @@ fn what_is_no_image_is_named_with_what_to_do() {
     let ftyp = |brand: &str| [b"\0\0\0\x18ftyp", brand.as_bytes(), &[0; 40]].concat();
     let mut raw = b"II*\0\x08\0\0\0\x01\0\xfe\0\x04\0\x01\0\0\0\x01\0\0\0\0\0\0\0".to_vec();
     raw.extend([0; 64]);
-    let files: [(&str, Vec<u8>, &[&str]); 14] = [
+    let files: [(&str, Vec<u8>, &[&str]); 18] = [
         ("lfs.png", lfs.into_bytes(), &["Git LFS pointer", "git lfs pull"]),
         ("annex.png", b"/annex/objects/SHA256E-s1--ab.png\n".to_vec(), &["git-annex pointer", "git annex get"]),
         ("page.png", b"\n<!DOCTYPE html><html><body>404".to_vec(), &["web page", "download"]),
         ("error.jpg", b"<?xml version=\"1.0\"?><Error><Code>AccessDenied".to_vec(), &["error message"]),
-        ("phone.jpg", ftyp("heic"), &["HEIC", "PNG"]),
-        ("phone.avif", ftyp("avif"), &["AVIF", "PNG"]),
+        ("phone.jpg", ftyp("heic"), &["HEIC", "heif-convert phone.jpg phone.png"]),
+        ("a phone.heic", ftyp("mif1"), &["HEIC", "heif-convert 'a phone.heic' 'a phone.png'"]),
+        ("phone.png", ftyp("avif"), &["AVIF", "avifdec phone.png phone.converted.png"]),
+        ("phone.avif", ftyp("mif1avif"), &["AVIF", "avifdec phone.avif phone.png"]),
+        ("map.jp2", b"\0\0\0\x0cjP  \r\n\x87\n".to_vec(), &["JPEG 2000", "opj_decompress -i map.jp2 -o map.png"]),
+        ("code.j2k", b"\xff\x4f\xff\x51\0\0".to_vec(), &["JPEG 2000", "magick code.j2k code.png"]),
         ("film.png", ftyp("isom"), &["video", "ffmpeg", "gpu-stereo video"]),
         ("film.mkv", b"\x1a\x45\xdf\xa3aaaaaaaaaa".to_vec(), &["video"]),
         ("film.avi", b"RIFF\0\0\0\0AVI LIST".to_vec(), &["video"]),
@@ -253,6 +257,15 @@ fn what_is_no_image_is_named_with_what_to_do() {
         refuses(folder.path(), &on(name, "right.png", &[]), &[&[name], words].concat());
         refuses(folder.path(), &on("left.png", name, &[]), &[&[name], words].concat());
     }
+    let address = "https://example.org/a?b=c&d";
+    refuses(folder.path(), &on(address, "right.png", &[]), &["curl -LO 'https://example.org/a?b=c&d'"]);
+    refuses(
+        folder.path(),
+        &["video", "https://example.org/l.mp4", "right.png", "-o", "m", "--disp", "16"],
+        &["curl -LO"],
+    );
+    fs::copy(folder.path().join("lfs.png"), folder.path().join("list.csv")).unwrap();
+    refuses(folder.path(), &["batch", "list.csv", "-o", "m", "--disp", "16"], &["git lfs pull"]);
     // So is a truth that was not fetched.
     refuses(folder.path(), &on("left.png", "right.png", &["--gt", "lfs.png", "-o", "m.npy"]), &["git lfs pull"]);
 }

@@ -3,6 +3,7 @@
 #![allow(clippy::unwrap_used)]
 
 mod batch;
+mod both;
 mod calibrations;
 mod cli;
 mod depth;

@@ -489,7 +489,11 @@ fn what_cannot_be_is_one_line() {
     }
     refuses(folder.path(), &["video", "left", "right", "-o", "maps"], &["--disp"]);
     refuses(folder.path(), &["video", "left", "right", "--disp", "16"], &["--output"]);
-    refuses(folder.path(), &["video", "left", "-o", "maps", "--disp", "16"], &["1 names"]);
+    refuses(
+        folder.path(),
+        &["video", "left", "-o", "maps", "--disp", "16"],
+        &["left/f1.png", "given alone", "--split sbs"],
+    );
 
     // Two frames of one name.
     fs::create_dir(at("left/sub")).unwrap();

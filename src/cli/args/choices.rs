@@ -4,6 +4,7 @@ use clap::builder::{PossibleValue, PossibleValuesParser, TypedValueParser};
 use gpu_stereo::files::calibration::{KittiPair, LensModel, Unit};
 use gpu_stereo::files::datasets::DataSet;
 use gpu_stereo::files::encoders::{Format, PointFormat, SampleFormat};
+use gpu_stereo::files::images::{Arrangement, Split};
 
 /// What can be typed, the usual name first, what it means, and what `--help` says of it.
 type Choice<T> = (&'static [&'static str], T, &'static str);
@@ -43,6 +44,26 @@ pub fn pair() -> impl TypedValueParser<Value = KittiPair> {
 pub fn lens() -> impl TypedValueParser<Value = LensModel> {
     choice(&LENSES)
 }
+
+/// What [`SPLITS`] has.
+pub fn split() -> impl TypedValueParser<Value = Split> {
+    choice(&SPLITS)
+}
+
+/// `--split`.
+const SPLITS: [Choice<Split>; 7] = [
+    (&["auto"], Split::Auto, "As the file says: the index of MPO, the marker of JPS; the default"),
+    (&["sbs"], Split::both(Arrangement::SideBySide, false), "Side by side, the left view in the left half"),
+    (&["sbs-swapped"], Split::both(Arrangement::SideBySide, true), "Side by side, the right view in the left half"),
+    (&["tb"], Split::both(Arrangement::TopBottom, false), "The left view in the upper half"),
+    (&["tb-swapped"], Split::both(Arrangement::TopBottom, true), "The right view in the upper half"),
+    (&["interlaced"], Split::both(Arrangement::Interlaced, false), "Rows in turn, the first one of the left view"),
+    (
+        &["interlaced-swapped"],
+        Split::both(Arrangement::Interlaced, true),
+        "Rows in turn, the first one of the right view",
+    ),
+];
 
 /// `--format`.
 const FORMATS: [Choice<Format>; 17] = [

@@ -49,6 +49,7 @@ pub const FOREIGN: &[(&str, &str)] = &[
     ("depth", "depthmap depthoutput outputdepth"),
     ("points", "pointcloud pointcloudfile cloud ply pcd xyz"),
     ("gt", "truth groundtruth gtdisp reference"),
+    ("split", "sidebyside sbs stereomode stereolayout framepacking interlaced"),
     ("rectify", "rectification undistort remap"),
     ("timings", "time timing times profile"),
     ("repeat", "iterations iters iter runs"),

@@ -35,6 +35,8 @@ Examples:
       the second of eight shares of a list
   gpu-stereo left.png right.png --disp 192 --method psmnet --weights psmnet.safetensors
       by a network
+  gpu-stereo both.png --split sbs --disp 64
+      both views in one picture, side by side
   gpu-stereo --list-adapters
 
 Exit codes: 0 done, 1 a check found a mismatch or a frame or pair failed, 2 could not run.
@@ -43,12 +45,11 @@ Vulkan, Metal and Direct3D 12 are searched for adapters; WGPU_BACKEND=gl in the 
 /// A run of one pair.
 #[derive(Debug, clap::Args)]
 pub struct SingleArgs {
-    /// The left image
+    /// The left image, or one file that holds both views: MPO, JPS, or any image with --split
     #[arg(required_unless_present = "list_adapters")]
     pub left: Option<PathBuf>,
 
     /// The right image
-    #[arg(required_unless_present = "list_adapters")]
     pub right: Option<PathBuf>,
 
     /// The settings by name

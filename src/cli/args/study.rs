@@ -29,11 +29,11 @@ Examples:
 /// The command line of a study.
 #[derive(Debug, clap::Args)]
 pub struct StudyArgs {
-    /// The left image
+    /// The left image, or one file that holds both views
     pub left: PathBuf,
 
     /// The right image
-    pub right: PathBuf,
+    pub right: Option<PathBuf>,
 
     /// The settings by name
     #[command(flatten)]

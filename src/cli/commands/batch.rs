@@ -63,7 +63,7 @@ fn resolve(typed: BatchArgs) -> Result<Batch> {
         resume: typed.bulk.resume,
         retry: typed.bulk.retry,
         video: false,
-        input: typed.input.clone(),
+        input: typed.input.of_many(),
         cameras: cameras.digest(),
         inputs: masks.paths().chain(cameras.files()).chain(typed.network.weights.as_deref()).map(Into::into).collect(),
         suspects: typed.bulk.suspects,
@@ -79,10 +79,10 @@ fn resolve(typed: BatchArgs) -> Result<Batch> {
     args::report_unused(&[(given, &params)]);
     let params = ParamsBySize::new(params, cameras, formats.iter().any(|format| format.needs_depth()));
     Ok(Batch {
-        store,
         shard: typed.shard,
         device: typed.device,
-        input: typed.input,
+        input: store.mode.input.clone(),
+        store,
         params,
         in_flight,
         threads,
@@ -98,12 +98,11 @@ fn plan(args: &BatchArgs, formats: &[Format]) -> Result<Vec<Planned>> {
         let suspects = store::suspects(journal)?.into_iter();
         return Ok(suspects.map(|(pair, name)| planned(pair, name, None)).collect());
     }
+    let unnamed = |(_, Pair { left, right }): (u64, Pair)| Listed { line: None, left, right, name: None };
     let listed = match &args.pairs[..] {
-        [path] => lists::read(path)?,
-        [left, right] => {
-            let unnamed = |(_, Pair { left, right }): (u64, Pair)| Listed { line: None, left, right, name: None };
-            pairs::find(left, right)?.into_iter().map(unnamed).collect()
-        }
+        [path] if args.input.split.is_none() || lists::is_list(path) => lists::read(path)?,
+        [both] => images::find_in_one(both, &args.input)?.into_iter().map(unnamed).collect(),
+        [left, right] => pairs::find(left, right)?.into_iter().map(unnamed).collect(),
         more => bail!(
             "{} names were given, but a list or LEFT and RIGHT are needed; put a glob in quotes, or the shell replaces it \
              by names",

@@ -10,6 +10,7 @@ use crate::args::{self, CompareArgs, DeviceArgs, InputArgs, StudyArgs};
 use crate::engine::compute::{Cameras, Engine, EngineNames, FrameMs};
 use crate::engine::diagnosis::{self, Finding};
 use crate::engine::output_files::{self, MapFolder, file_name};
+use crate::engine::pair::Pair;
 use crate::engine::{adapter, images, places};
 use crate::terminal::{self, Progress, table, warnings};
 use anyhow::{Context as _, Result, bail, ensure};
@@ -124,10 +125,11 @@ fn resolve(typed: &StudyArgs, mut variants: Vec<Variant>, common: String, order:
     });
     let tile_width = tile_width.transpose()?;
     let masks = MaskFiles::resolve(typed.masks.mask_in.as_deref())?;
+    let (Pair { left, right }, input) = images::given(&typed.left, typed.right.as_deref(), &typed.input)?;
     let cameras = Cameras::resolve(&typed.cameras)?;
     let maps = MapFolder::resolve(&typed.maps)?;
     cameras.ensure_fit(output_files::asks_for_depth(MapFolder::formats(maps.as_ref())), false)?;
-    let images = [typed.left.as_path(), &typed.right];
+    let images = [left.as_path(), &right];
     let others = masks.paths().chain(cameras.files()).chain(typed.network.weights.as_deref());
     let inputs: Vec<_> = images.into_iter().chain(others).collect();
     let outputs = output_files::resolve_sheet(typed.output.as_deref().unwrap_or(name.as_ref()), &inputs)?;
@@ -138,10 +140,10 @@ fn resolve(typed: &StudyArgs, mut variants: Vec<Variant>, common: String, order:
         places::ensure_apart(files.iter().map(PathBuf::as_path), inputs.iter().copied())?;
     }
     Ok(Study {
-        left: typed.left.clone(),
-        right: typed.right.clone(),
+        left,
+        right,
         masks,
-        input: typed.input.clone(),
+        input,
         cameras,
         maps,
         variants,

@@ -70,11 +70,13 @@ pub fn run(args: VideoArgs) -> Result<Outcome> {
 
 /// Checks everything that can be checked without reading an image or opening a device.
 fn resolve(typed: VideoArgs) -> Result<Video> {
-    let [left, right] = &typed.sides[..] else {
-        bail!(
+    let pairs = match &typed.sides[..] {
+        [left, right] => pairs::find(left, right)?,
+        [both] => images::find_in_one(both, &typed.input.of_many())?,
+        more => bail!(
             "{} names were given, but LEFT and RIGHT are needed; put a glob in quotes, or the shell replaces it by names",
-            typed.sides.len()
-        );
+            more.len()
+        ),
     };
     let given: Vec<_> = typed.settings.iter().map(|(name, _)| name).collect();
     args::ensure_disparities(&given)?;
@@ -95,9 +97,8 @@ fn resolve(typed: VideoArgs) -> Result<Video> {
         disk::leave_to_the_system();
     }
 
-    let pairs = pairs::find(left, right)?;
     let first: Vec<_> = pairs.iter().take(images::FIRST).map(|(_, pair)| pair.clone()).collect();
-    let input = images::as_first(&typed.input, &first);
+    let input = images::as_first(&typed.input.of_many(), &first);
     let inputs: Vec<PathBuf> =
         masks.paths().chain(cameras.files()).chain(typed.network.weights.as_deref()).map(Into::into).collect();
     let sink = if film::is_film(&typed.output) {

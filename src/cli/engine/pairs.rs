@@ -19,6 +19,13 @@ pub fn find(left: &Path, right: &Path) -> Result<Vec<(u64, Pair)>> {
     Ok((left.first..).zip(pairs).collect())
 }
 
+/// The pairs of one folder, pattern or glob, whose images hold both views each; numbered as by [`find`].
+pub fn find_in_one(given: &Path) -> Result<Vec<(u64, Pair)>> {
+    let side = Side::find("the name", given)?;
+    side.gap.iter().for_each(|gap| message(gap));
+    Ok((side.first..).zip(side.paths.iter().map(|path| Pair::in_one(path))).collect())
+}
+
 /// The frames of one camera.
 struct Side {
     /// As it was typed.
@@ -64,7 +71,7 @@ impl Side {
             "{name} is {given:?}, but there is neither such a folder nor a file that this matches{}; give a folder, a \
              printf pattern such as img_%06d.png or a glob such as 'left/*.png'{}",
             matched_so_far(given),
-            if text.contains('[') { ", in which [[] is written for [" } else { gpu_stereo::files::hint(given) }
+            if text.contains('[') { ", in which [[] is written for [".into() } else { gpu_stereo::files::hint(given) }
         );
         sort(&mut paths);
         Ok(side(paths))

@@ -84,7 +84,7 @@ pub struct Store {
     dead: Mutex<Vec<Dead>>,
     journal: OnceLock<Journal>,
     /// The contents of the images that were read.
-    sources: Mutex<HashMap<usize, [Facts; 2]>>,
+    sources: Mutex<HashMap<usize, Vec<Facts>>>,
     begun: OnceLock<Result<(), String>>,
     synced: Mutex<Instant>,
 }

@@ -31,7 +31,7 @@ pub fn decoder<'a>(path: &Path, bytes: &'a [u8]) -> Result<impl ImageDecoder + u
     // The content tells the format, whatever the name says. Only TGA has no signature.
     let is_tga = || path.extension().is_some_and(|ending| ending.eq_ignore_ascii_case("tga"));
     let known = reader.format().filter(ImageFormat::reading_enabled);
-    if let (None, Some(foreign)) = (known, kinds::foreign(bytes)) {
+    if let (None, Some(foreign)) = (known, kinds::foreign(path, bytes)) {
         bail!("{path:?} is {foreign}");
     }
     let Some(format) = known.or_else(|| is_tga().then_some(ImageFormat::Tga)) else {

@@ -1,20 +1,44 @@
 //! Recognises files that are not images, or hold several, and says what to do about them.
 
-/// A kind that is known, but not read as an image; of others `None`.
-pub fn foreign(bytes: &[u8]) -> Option<&'static str> {
-    const VIDEO: &str = "a video, but an image is needed; make images of its frames, for example with ffmpeg -i VIDEO left/%06d.png, and \
-                         give the folders to gpu-stereo video";
+use super::one_file;
+use crate::files::contents::in_shell;
+use std::path::Path;
+
+/// What the file at `path` is, if its kind is known, but not read as an image, and what makes an image of it.
+pub fn foreign(path: &Path, bytes: &[u8]) -> Option<String> {
+    let kind = foreign_kind(bytes)?;
+    let named = path.with_extension("png");
+    let out = if named == path { path.with_extension("converted.png") } else { named };
+    let word = |word| match word {
+        "IN" => in_shell(path),
+        "OUT" => in_shell(&out),
+        other => String::from(other),
+    };
+    Some(kind.split(' ').map(word).collect::<Vec<_>>().join(" "))
+}
+
+/// The same, with `IN` for the file and `OUT` for the image.
+fn foreign_kind(bytes: &[u8]) -> Option<&'static str> {
+    const VIDEO: &str =
+        "a video, but an image is needed; give it to gpu-stereo video, which reads the frames by ffmpeg";
     const RAW: &str = "a camera's raw file, but developed images are needed; convert it to 16-bit TIFF or PNG, for example with \
                        dcraw -T -6 or RawTherapee";
     const HEIC: &str =
-        "a HEIC image, which is not read; convert it to PNG, for example with heif-convert or ImageMagick";
-    const AVIF: &str = "an AVIF image, which is not read; convert it to PNG, for example with avifdec or ImageMagick";
-    const JXL: &str = "a JPEG XL image, which is not read; convert it to PNG, for example with djxl";
+        "a HEIC image, which is not read; convert it: heif-convert IN OUT (of libheif-examples), or magick IN OUT";
+    const AVIF: &str =
+        "an AVIF image, which is not read; convert it: avifdec IN OUT (of libavif-bin), or magick IN OUT";
+    const JXL: &str = "a JPEG XL image, which is not read; convert it: djxl IN OUT (of libjxl-tools), or magick IN OUT";
+    const JP2: &str = "a JPEG 2000 image, which is not read; convert it: opj_decompress -i IN -o OUT (of \
+                       libopenjp2-tools), or magick IN OUT";
     const WEB: &str = "a web page, not an image (perhaps a site's error or log-in page); download the image itself";
     const DOCUMENT: &str = "a document, not an image; export its picture as PNG";
     const ARCHIVE: &str = "an archive, not an image; unpack it first";
-    if let [_, _, _, _, b'f', b't', b'y', b'p', brand @ ..] = bytes {
+    if let [_, _, _, length, b'f', b't', b'y', b'p', brand @ ..] = bytes {
+        // Either may begin with the brand of all such files, and names its own among those that it is compatible with.
+        let brands = brand.get(..usize::from(*length).saturating_sub(8)).unwrap_or(brand);
+        let is_avif = || brands.chunks_exact(4).any(|brand| brand == b"avif");
         return Some(match brand.get(..4).unwrap_or_default() {
+            b"mif1" | b"msf1" if is_avif() => AVIF,
             b"heic" | b"heix" | b"hevc" | b"hevx" | b"heim" | b"heis" | b"mif1" | b"msf1" => HEIC,
             b"avif" | b"avis" => AVIF,
             b"crx " => RAW,
@@ -37,11 +61,8 @@ pub fn foreign(bytes: &[u8]) -> Option<&'static str> {
         (b"\0MRM", RAW),
         (b"\xff\x0a", JXL),
         (b"\0\0\0\x0cJXL ", JXL),
-        (b"\0\0\0\x0cjP  ", "a JPEG 2000 image, which is not read; convert it to PNG, for example with opj_decompress"),
-        (
-            b"\xff\x4f\xff\x51",
-            "a JPEG 2000 image, which is not read; convert it to PNG, for example with opj_decompress",
-        ),
+        (b"\0\0\0\x0cjP  ", JP2),
+        (b"\xff\x4f\xff\x51", JP2),
         (b"8BPS", "a Photoshop file, which is not read; export it as PNG or TIFF"),
         (
             b"\x76\x2f\x31\x01",
@@ -91,21 +112,7 @@ pub fn begins_with_preview(bytes: &[u8]) -> bool {
 /// Whether a file has further images, which are not read.
 pub fn has_more(bytes: &[u8]) -> bool {
     match bytes {
-        [0xff, 0xd8, ..] => {
-            // Multi-picture format: a segment APP2 before the scan.
-            let mut rest = &bytes[2..];
-            while let [0xff, marker, high, low, after @ ..] = rest {
-                if *marker == 0xe2 && after.starts_with(b"MPF\0") {
-                    return true;
-                }
-                let length = usize::from(u16::from_be_bytes([*high, *low]));
-                if *marker == 0xda || *marker == 0xff || length < 2 {
-                    return false;
-                }
-                rest = rest.get(2 + length..).unwrap_or_default();
-            }
-            false
-        }
+        [0xff, 0xd8, ..] => one_file::has_index(bytes),
         [0x89, b'P', b'N', b'G', ..] => {
             let mut rest = bytes.get(8..).unwrap_or_default();
             while let Some((length, after)) = rest.split_first_chunk::<4>() {

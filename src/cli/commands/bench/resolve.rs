@@ -60,6 +60,10 @@ pub fn resolve(typed: BenchArgs) -> Result<Bench> {
     adapter::ensure_consistent(&typed.device)?;
     let repeat = typed.repeat.as_ref().map(args::repeat).transpose()?;
     let scenes = scenes(typed.layout, &typed.dataset, &typed.only)?;
+    ensure!(
+        typed.input.split.is_none() || typed.layout == DataSet::Manifest,
+        "--split is for images that hold both views, but those of this --layout are two; drop it, or use --layout manifest"
+    );
     let submission = typed.submission.map(|folder| submission(folder, typed.method_name, typed.layout, variants.len()));
     let submission = submission.transpose()?;
     let cameras = Cameras::resolve(&typed.cameras)?;
@@ -80,7 +84,7 @@ pub fn resolve(typed: BenchArgs) -> Result<Bench> {
         scenes,
         weights: variants.iter().find_map(|variant| variant.params.network.as_ref()).map(fingerprint),
         variants,
-        input: typed.input,
+        input: typed.input.of_many(),
         device: typed.device,
         repeat,
         report: typed.report,

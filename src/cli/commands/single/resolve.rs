@@ -4,7 +4,8 @@ use super::shaders;
 use crate::args::{self, Backend, DeviceArgs, InputArgs, SingleArgs};
 use crate::commands::{energy, network};
 use crate::engine::compute::Cameras;
-use crate::engine::{adapter, output_files};
+use crate::engine::pair::Pair;
+use crate::engine::{adapter, images, output_files};
 use anyhow::{Result, bail, ensure};
 use gpu_stereo::Params;
 use gpu_stereo::files::encoders::Format;
@@ -68,9 +69,8 @@ pub fn resolve(typed: SingleArgs) -> Result<Job> {
     ensure!(compares, "--check compares with the reference, but --backend is reference; use auto, gpu or cpu");
     adapter::ensure_consistent(&typed.device)?;
     let repeat = typed.repeat.as_ref().map(args::repeat).transpose()?.or(typed.timings.then_some(1));
-    let (Some(left), Some(right)) = (typed.left.clone(), typed.right.clone()) else {
-        bail!("two images are needed, LEFT and RIGHT; see gpu-stereo --help");
-    };
+    let Some(left) = &typed.left else { bail!("two images are needed, LEFT and RIGHT; see gpu-stereo --help") };
+    let (Pair { left, right }, input) = images::given(left, typed.right.as_deref(), &typed.input)?;
     let cameras = Cameras::resolve(&typed.cameras)?;
     let wanted = wanted(&typed)?;
     let formats: Vec<_> = wanted.iter().map(|(_, format)| *format).collect();
@@ -96,7 +96,7 @@ pub fn resolve(typed: SingleArgs) -> Result<Job> {
     Ok(Job {
         left,
         right,
-        input: typed.input,
+        input,
         params,
         masks,
         cameras,

@@ -6,7 +6,7 @@
 use crate::args::InputArgs;
 use crate::engine::{disk, log};
 use anyhow::{Context as _, Result};
-use gpu_stereo::files::images::Bits;
+use gpu_stereo::files::images::{Bits, Split};
 use gpu_stereo::files::lists::absolute;
 use gpu_stereo::files::weights::fingerprint;
 use gpu_stereo::files::{JsonPath, hash};
@@ -71,6 +71,9 @@ impl Record {
         // Defaults are not recorded.
         if input.swap {
             made_with.insert("swap".into(), true.into());
+        }
+        if let Some(split) = input.split.filter(|split| *split != Split::Auto) {
+            made_with.insert("split".into(), format!("{split:?}").into());
         }
         if let Bits::Given(bits) = input.bits {
             made_with.insert("bits".into(), bits.into());
