@@ -13,6 +13,7 @@ pub mod disk;
 pub mod encoders;
 mod error;
 mod facts;
+pub mod frames;
 pub mod images;
 mod json_path;
 pub mod lists;

@@ -15,6 +15,8 @@ mod memory;
 mod outputs;
 #[cfg(unix)]
 mod resume;
+#[cfg(unix)]
+mod stream;
 mod support;
 mod terminal;
 mod video;

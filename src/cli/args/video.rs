@@ -9,17 +9,22 @@ use super::input::{InputArgs, MaskArgs};
 use super::numbers::Whole;
 use super::settings::Settings;
 use super::weights::NetworkArgs;
+use gpu_stereo::files::frames::RawFrames;
 use std::path::PathBuf;
 
 /// The usage.
-pub const USAGE: &str = "gpu-stereo video <LEFT> <RIGHT> -o <OUT> --disp <N> [OPTIONS]";
+pub const USAGE: &str = "\
+gpu-stereo video <LEFT> <RIGHT> -o <OUT> --disp <N> [OPTIONS]
+       gpu-stereo video <BOTH> --split <HOW> -o <OUT> --disp <N> [OPTIONS]";
 
 /// The end of `--help`.
 pub const HELP: &str = "\
 LEFT and RIGHT are each
   a folder: its images in natural order (frame2 before frame10);
-  a printf pattern such as img_%06d.png: from the first number that exists to the first that does not; or
-  a glob such as 'left/*.png', in quotes, in natural order.
+  a printf pattern such as img_%06d.png: from the first number that exists to the first that does not;
+  a glob such as 'left/*.png', in quotes, in natural order; or
+  a video, decoded by the ffmpeg on the PATH.
+One of these alone has both views in each frame: say by --split where. - alone is stdin: Y4M, PAM, or --raw-frames.
 All pairs have one size. What fails is reported, the rest goes on, and the exit code is 1.
 Without --resume, existing files are replaced, as by a single run.
 
@@ -32,13 +37,17 @@ Examples:
       depth_0000.pfm, depth_0001.pfm and so on
   gpu-stereo video left right -o both.mp4 --fps 25 --disp 64
       the left image beside the colour map, by the ffmpeg on the PATH
+  gpu-stereo video left.mp4 right.mp4 -o maps/%06d.pfm --disp 64
+      a map of every pair of frames of two videos
+  ffmpeg -f v4l2 -i /dev/video0 -f yuv4mpegpipe -pix_fmt yuv420p - | gpu-stereo video - --split sbs -o maps --disp 64
+      a camera that shows both views side by side, until Ctrl-C
 
 Exit codes: 0 done, 1 a frame failed, 2 could not run.";
 
 /// The command line of `video`.
 #[derive(Debug, clap::Args)]
 pub struct VideoArgs {
-    /// The frames of the left and of the right camera
+    /// The frames of the left and of the right camera; or of both, with --split
     #[arg(required = true, num_args = 1.., value_names = ["LEFT", "RIGHT"])]
     pub sides: Vec<PathBuf>,
 
@@ -57,6 +66,11 @@ pub struct VideoArgs {
     /// How the images are read
     #[command(flatten)]
     pub input: InputArgs,
+
+    /// The frames on stdin are pixels without a header, of this size and in ffmpeg's gray, gray16le, rgb24, bgr24, rgba, bgra,
+    /// yuv420p, nv12, yuyv422 or uyvy422, such as 1280x480:yuyv422
+    #[arg(long, value_name = "WxH:PIXELS", help_heading = "Input")]
+    pub raw_frames: Option<RawFrames>,
 
     /// The cameras
     #[command(flatten)]
@@ -78,7 +92,7 @@ pub struct VideoArgs {
     #[command(flatten)]
     pub formats: FormatArgs,
 
-    /// Frames a second of a video, above 0, at most 1000 [default: 10]
+    /// Frames a second of the video that is written, above 0, at most 1000 [default: as the video that is read, else 10]
     #[arg(long, value_name = "FPS", allow_negative_numbers = true, help_heading = OUTPUT)]
     pub fps: Option<String>,
 

@@ -63,7 +63,7 @@ impl<F> Summary<F> {
         Self {
             unit,
             warnings: ran.warnings(),
-            doubtful: ran.doubtful_pairs(),
+            doubtful: ran.doubtful_pairs,
             names: ran.names,
             size: None,
             range: (params.min_disparity, params.disparities),

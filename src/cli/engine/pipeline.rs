@@ -6,7 +6,6 @@ mod tally;
 mod threads;
 mod work;
 
-use super::pair::Pair;
 use anyhow::{Result, anyhow};
 use flow::Flow;
 use gpu_stereo::{Error, Image};
@@ -16,17 +15,17 @@ use std::thread;
 use std::time::Instant;
 use tally::Tally;
 use threads::{ReadPair, Readers, Writers};
-pub use work::{FailedPair, MatchedPair, PairKind, Ran, Refused, Setup, Work};
+pub use work::{FailedPair, MatchedPair, PairKind, Ran, Refused, Sequence, Setup, Work};
 
 /// Matches all pairs. A failure is reported at once, and the rest goes on. Once `stop` is true, no further pair is begun.
-pub fn run(pairs: &[Pair], setup: &Setup<'_>, stop: &AtomicBool, work: &dyn Work) -> Ran {
+pub fn run(sequence: Sequence<'_>, setup: &Setup<'_>, stop: &AtomicBool, work: &dyn Work) -> Ran {
     let start = Instant::now();
-    let tally = Tally::new(pairs, setup, work);
+    let tally = Tally::new(sequence, setup, work);
     let mut flow = None;
     let ended = thread::scope(|scope| {
-        let readers = Readers::start(scope, pairs, setup, work)?;
+        let readers = Readers::start(scope, sequence, setup, work)?;
         let writers = Writers::start(scope, setup, work, &tally)?;
-        Run { pairs, setup, stop, work, tally: &tally, readers, writers, flow: &mut flow }.all()
+        Run { sequence, setup, stop, work, tally: &tally, readers, writers, flow: &mut flow }.all()
     });
     let mut ran = tally.finish();
     ran.seconds = start.elapsed().as_secs_f64();
@@ -37,7 +36,9 @@ pub fn run(pairs: &[Pair], setup: &Setup<'_>, stop: &AtomicBool, work: &dyn Work
     }
     // The first cause comes first.
     ran.stopped = ran.stopped.or(ended.err());
-    if ran.stopped.is_none() && stop.load(Ordering::Relaxed) && ran.done + ran.failed.len() < pairs.len() {
+    // A stream that is interrupted ends there.
+    let is_cut = sequence.len().is_some_and(|all| ran.done + ran.failed.len() < all);
+    if ran.stopped.is_none() && stop.load(Ordering::Relaxed) && is_cut {
         ran.stopped = Some(anyhow!("interrupted"));
     }
     ran
@@ -45,7 +46,7 @@ pub fn run(pairs: &[Pair], setup: &Setup<'_>, stop: &AtomicBool, work: &dyn Work
 
 /// The state of the thread that feeds the device.
 struct Run<'a> {
-    pairs: &'a [Pair],
+    sequence: Sequence<'a>,
     setup: &'a Setup<'a>,
     stop: &'a AtomicBool,
     work: &'a dyn Work,
@@ -58,7 +59,7 @@ struct Run<'a> {
 impl Run<'_> {
     /// Reads, admits and begins one pair after another.
     fn all(mut self) -> Result<()> {
-        for place in 0..self.pairs.len() {
+        for place in 0..self.sequence.len().unwrap_or(usize::MAX) {
             let read = self.read(place)?;
             if self.stop.load(Ordering::Relaxed) || self.tally.is_stopped() {
                 break;
@@ -70,6 +71,7 @@ impl Run<'_> {
                     continue;
                 }
                 Err(Refused::All(error)) => return Err(error),
+                Err(Refused::End) => break,
             };
             if self.has_room(place, &pair.left)? {
                 self.begin(place, pair)?;
@@ -88,7 +90,10 @@ impl Run<'_> {
             self.tally.wait_for(place);
             return Ok(match self.tally.is_stopped() {
                 true => Err(Refused::Pair(anyhow!("stopped"))),
-                false => ReadPair::read(self.work, place, &self.pairs[place], self.setup),
+                false => match self.sequence.pair(place) {
+                    Some(pair) => ReadPair::read(self.work, place, &pair, self.setup),
+                    None => Err(Refused::End),
+                },
             });
         }
         loop {

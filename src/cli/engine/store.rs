@@ -24,6 +24,7 @@ use journal::{Begun, Dead};
 pub use journal::{Journal, State};
 use plan::ensure_possible;
 pub use plan::{Item, Planned, suspects};
+pub use record::NAME as RECORD;
 use record::{Contents, Record};
 use std::collections::{BTreeSet, HashMap};
 use std::fs;

@@ -1,6 +1,6 @@
 //! Trial: pairs that an earlier process may have died of are computed one by one in a separate process.
 
-use super::pipeline::{self, FailedPair, Ran, Setup, Work as _};
+use super::pipeline::{self, FailedPair, Ran, Sequence, Setup, Work as _};
 use super::store::{MOST_DEATHS, State, Store};
 use crate::terminal::{message, name, one_line, warnings};
 use anyhow::{Context as _, Result, anyhow, bail, ensure};
@@ -19,7 +19,9 @@ const LOOK: Duration = Duration::from_millis(10);
 pub fn run(store: &Store, setup: &Setup<'_>, stop: &'static AtomicBool) -> Ran {
     let start = Instant::now();
     let mut ran = match store.open() {
-        Ok(()) => pipeline::run(&store.pairs[..store.main + store.alone()], &store.setup(setup), stop, store),
+        Ok(()) => {
+            pipeline::run(Sequence::Files(&store.pairs[..store.main + store.alone()]), &store.setup(setup), stop, store)
+        }
         Err(error) => Ran { stopped: Some(error), ..Ran::default() },
     };
     let end = if store.mode.suspects.is_some() { as_suspect(store, &mut ran) } else { after(store, &mut ran, stop) };

@@ -12,17 +12,22 @@ const A_LINE: Duration = Duration::from_secs(1);
 pub struct Pace {
     bar: ProgressBar,
     lines: bool,
-    all: usize,
+    all: Option<usize>,
     unit: &'static str,
     start: Instant,
     last_line: Mutex<Instant>,
 }
 
 impl Pace {
-    /// For `all` pieces, called `unit` in the text; nothing is shown if `quiet`.
-    pub fn new(all: usize, unit: &'static str, quiet: bool) -> Self {
-        let bar = if quiet { ProgressBar::hidden() } else { ProgressBar::new(all as u64) };
-        let style = ProgressStyle::with_template("{bar:24} {pos}/{len}  {msg}");
+    /// For `all` pieces, if their number is known, called `unit` in the text; nothing is shown if `quiet`.
+    pub fn new(all: Option<usize>, unit: &'static str, quiet: bool) -> Self {
+        let bar = match all {
+            _ if quiet => ProgressBar::hidden(),
+            Some(all) => ProgressBar::new(all as u64),
+            None => ProgressBar::new_spinner(),
+        };
+        let style = if all.is_some() { "{bar:24} {pos}/{len}  {msg}" } else { "{pos}  {msg}" };
+        let style = ProgressStyle::with_template(style);
         let bar = bar.with_finish(ProgressFinish::AndClear).with_style(style.unwrap_or(ProgressStyle::default_bar()));
         let lines = bar.is_hidden() && !quiet;
         let start = Instant::now();
@@ -32,13 +37,15 @@ impl Pace {
     /// Shows that `done` pieces are done.
     pub fn show(&self, done: usize) {
         let rate = done as f64 / self.start.elapsed().as_secs_f64().max(1e-9);
-        let text = format!("{rate:.1} {} a second, {} left", self.unit, time((self.all - done) as f64 / rate));
+        let left = self.all.map(|all| format!(", {} left", time((all - done) as f64 / rate))).unwrap_or_default();
+        let text = format!("{rate:.1} {} a second{left}", self.unit);
         self.bar.set_message(text.clone());
         self.bar.set_position(done as u64);
         let mut last_line = self.last_line.lock().unwrap_or_else(PoisonError::into_inner);
-        if self.lines && (last_line.elapsed() >= A_LINE || done == self.all) {
+        if self.lines && (last_line.elapsed() >= A_LINE || self.all == Some(done)) {
             *last_line = Instant::now();
-            message(&format!("{done}/{}  {text}", self.all));
+            let all = self.all.map(|all| format!("/{all}")).unwrap_or_default();
+            message(&format!("{done}{all}  {text}"));
         }
     }
 

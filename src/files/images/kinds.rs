@@ -2,6 +2,8 @@
 
 use super::one_file;
 use crate::files::contents::in_shell;
+use std::fs::File;
+use std::io::Read as _;
 use std::path::Path;
 
 /// What the file at `path` is, if its kind is known, but not read as an image, and what makes an image of it.
@@ -17,10 +19,24 @@ pub fn foreign(path: &Path, bytes: &[u8]) -> Option<String> {
     Some(kind.split(' ').map(word).collect::<Vec<_>>().join(" "))
 }
 
+const VIDEO: &str = "a video, but an image is needed; give it to gpu-stereo video, which reads the frames by ffmpeg";
+
+/// Whether a file is a video: by its content, or by its ending if that is of no image.
+#[must_use]
+pub fn is_video(path: &Path) -> bool {
+    const ENDINGS: [&str; 14] =
+        ["mp4", "mkv", "webm", "avi", "mov", "m4v", "mpg", "mpeg", "wmv", "flv", "ogv", "ts", "m2ts", "y4m"];
+    let mut start = Vec::new();
+    let read = |start: &mut Vec<u8>| File::open(path)?.take(1024).read_to_end(start);
+    if !path.is_file() || read(&mut start).is_err() {
+        return false;
+    }
+    let ending = path.extension().unwrap_or_default().to_string_lossy().to_ascii_lowercase();
+    foreign_kind(&start) == Some(VIDEO) || ENDINGS.contains(&ending.as_str())
+}
+
 /// The same, with `IN` for the file and `OUT` for the image.
 fn foreign_kind(bytes: &[u8]) -> Option<&'static str> {
-    const VIDEO: &str =
-        "a video, but an image is needed; give it to gpu-stereo video, which reads the frames by ffmpeg";
     const RAW: &str = "a camera's raw file, but developed images are needed; convert it to 16-bit TIFF or PNG, for example with \
                        dcraw -T -6 or RawTherapee";
     const HEIC: &str =

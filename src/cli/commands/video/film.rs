@@ -1,17 +1,16 @@
 //! The film: left images beside their colour maps, as a video encoded by the `ffmpeg` on the PATH.
 
+use crate::engine::ffmpeg::{self, Ffmpeg};
 use crate::engine::pipeline::{MatchedPair, Refused, Work};
 use crate::engine::{disk, images, places};
-use crate::terminal::one_line;
-use anyhow::{Context as _, Result, anyhow, bail, ensure};
+use anyhow::{Context as _, Result, ensure};
 use gpu_stereo::files::encoders;
 use gpu_stereo::files::encoders::ending;
+use std::ffi::OsString;
 use std::fs::File;
-use std::io::{Read as _, Write as _};
 use std::path::{Path, PathBuf};
-use std::process::{Child, ChildStdin, Command, Stdio};
+use std::process::Stdio;
 use std::sync::{Mutex, PoisonError};
-use std::thread::{self, JoinHandle};
 use tempfile::TempPath;
 
 /// A video to write, whole or not at all.
@@ -24,11 +23,9 @@ pub struct Film {
     encoder: Mutex<Option<Encoder>>,
 }
 
-/// A running ffmpeg.
+/// A running ffmpeg, and the file that it writes.
 struct Encoder {
-    child: Child,
-    frames: ChildStdin,
-    told: JoinHandle<String>,
+    ffmpeg: Ffmpeg,
     file: TempPath,
 }
 
@@ -39,14 +36,13 @@ pub fn is_film(path: &Path) -> bool {
 
 impl Film {
     /// A video of `fps` frames a second, once it is sure that it can be written.
-    pub fn new(path: &Path, fps: &str, range: (i32, i32)) -> Result<Self> {
+    pub fn new(path: &Path, fps: String, range: (i32, i32)) -> Result<Self> {
         let place = places::writable_place(path)?;
-        let asked = ffmpeg().arg("-version").stdout(Stdio::null()).stderr(Stdio::null()).status();
         ensure!(
-            asked.is_ok_and(|status| status.success()),
+            ffmpeg::is_there(),
             "output {path:?} is a video, but no working ffmpeg is on the PATH; install ffmpeg, or give a folder"
         );
-        Ok(Self { path: path.into(), place, fps: fps.into(), range, encoder: Mutex::new(None) })
+        Ok(Self { path: path.into(), place, fps, range, encoder: Mutex::new(None) })
     }
 
     /// Adds a frame. All have the size of the first one.
@@ -61,61 +57,36 @@ impl Film {
             Some(encoder) => encoder,
             none => none.insert(self.start(2 * map.width(), map.height())?),
         };
-        if encoder.frames.write_all(&pixels).is_err() {
-            // ffmpeg has ended; its stderr says why.
-            let status = encoder.child.wait()?;
-            bail!("ffmpeg ended before the last frame ({status})");
-        }
+        ensure!(encoder.ffmpeg.take(&pixels), "ffmpeg ended before the last frame"); // its stderr says why
         Ok(())
     }
 
     fn start(&self, width: u32, height: u32) -> Result<Encoder> {
         let folder = self.place.parent().unwrap_or(Path::new("/"));
         let file = disk::temporary(folder, &format!(".{}", ending(&self.path)))?.into_temp_path();
-        let mut command = ffmpeg();
-        command.args(["-hide_banner", "-loglevel", "error", "-y"]);
-        command.args(["-f", "rawvideo", "-pix_fmt", "rgb24", "-s", &format!("{width}x{height}"), "-r", &self.fps]);
+        let size = format!("{width}x{height}");
+        let raw = ["-y", "-f", "rawvideo", "-pix_fmt", "rgb24", "-s", &size, "-r", &self.fps, "-i", "-", "-an"];
         // Most players need yuv420p, which needs an even number of rows and columns.
-        command.args(["-i", "-", "-an", "-vf", "pad=ceil(iw/2)*2:ceil(ih/2)*2", "-pix_fmt", "yuv420p"]);
-        if ending(&self.path) == "webm" {
-            command.args(["-crf", "30", "-b:v", "0"]); // or its encoder takes a very low rate
-        }
-        command.arg(&file).stdin(Stdio::piped()).stdout(Stdio::null()).stderr(Stdio::piped());
-        #[cfg(unix)]
-        {
-            use std::os::unix::process::CommandExt as _;
-            command.process_group(0); // Ctrl-C is for this process, which ends it in order
-        }
-        let mut child = command.spawn().context("ffmpeg cannot be started")?;
-        let (Some(frames), Some(mut errors)) = (child.stdin.take(), child.stderr.take()) else {
-            bail!("ffmpeg has no pipes");
-        };
-        let told = thread::Builder::new().spawn(move || {
-            let mut bytes = Vec::new();
-            let _ = errors.read_to_end(&mut bytes); // what was read by then
-            String::from_utf8_lossy(&bytes).into_owned()
-        });
-        let told = told.context("a thread cannot be started; raise the limit of threads (ulimit -u)")?;
-        Ok(Encoder { child, frames, told, file })
+        let even = ["-vf", "pad=ceil(iw/2)*2:ceil(ih/2)*2", "-pix_fmt", "yuv420p"];
+        // The encoder of WebM takes a very low rate by itself.
+        let quality: &[&str] = if ending(&self.path) == "webm" { &["-crf", "30", "-b:v", "0"] } else { &[] };
+        let mut args: Vec<_> = [&raw[..], &even, quality].concat().into_iter().map(OsString::from).collect();
+        args.push(file.as_os_str().into());
+        let ffmpeg = Ffmpeg::start(&args, Stdio::piped(), Stdio::null())?;
+        Ok(Encoder { ffmpeg, file })
     }
 
     /// Ends the video: names it if `whole`, else removes it. Without any frame there is no file.
     pub fn finish(self, whole: bool) -> Result<()> {
         let Some(encoder) = self.encoder.into_inner().unwrap_or_else(PoisonError::into_inner) else { return Ok(()) };
-        let Encoder { mut child, frames, told, file } = encoder;
-        if !whole && child.try_wait()?.is_none() {
-            child.kill()?;
-        }
-        drop(frames);
-        let status = child.wait().context("ffmpeg cannot be waited for")?;
-        let told = told.join().map_err(|_| anyhow!("what ffmpeg said is lost"))?;
-        let told = one_line(&told);
+        let Encoder { ffmpeg, file } = encoder;
+        let (succeeded, status, told) = ffmpeg.end(!whole)?;
         if !whole {
             ensure!(told.is_empty(), "ffmpeg said: {told}");
             return Ok(());
         }
         ensure!(
-            status.success(),
+            succeeded,
             "output {:?} cannot be written: ffmpeg failed ({status}): {}; try another ending, or give a folder",
             self.path,
             if told.is_empty() { "it does not say why" } else { &told }
@@ -133,8 +104,4 @@ impl Work for Film {
     fn write(&self, frame: &MatchedPair) -> Result<(), Refused> {
         self.add(frame).map_err(Refused::All)
     }
-}
-
-fn ffmpeg() -> Command {
-    Command::new("ffmpeg")
 }

@@ -1,8 +1,7 @@
 //! The results of the pairs so far, and their progress.
 
-use super::work::{FailedPair, Ran, Setup, Work};
+use super::work::{FailedPair, Ran, Sequence, Setup, Work};
 use crate::engine::diagnosis::Finding;
-use crate::engine::pair::Pair;
 use crate::terminal::{Pace, name, one_line};
 use std::collections::HashSet;
 use std::mem::Discriminant;
@@ -20,7 +19,7 @@ pub struct Doubt {
 
 /// Counts results and shows the progress.
 pub struct Tally<'a> {
-    pairs: &'a [Pair],
+    sequence: Sequence<'a>,
     work: &'a dyn Work,
     pace: Pace,
     counts: Mutex<Counts>,
@@ -31,12 +30,17 @@ struct Counts {
     ran: Ran,
     /// The kinds of doubts that were reported: a whole video has the same one.
     kinds: HashSet<Option<Discriminant<Finding>>>,
+    /// The last pair that was doubted: the doubts of a pair come one after the other.
+    last_doubted: Option<usize>,
 }
+
+/// So many doubts of a stream are listed.
+const LISTED: usize = 1000;
 
 impl<'a> Tally<'a> {
     /// Of no pair yet.
-    pub fn new(pairs: &'a [Pair], setup: &Setup<'_>, work: &'a dyn Work) -> Self {
-        Self { pairs, work, pace: Pace::new(pairs.len(), setup.unit, setup.quiet), counts: Mutex::default() }
+    pub fn new(sequence: Sequence<'a>, setup: &Setup<'_>, work: &'a dyn Work) -> Self {
+        Self { sequence, work, pace: Pace::new(sequence.len(), setup.unit, setup.quiet), counts: Mutex::default() }
     }
 
     fn counts(&self) -> MutexGuard<'_, Counts> {
@@ -52,7 +56,7 @@ impl<'a> Tally<'a> {
 
     /// A pair failed.
     pub fn failed(&self, place: usize, error: &anyhow::Error) {
-        let left = &self.pairs[place].left;
+        let left = &self.sequence.name(place);
         let error = one_line(&format!("{error:#}"));
         let mut counts = self.counts();
         self.pace.message(&format!("failed: {}: {error}", name(left)));
@@ -65,12 +69,18 @@ impl<'a> Tally<'a> {
 
     /// A map is doubtful.
     pub fn doubt(&self, place: usize, doubt: Doubt) {
-        let left = &self.pairs[place].left;
+        let left = &self.sequence.name(place);
         let mut counts = self.counts();
         if counts.kinds.insert(doubt.kind) {
             self.pace.message(&format!("note: {}: {}", name(left), doubt.text));
         }
-        counts.ran.doubtful.push((place, format!("{}: {}", left.to_string_lossy(), doubt.text)));
+        if counts.last_doubted != Some(place) {
+            counts.last_doubted = Some(place);
+            counts.ran.doubtful_pairs += 1;
+        }
+        if self.sequence.len().is_some() || counts.ran.doubtful.len() < LISTED {
+            counts.ran.doubtful.push((place, format!("{}: {}", left.to_string_lossy(), doubt.text)));
+        }
     }
 
     /// Nothing more can be written.

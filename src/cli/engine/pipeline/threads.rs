@@ -2,7 +2,7 @@
 //! ahead or waits to be written than the channels hold.
 
 use super::tally::{Doubt, Tally};
-use super::work::{MatchedPair, Refused, Setup, Work};
+use super::work::{MatchedPair, Refused, Sequence, Setup, Work};
 use crate::engine::diagnosis;
 use crate::engine::pair::Pair;
 use anyhow::{Context as _, Result, anyhow};
@@ -46,17 +46,25 @@ impl Readers {
     /// Starts them; none where each pair is written before the next one is read.
     pub fn start<'scope, 'env: 'scope>(
         scope: &'scope Scope<'scope, 'env>,
-        pairs: &'env [Pair],
+        sequence: Sequence<'env>,
         setup: &'env Setup<'env>,
         work: &'env dyn Work,
     ) -> Result<Self> {
-        let threads = if setup.alone { 0 } else { setup.readers.max(1) };
+        let threads = match sequence {
+            Sequence::Stream(_) => 1,
+            Sequence::Files(_) if setup.alone => 0,
+            Sequence::Files(_) => setup.readers.max(1),
+        };
         let start = |first| {
             let (sender, receiver) = sync_channel(1);
             spawn(scope, move || {
-                for (place, pair) in pairs.iter().enumerate().skip(first).step_by(threads) {
-                    if sender.send(ReadPair::read(work, place, pair, setup)).is_err() {
-                        return; // the pairs that follow are not wanted any more
+                for place in (first..).step_by(threads) {
+                    let Some(pair) = sequence.pair(place) else { return };
+                    let read = ReadPair::read(work, place, &pair, setup);
+                    let is_last = matches!(read, Err(Refused::End));
+                    // If nobody receives it, the pairs that follow are not wanted any more.
+                    if sender.send(read).is_err() || is_last {
+                        return;
                     }
                 }
             })?;
@@ -98,6 +106,7 @@ impl Writers {
                         Ok(()) => tally.done(),
                         Err(Refused::Pair(error)) => tally.failed(pair.place, &error),
                         Err(Refused::All(error)) => tally.stop(error),
+                        Err(Refused::End) => {}
                     }
                 }
             })?;

@@ -10,7 +10,8 @@ use gpu_stereo::files::JsonPath;
 use gpu_stereo::files::images::ImagePair;
 use gpu_stereo::{Error, Image, Matched, Params};
 use serde::{Deserialize, Serialize};
-use std::collections::HashSet;
+use std::borrow::Cow;
+use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
 /// How to match the pairs.
@@ -40,6 +41,39 @@ pub struct Setup<'a> {
     pub unit: &'static str,
     /// Show no progress.
     pub quiet: bool,
+}
+
+/// The pairs to match, in their order.
+#[derive(Clone, Copy)]
+pub enum Sequence<'a> {
+    /// Files, which several threads may read.
+    Files(&'a [Pair]),
+    /// A stream of this name: one thread reads pair after pair until it ends.
+    Stream(&'a Path),
+}
+
+impl Sequence<'_> {
+    /// How many pairs there are, if that is known.
+    pub fn len(&self) -> Option<usize> {
+        if let Self::Files(pairs) = self { Some(pairs.len()) } else { None }
+    }
+
+    /// The files of a pair; of a stream its name with the number of the pair. None behind the last one.
+    pub fn pair(&self, place: usize) -> Option<Cow<'_, Pair>> {
+        match self {
+            Self::Files(pairs) => pairs.get(place).map(Cow::Borrowed),
+            Self::Stream(name) => {
+                let mut numbered = name.as_os_str().to_owned();
+                numbered.push(format!("#{place}"));
+                Some(Cow::Owned(Pair::in_one(numbered.as_ref())))
+            }
+        }
+    }
+
+    /// The name of a pair.
+    pub fn name(&self, place: usize) -> PathBuf {
+        self.pair(place).map(|pair| pair.left.clone()).unwrap_or_default()
+    }
 }
 
 /// A pair's left image and its map.
@@ -83,6 +117,8 @@ pub enum Refused {
     Pair(anyhow::Error),
     /// None of the others could be, either.
     All(anyhow::Error),
+    /// There is none: the stream has ended.
+    End,
 }
 
 impl Refused {
@@ -121,8 +157,10 @@ pub struct Ran {
     pub done: usize,
     /// Pairs that failed.
     pub failed: Vec<FailedPair>,
-    /// Pairs whose map is doubtful, with why.
+    /// Pairs whose map is doubtful, with why: the first ones of a stream, which may be endless.
     pub doubtful: Vec<(usize, String)>,
+    /// How many pairs have a doubtful map.
+    pub doubtful_pairs: usize,
     /// From the start to the last map written.
     pub seconds: f64,
     /// The error that ended the run early.
@@ -134,11 +172,6 @@ impl Ran {
     pub fn warnings(&self) -> Vec<String> {
         let of_pairs = self.doubtful.iter().map(|(_, text)| one_line(text));
         warnings::all().into_iter().chain(of_pairs).collect()
-    }
-
-    /// How many pairs are doubtful.
-    pub fn doubtful_pairs(&self) -> usize {
-        self.doubtful.iter().map(|(place, _)| place).collect::<HashSet<_>>().len()
     }
 }
 
