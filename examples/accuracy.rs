@@ -12,7 +12,7 @@ use clap::Parser;
 use comfy_table::{CellAlignment, Table, presets};
 use gpu_stereo::evaluation::{FloatMap, evaluate};
 use gpu_stereo::files::images::{Bits, ImagePair, read_pair};
-use gpu_stereo::files::maps::{self, Encoding};
+use gpu_stereo::files::maps::{self, Encoding, EncodingOptions};
 use gpu_stereo::{DisparityMap, Params, reference};
 use serde::Deserialize;
 
@@ -114,7 +114,7 @@ fn collected_scenes(directory: &Path) -> Result<Vec<Scene>> {
 fn read_truth(path: &Path, scale: f64) -> Result<FloatMap> {
     // Floats are in px whatever a manifest says.
     let scale = path.extension().is_none_or(|ending| ending != "pfm").then_some(scale);
-    Ok(maps::read(path, Encoding { scale, depth: None }, "gt_scale")?)
+    Ok(maps::read(path, Encoding { scale, ..Encoding::default() }, EncodingOptions::TRUTH)?.map)
 }
 
 /// Figures of a scene, in the order of the table's columns.

@@ -34,6 +34,27 @@ def tiff(order, bits, sample_format, samples, width=3, height=2):
     return body + struct.pack(order + "I", 0) + samples
 
 
+def exr(channels, compression=0, width=3, height=2):
+    """Scan lines of floats without compression, or of halves by ZIP; the magic number is left out."""
+
+    def text(value):
+        return value.encode() + b"\0"
+
+    def attribute(name, kind, value):
+        return text(name) + text(kind) + struct.pack("<I", len(value)) + value
+
+    window = struct.pack("<4i", 0, 0, width - 1, height - 1)
+    listed = b"".join(text(name) + struct.pack("<IIii", 2, 0, 1, 1) for name in channels) + b"\0"
+    head = struct.pack("<I", 2) + attribute("channels", "chlist", listed) + attribute("compression", "compression", bytes([compression]))
+    head += attribute("dataWindow", "box2i", window) + attribute("displayWindow", "box2i", window)
+    head += attribute("lineOrder", "lineOrder", b"\0") + attribute("pixelAspectRatio", "float", struct.pack("<f", 1))
+    head += attribute("screenWindowCenter", "v2f", struct.pack("<2f", 0, 0)) + attribute("screenWindowWidth", "float", struct.pack("<f", 1)) + b"\0"
+    row = struct.pack(f"<{width * len(channels)}f", *range(width * len(channels)))
+    rows = [struct.pack("<iI", y, len(row)) + row for y in range(height)]
+    start = 4 + len(head) + 8 * height
+    return head + b"".join(struct.pack("<Q", start + y * len(rows[0])) for y in range(height)) + b"".join(rows)
+
+
 def png(bits, colour, rows):
     def chunk(kind, data):
         return struct.pack(">I", len(data)) + kind + data + struct.pack(">I", zlib.crc32(kind + data))
@@ -51,8 +72,11 @@ put(
     big=npy(">f4", FLOATS),
     u1=npy("|u1", b"\0\1\2\3\4\5", "(3, 2)", True),
     i2=npy("<i2", FLOATS[:12], version=2),
+    opencv=npy("<i2", struct.pack("<6h", -16, 0, 128, 320, 5, 7), "(1, 2, 3)"),
+    f2=npy("<f2", FLOATS[:12], "(1, 1, 2, 3)"),
     i8=npy("<i8", struct.pack("<2q", 1, 1 << 40), "(1, 2)"),
 )
+put("exr", one=b"\0" + exr("Y"), three=b"\1" + exr("BGR"), depth=b"\2" + exr("AZ"), rle=b"\3" + exr("Y", 1))
 put(
     "tiff",
     f32=b"\0" + tiff("<", 32, 3, FLOATS)[0:],

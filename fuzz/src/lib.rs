@@ -10,7 +10,7 @@ use gpu_stereo::files::Error;
 use gpu_stereo::files::calibration::{Calibration, Fitted, KittiPair, LensModel, Reading, Scale, Source, Unit};
 use gpu_stereo::files::encoders;
 use gpu_stereo::files::lists::{self, Kind, Listed};
-use gpu_stereo::files::maps::{self, Encoding};
+use gpu_stereo::files::maps::{self, Encoding, EncodingOptions};
 use gpu_stereo::files::weights::{Weights, encode};
 use gpu_stereo::{Camera, Rectification};
 use std::path::{Component, Path};
@@ -27,13 +27,13 @@ pub fn map(kinds: &[&[u8]], data: &[u8]) {
     let Some((&selector, rest)) = data.split_first() else { return };
     let bytes = [kinds[usize::from(selector / 4) % kinds.len()], rest].concat();
     let encoding = match selector % 4 {
-        0 => Encoding { scale: None, depth: None },
-        1 => Encoding { scale: Some(2.0), depth: None },
-        2 => Encoding { scale: None, depth: Some(386.2) },
-        _ => Encoding { scale: Some(1e-300), depth: Some(1e300) },
+        0 => Encoding::default(),
+        1 => Encoding { scale: Some(2.0), depth: None, invalid: Some(-1.0) },
+        2 => Encoding { scale: None, depth: Some(386.2), invalid: None },
+        _ => Encoding { scale: Some(1e-300), depth: Some(1e300), invalid: Some(0.0) },
     };
-    match maps::parse(Path::new("map"), &bytes, encoding, "--gt-scale") {
-        Ok(map) => map_is_sound(&map),
+    match maps::parse(Path::new("map"), &bytes, encoding, EncodingOptions::TRUTH) {
+        Ok(file) => map_is_sound(&file.map),
         Err(error) => told(&error),
     }
 }
@@ -51,7 +51,7 @@ fn map_is_sound(map: &FloatMap) {
         |data: &[f32]| data.iter().map(|v| if v.is_nan() { None } else { Some(v.to_bits()) }).collect::<Vec<_>>();
     for encode in [encoders::pfm, encoders::npy, encoders::tiff] {
         let file = written(map, encode);
-        let again = maps::parse(Path::new("again"), &file, Encoding::default(), "--gt-scale").expect("what was read");
+        let again = maps::parse(Path::new("again"), &file, Encoding::default(), EncodingOptions::TRUTH).expect("what was read").map;
         assert_eq!((again.width(), again.height()), (width, height));
         assert_eq!(bits(again.data()), bits(data));
     }

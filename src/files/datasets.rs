@@ -182,7 +182,8 @@ fn kitti(dataset: &Path, sides: &[[&str; 2]], [all, non_occluded]: [&str; 2]) ->
         for file in names(&folder.join(left))?.into_iter().filter(|name| name.ends_with("_10.png")) {
             let all = existing(folder.join(all).join(&file));
             let non_occluded = existing(folder.join(non_occluded).join(&file));
-            let truth = |path| TruthFile { path, mask: None, encoding: Encoding { scale: Some(256.0), depth: None } };
+            let truth =
+                |path| TruthFile { path, mask: None, encoding: Encoding { scale: Some(256.0), ..Encoding::default() } };
             scenes.push(Scene {
                 set: set.clone(),
                 name: file.trim_end_matches(".png").into(),
@@ -241,7 +242,7 @@ fn vkitti2(dataset: &Path) -> Result<Vec<Scene>> {
             let camera = |kind: &str, camera: u32| frames.join(kind).join(format!("Camera_{camera}"));
             for file in names(&camera("rgb", 0))? {
                 let Some(number) = file.strip_prefix("rgb_").and_then(|name| name.split('.').next()) else { continue };
-                let encoding = Encoding { scale: None, depth: Some(VKITTI2) };
+                let encoding = Encoding { depth: Some(VKITTI2), ..Encoding::default() };
                 let depth = existing(camera("depth", 0).join(format!("depth_{number}.png")));
                 scenes.push(Scene {
                     set: format!("{scene}/{variant}"),
@@ -270,6 +271,7 @@ struct Entry {
     frames: Option<u32>,
     gt: Option<String>,
     gt_scale: Option<f64>,
+    gt_invalid: Option<f64>,
     max_disp: Option<f64>,
     mask: Option<Masks>,
 }
@@ -302,7 +304,7 @@ fn manifest(dataset: &Path) -> Result<Vec<Scene>> {
             Some(largest @ 0.0..=100_000.0) => Range::Known((largest as u32 + 16) / 16 * 16),
             Some(largest) => bail!("{path:?}: {name} has max_disp {largest}, but 0 to 100000 is allowed; correct it"),
         };
-        let encoding = Encoding { scale: entry.gt_scale, depth: None };
+        let encoding = Encoding { scale: entry.gt_scale, depth: None, invalid: entry.gt_invalid };
         let right = entry.right.as_ref().unwrap_or(&entry.left);
         let scene = Scene {
             set: entry.set,

@@ -1,21 +1,25 @@
 //! Files become disparity maps in px and masks. The content tells the format, whatever the name says.
 
-use super::contents::{self, MAX_BYTES};
-use super::error::{Context as _, Result, bail, ensure, error};
+mod exr;
+mod npy;
+mod pfm;
+mod samples;
+#[cfg(test)]
+mod tests;
+mod tiff;
+
+use self::exr::exr;
+use self::npy::npy;
+use self::pfm::pfm;
+use self::samples::{Samples, ensure_pixels};
+use self::tiff::tiff;
+use super::contents;
+use super::error::{Context as _, Result, bail, ensure};
 use super::images::{decode, decoder};
 use crate::evaluation::FloatMap;
 use image::codecs::pnm::PnmDecoder;
 use image::{DynamicImage, ExtendedColorType, ImageDecoder as _, ImageFormat};
-use std::io::Cursor;
 use std::path::Path;
-use tiff::decoder::{Decoder, DecodingResult, Limits};
-
-/// The longest text before the samples of a PFM or NumPy file.
-const MAX_HEADER: usize = 1 << 16;
-/// The most pixels: a small file can declare many, and reading keeps a few numbers for each.
-const MAX_PIXELS: u64 = 1 << 27;
-/// Digits in the header of a NumPy file: two sides and the size of a sample have fewer.
-const MAX_DIGITS: usize = 18;
 
 /// What the values of a file mean.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -24,54 +28,124 @@ pub struct Encoding {
     pub scale: Option<f64>,
     /// The values are depths; focal length times baseline, in px m, makes them disparities.
     pub depth: Option<f64>,
+    /// A value of the file that means no disparity, besides those that usually do.
+    pub invalid: Option<f64>,
 }
 
-/// Values as they stand in a file.
-enum Samples {
-    /// 0 is no disparity.
-    Whole { values: Vec<u32>, usual_scale: Option<f64> },
-    /// What is not finite is no disparity.
-    Float(Vec<f64>),
+/// The options of the command that say what a file's values mean, for errors and doubts.
+#[derive(Clone, Copy, Debug)]
+pub struct EncodingOptions {
+    /// What sets the scale.
+    pub scale: &'static str,
+    /// What names a value without a disparity.
+    pub invalid: &'static str,
 }
 
-/// Reads a disparity map. `option`: what sets the scale on the command line, for the error where it is missing.
+impl EncodingOptions {
+    /// Those of a truth.
+    pub const TRUTH: Self = Self { scale: "--gt-scale", invalid: "--gt-invalid" };
+    /// Those of an estimate.
+    pub const ESTIMATE: Self = Self { scale: "--scale", invalid: "--invalid" };
+}
+
+/// A map as it was read.
+#[derive(Clone, Debug)]
+pub struct MapFile {
+    /// The disparities in px.
+    pub map: FloatMap,
+    /// Why they may be wrong, for warnings.
+    pub doubts: Vec<String>,
+}
+
+/// Reads a disparity map.
 ///
 /// # Errors
 /// If the file cannot be read, is not a map, or needs a scale.
-pub fn read(path: &Path, encoding: Encoding, option: &str) -> Result<FloatMap> {
-    parse(path, &contents::read_file(path, "a disparity map")?, encoding, option)
+pub fn read(path: &Path, encoding: Encoding, options: EncodingOptions) -> Result<MapFile> {
+    parse(path, &contents::read_file(path, "a disparity map")?, encoding, options)
 }
 
 /// As [`read`], from a file's bytes.
 ///
 /// # Errors
 /// As [`read`].
-pub fn parse(path: &Path, bytes: &[u8], encoding: Encoding, option: &str) -> Result<FloatMap> {
+pub fn parse(path: &Path, bytes: &[u8], encoding: Encoding, options: EncodingOptions) -> Result<MapFile> {
     let (width, height, samples) = match bytes {
         [b'P', b'f', ..] => pfm(bytes).with_context(|| in_file(path))?,
         [b'P', b'F', ..] => bail!("{path:?} is a PFM of three channels, but a gray one (Pf) is needed; save it as one"),
         [0x93, b'N', b'U', b'M', b'P', b'Y', ..] => npy(bytes).with_context(|| in_file(path))?,
         [b'I', b'I', 42 | 43, 0, ..] | [b'M', b'M', 0, 42 | 43, ..] => tiff(bytes).with_context(|| in_file(path))?,
+        [0x76, 0x2f, 0x31, 0x01, ..] => exr(bytes).with_context(|| in_file(path))?,
         _ => picture(path, bytes, encoding.depth.is_some())?,
     };
+    let mut doubts = Vec::new();
     let values = match samples {
-        Samples::Float(values) => values.iter().map(|&v| disparity(v, encoding, 1.0)).collect(),
-        Samples::Whole { values, usual_scale } => {
+        Samples::Float(values) => {
+            doubts.extend(doubt(path, &values, encoding, options));
+            let invalid = encoding.invalid.map(|invalid| invalid as f32);
+            let value = |&v: &f64| if Some(v as f32) == invalid { f32::NAN } else { disparity(v, encoding, 1.0) };
+            values.iter().map(value).collect()
+        }
+        Samples::Whole { values, usual_scale, none } => {
+            let is_opencv = none < 0;
             let usual = match encoding.depth {
                 Some(_) => Some(100.0), // centimetres
                 None => usual_scale,
             };
-            let Some(usual) = usual.or(encoding.scale) else {
+            let Some(scale) = encoding.scale.or(usual) else {
                 bail!(
-                    "{path:?} has whole numbers, and only 16-bit PNG has a usual scale; give {option} S, the value of 1 px \
-                     (Middlebury 2001: 8, Tsukuba 16; 2003: 4; 2005 and 2006 in full size: 1)"
+                    "{path:?} has whole numbers, and only 16-bit PNG has a usual scale; give {} S, the value of 1 px \
+                     (Middlebury 2001: 8, Tsukuba 16; 2003: 4; 2005 and 2006 in full size: 1; OpenCV's matchers: 16)",
+                    options.scale
                 );
             };
-            let known = |v: u32| v != 0 && !(encoding.depth.is_some() && v == u32::from(u16::MAX));
-            values.iter().map(|&v| if known(v) { disparity(v.into(), encoding, usual) } else { f32::NAN }).collect()
+            let of_opencv = is_opencv && encoding.invalid.is_none() && encoding.scale.is_none();
+            if of_opencv {
+                doubts.push(format!(
+                    "{path:?} is read as a map of OpenCV: 16 a pixel, and {none} is no disparity; {} and {} say otherwise",
+                    options.scale, options.invalid
+                ));
+            }
+            // A value that is named replaces the one that OpenCV's matchers give.
+            let none = if is_opencv && encoding.invalid.is_some() { None } else { Some(none) };
+            let is_none = |v: i64| {
+                Some(v) == none
+                    || Some(v as f64) == encoding.invalid
+                    || (encoding.depth.is_some() && v == i64::from(u16::MAX))
+            };
+            if let Some(&v) = values.iter().find(|&&v| v < 0 && !is_opencv && !is_none(v)) {
+                bail!(
+                    "{path:?} holds the whole number {v}, but whole numbers are 0 (no disparity) or more; if {v} means no \
+                     disparity, give {} {v}, else save floats, NaN for none",
+                    options.invalid
+                );
+            }
+            values.iter().map(|&v| if is_none(v) { f32::NAN } else { disparity(v as f64, encoding, scale) }).collect()
         }
     };
-    Ok(FloatMap::new(width, height, values)?)
+    Ok(MapFile { map: FloatMap::new(width, height, values)?, doubts })
+}
+
+/// The share of the pixels that one value may have without a doubt: what is computed or measured rarely has any.
+const SUSPECT: f64 = 0.01;
+
+/// Why the floats of a map may be wrong: many are one value that often means that there is no disparity.
+fn doubt(path: &Path, values: &[f64], encoding: Encoding, options: EncodingOptions) -> Option<String> {
+    if encoding.depth.is_some() {
+        return None; // there they have no disparity
+    }
+    let least = values.iter().copied().filter(|v| v.is_finite()).fold(f64::INFINITY, f64::min);
+    let found = [0.0, least].into_iter().filter(|&v| v <= 0.0 && Some(v) != encoding.invalid).find_map(|suspect| {
+        let count = values.iter().filter(|&&v| v == suspect).count();
+        (count as f64 > SUSPECT * values.len() as f64).then_some((suspect, count))
+    });
+    let (value, count) = found.filter(|(_, count)| *count < values.len())?;
+    Some(format!(
+        "{count} of {} pixels of {path:?} are {value}, which counts as a disparity; if it means that there is none, give \
+         {} {value}",
+        values.len(),
+        options.invalid
+    ))
 }
 
 /// Reads which pixels a mask has: 255 in Middlebury's masks, where 128 is occluded and 0 unknown.
@@ -137,12 +211,12 @@ fn picture(path: &Path, bytes: &[u8], depth: bool) -> Result<(u32, u32, Samples)
     let image = gray(path, decode(path, decoder)?)?;
     let (width, height) = (image.width(), image.height()); // turned as the file says
     let (values, deep) = match image {
-        DynamicImage::ImageLuma16(image) => (image.into_raw().into_iter().map(u32::from).collect(), true),
-        other => (other.into_luma8().into_raw().into_iter().map(u32::from).collect(), false),
+        DynamicImage::ImageLuma16(image) => (image.into_raw().into_iter().map(i64::from).collect(), true),
+        other => (other.into_luma8().into_raw().into_iter().map(i64::from).collect(), false),
     };
     ensure!(deep || !depth, "{path:?} has 8 bits, but depth has 16; give Virtual KITTI's depth image");
     let usual_scale = (deep && format == ImageFormat::Png).then_some(256.0); // KITTI
-    Ok((width, height, Samples::Whole { values, usual_scale }))
+    Ok((width, height, Samples::Whole { values, usual_scale, none: 0 }))
 }
 
 /// The image in gray of 8 or 16 bits; one of colours has to have equal channels.
@@ -166,184 +240,3 @@ fn gray(path: &Path, image: DynamicImage) -> Result<DynamicImage> {
         _ => gray(false).map(|()| image),
     }
 }
-
-fn ensure_pixels(width: u32, height: u32) -> Result<()> {
-    ensure!(
-        u64::from(width) * u64::from(height) <= MAX_PIXELS,
-        "it declares {width}x{height} pixels, but at most {MAX_PIXELS} are read; crop or scale it"
-    );
-    Ok(())
-}
-
-/// The sides, if the file has as many samples as it declares.
-fn ensure_length(width: u64, height: u64, bytes_each: u64, got: usize) -> Result<(u32, u32)> {
-    let needed = width.checked_mul(height).and_then(|count| count.checked_mul(bytes_each));
-    let sides = u32::try_from(width).ok().zip(u32::try_from(height).ok());
-    match (sides, needed) {
-        (Some((width @ 1.., height @ 1..)), Some(needed)) if needed == got as u64 => {
-            ensure_pixels(width, height).map(|()| (width, height))
-        }
-        _ => bail!(
-            "it declares {width}x{height} pixels of {bytes_each} bytes, but {got} bytes follow; it is cut short or damaged: save it \
-             again"
-        ),
-    }
-}
-
-/// `Pf`, width, height and scale as text, then 32-bit floats from the lowest row up, little endian if the scale is
-/// negative (netpbm's pfm.html). Middlebury says that the scale's amount is ignored.
-fn pfm(bytes: &[u8]) -> Result<(u32, u32, Samples)> {
-    let mut at = 2;
-    let mut words = Vec::new();
-    while words.len() < 3 {
-        let rest = bytes.get(at..).unwrap_or_default();
-        let blank = rest.iter().take_while(|b| b.is_ascii_whitespace()).count();
-        let rest = &rest[blank..];
-        let is_comment = rest.starts_with(b"#");
-        let ends = |b: &u8| if is_comment { *b == b'\n' } else { b.is_ascii_whitespace() };
-        let length = rest.iter().position(ends).context("its header has no end; save it again")?;
-        ensure!(blank > 0 && at < MAX_HEADER, "its header is not \"Pf\", width, height and scale; save it again");
-        if !is_comment {
-            words.push(String::from_utf8_lossy(&rest[..length]).into_owned());
-        }
-        at += blank + length;
-    }
-    // One white space ends the header, on Windows perhaps two.
-    at += if bytes[at..].starts_with(b"\r\n") { 2 } else { 1 };
-    let side = |what: &str, word: &str| {
-        word.parse::<u32>().ok().filter(|side| *side > 0).with_context(|| {
-            format!("its {what} is {word:?}, but must be a whole number from 1 to {}; save it again", u32::MAX)
-        })
-    };
-    let (width, height) = (side("width", &words[0])?, side("height", &words[1])?);
-    let scale = words[2].parse::<f64>().ok().filter(|scale| scale.is_finite() && *scale != 0.0).with_context(|| {
-        format!(
-            "its scale is {:?}, but must be a number other than 0, negative for little endian; save it again",
-            words[2]
-        )
-    })?;
-    let samples = bytes.get(at..).unwrap_or_default();
-    ensure_length(width.into(), height.into(), 4, samples.len())?;
-    let value = |b: &[u8; 4]| f64::from(if scale < 0.0 { f32::from_le_bytes(*b) } else { f32::from_be_bytes(*b) });
-    let (values, _) = samples.as_chunks::<4>();
-    let rows = values.chunks_exact(width as usize).rev();
-    Ok((width, height, Samples::Float(rows.flatten().map(value).collect())))
-}
-
-/// NumPy's array of rows and columns: floats, or whole numbers from 0 on.
-fn npy(bytes: &[u8]) -> Result<(u32, u32, Samples)> {
-    // The library allocates as much as the header declares and multiplies the sides, so both are limited before.
-    let length = match bytes {
-        [_, _, _, _, _, _, 1, _, a, b, ..] => 10 + usize::from(u16::from_le_bytes([*a, *b])),
-        [_, _, _, _, _, _, _, _, a, b, c, d, ..] => 12 + u32::from_le_bytes([*a, *b, *c, *d]) as usize,
-        _ => bail!("its header is cut short; save it again"),
-    };
-    let header = bytes.get(..length).filter(|_| length <= MAX_HEADER).with_context(|| {
-        format!("its header declares {length} bytes, more than the file or a header of two sides has; save it again")
-    })?;
-    let digits = header[8..].iter().filter(|b| b.is_ascii_digit()).count();
-    ensure!(
-        digits <= MAX_DIGITS,
-        "its header has {digits} digits, but two sides need fewer; save an array of rows and columns"
-    );
-    // The library's time doubles with each level of nested brackets.
-    let text = &header[if bytes[6] == 1 { 10 } else { 12 }..];
-    let brackets = text.iter().filter(|b| b"[({".contains(b)).count();
-    ensure!(
-        brackets <= 2,
-        "its header opens {brackets} brackets, as for an array of records, but at most 2 are allowed; save one field as numbers"
-    );
-    let file = npyz::NpyFile::new(bytes).context("its header is not NumPy's; save it again")?;
-    let [height, width] = file.shape()[..] else {
-        bail!("it has {} dimensions, but 2 are needed, rows and columns; save one channel", file.shape().len());
-    };
-    let npyz::DType::Plain(kind) = file.dtype() else {
-        bail!("it is an array of records, but numbers are needed; save one field");
-    };
-    let kind = kind.to_string();
-    let by_columns = file.order() == npyz::Order::Fortran;
-    let each = kind.get(2..).and_then(|size| size.parse().ok()).unwrap_or(0);
-    let sides = ensure_length(width, height, each, bytes.len() - length)?;
-    fn all<T: npyz::Deserialize>(file: npyz::NpyFile<&[u8]>) -> Result<Vec<T>> {
-        file.into_vec().context("its samples cannot be read; save it again")
-    }
-    fn whole<T: npyz::Deserialize + TryInto<u32> + Copy + std::fmt::Display>(
-        file: npyz::NpyFile<&[u8]>,
-    ) -> Result<Vec<u32>> {
-        let number = |v: T| {
-            v.try_into().ok().with_context(|| {
-                format!("it holds the whole number {v}, but whole numbers are 0 (no disparity) or more; save floats, NaN for none")
-            })
-        };
-        all::<T>(file)?.into_iter().map(number).collect()
-    }
-    let mut samples = match kind.get(1..).unwrap_or_default() {
-        "f4" => Samples::Float(all::<f32>(file)?.into_iter().map(f64::from).collect()),
-        "f8" => Samples::Float(all(file)?),
-        integer => {
-            let values = match integer {
-                "u1" => whole::<u8>(file)?,
-                "u2" => whole::<u16>(file)?,
-                "u4" => whole::<u32>(file)?,
-                "i1" => whole::<i8>(file)?,
-                "i2" => whole::<i16>(file)?,
-                "i4" => whole::<i32>(file)?,
-                "u8" => whole::<u64>(file)?,
-                "i8" => whole::<i64>(file)?,
-                _ => bail!("its type is {kind:?}, but f4, f8 or whole numbers are needed; save it with astype(\"f4\")"),
-            };
-            Samples::Whole { values, usual_scale: None }
-        }
-    };
-    if by_columns {
-        match &mut samples {
-            Samples::Float(values) => *values = transposed(values, sides),
-            Samples::Whole { values, .. } => *values = transposed(values, sides),
-        }
-    }
-    Ok((sides.0, sides.1, samples))
-}
-
-/// Samples that are stored column by column, reordered row by row.
-fn transposed<T: Copy>(values: &[T], (width, height): (u32, u32)) -> Vec<T> {
-    let (width, height) = (width as usize, height as usize);
-    (0..width * height).map(|i| values[i % width * height + i / width]).collect()
-}
-
-/// The first image of a TIFF file, in floats or whole numbers, one sample a pixel.
-fn tiff(bytes: &[u8]) -> Result<(u32, u32, Samples)> {
-    // The decoder's message can name every entry of a damaged list.
-    let damaged = |error: tiff::TiffError| {
-        let told: String = error.to_string().chars().take(200).collect();
-        error!("it is damaged, cut short or of a rare kind ({told}): save it again")
-    };
-    let mut limits = Limits::default();
-    limits.decoding_buffer_size = MAX_BYTES as usize;
-    limits.intermediate_buffer_size = MAX_BYTES as usize;
-    let mut decoder = Decoder::new(Cursor::new(bytes)).map_err(damaged)?.with_limits(limits);
-    let (width, height) = decoder.dimensions().map_err(damaged)?;
-    ensure_pixels(width, height)?;
-    let kind = decoder.colortype().map_err(damaged)?;
-    ensure!(
-        matches!(kind, tiff::ColorType::Gray(_)),
-        "it has {kind:?} pixels, but gray ones are needed; save one channel"
-    );
-    let usual_scale = None;
-    let samples = match decoder.read_image().map_err(damaged)? {
-        DecodingResult::F32(values) => Samples::Float(values.into_iter().map(f64::from).collect()),
-        DecodingResult::F64(values) => Samples::Float(values),
-        DecodingResult::U8(values) if kind == tiff::ColorType::Gray(8) => {
-            Samples::Whole { values: values.into_iter().map(u32::from).collect(), usual_scale }
-        }
-        DecodingResult::U16(values) => {
-            Samples::Whole { values: values.into_iter().map(u32::from).collect(), usual_scale }
-        }
-        DecodingResult::U32(values) => Samples::Whole { values, usual_scale },
-        _ => bail!(
-            "it has {kind:?} pixels, but 32-bit or 64-bit floats or whole numbers from 0 on are needed; convert it"
-        ),
-    };
-    Ok((width, height, samples))
-}
-#[cfg(test)]
-mod tests;

@@ -1,7 +1,7 @@
 //! The truth of a map: its files, and the scores of an estimate.
 
 use super::error::{Result, ensure};
-use super::maps::{self, Encoding};
+use super::maps::{self, Encoding, EncodingOptions, MapFile};
 use crate::evaluation::{self, FloatMap, Scores};
 use image::{Rgb, RgbImage};
 use std::path::{Path, PathBuf};
@@ -23,6 +23,8 @@ pub struct Truth {
     pub map: FloatMap,
     /// Which pixels count.
     pub mask: Option<Vec<bool>>,
+    /// Why the map may be wrong, for warnings.
+    pub doubts: Vec<String>,
 }
 
 impl TruthFile {
@@ -36,7 +38,7 @@ impl TruthFile {
     /// # Errors
     /// If a file cannot be read, or is of another size.
     pub fn read(&self, size: (u32, u32), of: &Path) -> Result<Truth> {
-        let map = maps::read(&self.path, self.encoding, "--gt-scale")?;
+        let MapFile { map, doubts } = maps::read(&self.path, self.encoding, EncodingOptions::TRUTH)?;
         let truth = (map.width(), map.height());
         ensure!(
             truth == size,
@@ -48,7 +50,7 @@ impl TruthFile {
             size.1
         );
         let mask = self.mask.as_ref().map(|path| maps::read_mask(path, size)).transpose()?;
-        Ok(Truth { map, mask })
+        Ok(Truth { map, mask, doubts })
     }
 }
 

@@ -374,8 +374,12 @@ fn malformed_maps_are_one_line() {
         ("head.npy", good_npy[..40].to_vec(), &["header"]),
         ("nine.npy", good_npy[..9].to_vec(), &["header"]),
         ("endless.npy", endless, &["4294967307"]),
-        ("cube.npy", npy_with("{'descr': '<f4', 'fortran_order': False, 'shape': (1, 3, 2)}\n"), &["3 dimensions"]),
-        ("row.npy", npy_with("{'descr': '<f4', 'fortran_order': False, 'shape': (6,)}\n"), &["1 dimensions"]),
+        (
+            "cube.npy",
+            npy_with("{'descr': '<f4', 'fortran_order': False, 'shape': (3, 1, 2)}\n"),
+            &["its shape is [3, 1, 2]"],
+        ),
+        ("row.npy", npy_with("{'descr': '<f4', 'fortran_order': False, 'shape': (6,)}\n"), &["its shape is [6]"]),
         (
             "huge.npy",
             npy_with("{'descr': '<f4', 'fortran_order': False, 'shape': (9999999999, 9999999999)}\n"),
@@ -753,4 +757,37 @@ fn a_manifest_and_scenes_that_fail() {
     let output = run(folder.path(), &["bench", "set/trainingQ", "--layout", "middlebury", "--backend", "cpu"]);
     assert_eq!(output.status.code(), Some(1));
     assert!(stderr(&output).contains("ndisp=-3"), "{}", stderr(&output));
+}
+
+#[test]
+fn truths_of_other_programs_are_read_or_doubted() {
+    let cases = Path::new(env!("CARGO_MANIFEST_DIR")).join("../shared/cases");
+    if !cases.is_dir() {
+        not_tested("truths of other programs, since there is no ../shared/cases");
+        return;
+    }
+    let told = |args: &[&str]| -> (Value, String) {
+        let output = succeeds(&cases, &[&["eval", "--json"], args].concat());
+        (serde_json::from_str(&stdout(&output)).unwrap(), stderr(&output))
+    };
+    // OpenCV's map of 16 bits is the truth, but for a tenth that has no disparity.
+    let (found, notes) = told(&["sgbm_cv16s.npy", "truth.npy"]);
+    let of = |found: &Value, name: &str| found["evaluation"][name].as_f64().unwrap();
+    assert_eq!(of(&found, "average_error"), 0.0);
+    assert!((0.85..0.95).contains(&of(&found, "density")), "{found}");
+    assert!(notes.contains("read as a map of OpenCV") && found["warnings"].as_array().unwrap().len() == 1, "{notes}");
+    // A quarter of the truth is unknown, which is 0 in its floats.
+    let (found, notes) = told(&["truth.npy", "truth_zero_is_unknown.npy"]);
+    assert!(of(&found, "average_error") > 1.0 && notes.contains("give --gt-invalid 0"), "{notes}");
+    let (found, notes) = told(&["truth.npy", "truth_zero_is_unknown.npy", "--gt-invalid", "0"]);
+    assert_eq!((of(&found, "average_error"), of(&found, "pixels"), notes.as_str()), (0.0, 180.0 * 160.0, ""));
+    let folder = tempfile::tempdir().unwrap();
+    let at = |name: &str| cases.join(name).to_str().unwrap().to_owned();
+    let args =
+        [at("l.png"), at("r.png"), "--disp".into(), "32".into(), "--backend".into(), "cpu".into(), "--json".into()];
+    let truth = ["--gt".into(), at("truth_zero_is_unknown.npy"), "--gt-invalid".into(), "0".into()];
+    let output = succeeds(folder.path(), &[&args[..], &truth].concat());
+    let found: Value = serde_json::from_str(&stdout(&output)).unwrap();
+    assert_eq!(of(&found, "pixels"), 180.0 * 160.0);
+    refuses(folder.path(), &[&args[..], &truth[2..]].concat(), &["--gt-invalid needs a truth; add --gt FILE"]);
 }

@@ -30,6 +30,10 @@ pub struct EvalArgs {
     #[arg(long, value_name = "S", allow_negative_numbers = true)]
     pub scale: Option<Positive>,
 
+    /// A value of the estimate that means that there is no disparity, as --gt-invalid
+    #[arg(long, value_name = "V", allow_negative_numbers = true)]
+    pub invalid: Option<f64>,
+
     /// What the truth is
     #[command(flatten)]
     pub options: TruthArgs,

@@ -14,6 +14,11 @@ pub struct TruthArgs {
     #[arg(long, value_name = "S", allow_negative_numbers = true, help_heading = TRUTH)]
     pub gt_scale: Option<Positive>,
 
+    /// A value of the truth that means unknown, besides those that usually do: what is not finite in floats, 0 in whole numbers;
+    /// such as 0 or -1
+    #[arg(long, value_name = "V", allow_negative_numbers = true, help_heading = TRUTH)]
+    pub gt_invalid: Option<f64>,
+
     /// Score only where this 8-bit image is 255
     #[arg(long, value_name = "FILE", help_heading = TRUTH)]
     pub gt_mask: Option<PathBuf>,
@@ -38,7 +43,7 @@ impl TruthArgs {
             ),
             (false, _) => None,
         };
-        let encoding = Encoding { scale: self.gt_scale.map(|scale| scale.0), depth };
+        let encoding = Encoding { scale: self.gt_scale.map(|scale| scale.0), depth, invalid: self.gt_invalid };
         Ok(TruthFile { path: path.into(), mask: self.gt_mask.clone(), encoding })
     }
 
@@ -46,6 +51,7 @@ impl TruthArgs {
     pub fn ensure_unused(&self) -> Result<()> {
         let given = [
             (self.gt_scale.is_some(), "gt-scale"),
+            (self.gt_invalid.is_some(), "gt-invalid"),
             (self.gt_mask.is_some(), "gt-mask"),
             (self.gt_depth, "gt-depth"),
             (self.error_map.is_some(), "error-map"),

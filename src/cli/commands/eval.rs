@@ -6,7 +6,7 @@ use crate::engine::output_files;
 use crate::terminal::{self, Evaluation, warnings};
 use anyhow::{Result, bail};
 use gpu_stereo::files::encoders::SheetFormat;
-use gpu_stereo::files::maps::{self, Encoding};
+use gpu_stereo::files::maps::{self, Encoding, EncodingOptions, MapFile};
 use gpu_stereo::files::outputs;
 use gpu_stereo::files::outputs::Output;
 use gpu_stereo::files::truth::TruthFile;
@@ -16,7 +16,7 @@ use std::path::PathBuf;
 /// Two maps, ready to be compared.
 struct Eval {
     estimate: PathBuf,
-    scale: Option<f64>,
+    encoding: Encoding,
     truth: TruthFile,
     error_map: Option<Output<SheetFormat>>,
     json: bool,
@@ -46,7 +46,7 @@ pub fn run(args: EvalArgs) -> Result<Outcome> {
 
 /// Checks what can be checked without reading the maps.
 fn resolve(args: EvalArgs) -> Result<Eval> {
-    let EvalArgs { estimate, truth, scale, options, optics, json } = args;
+    let EvalArgs { estimate, truth, scale, invalid, options, optics, json } = args;
     let optics = optics.both()?;
     if optics.is_some() && !options.gt_depth {
         bail!("--focal and --baseline turn depths into disparities, but the truth is not a depth; add --gt-depth");
@@ -55,14 +55,16 @@ fn resolve(args: EvalArgs) -> Result<Eval> {
     let inputs: Vec<_> = truth.files().chain([estimate.as_path()]).collect();
     let error_map =
         options.error_map.as_ref().map(|path| output_files::resolve_error_map(path, &inputs)).transpose()?;
-    Ok(Eval { scale: scale.map(|scale| scale.0), truth, error_map, json, estimate })
+    let encoding = Encoding { scale: scale.map(|scale| scale.0), depth: None, invalid };
+    Ok(Eval { encoding, truth, error_map, json, estimate })
 }
 
 impl Eval {
     /// Compares the two maps, and writes the picture of the errors.
     fn run(&self) -> Result<EvalReport> {
-        let estimate = maps::read(&self.estimate, Encoding { scale: self.scale, depth: None }, "--scale")?;
+        let MapFile { map: estimate, doubts } = maps::read(&self.estimate, self.encoding, EncodingOptions::ESTIMATE)?;
         let truth = self.truth.read((estimate.width(), estimate.height()), &self.estimate)?;
+        doubts.iter().chain(&truth.doubts).for_each(|doubt| warnings::warn(doubt));
         let evaluation = Evaluation::from(&truth.score(&estimate)?);
         if self.error_map.is_some() {
             outputs::write_sheet(self.error_map.as_slice(), &truth.error_picture(&estimate)?)?;

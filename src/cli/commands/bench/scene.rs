@@ -36,15 +36,16 @@ pub struct Loaded {
 /// Reads a scene.
 pub fn load(scene: &Scene, bench: &Bench) -> Result<Loaded> {
     let disparities = scene.disparities()?;
-    let ImagePair { left, right, doubts, .. } = images::read_pair(&scene.left, &scene.right, &bench.input)?;
+    let ImagePair { left, right, mut doubts, .. } = images::read_pair(&scene.left, &scene.right, &bench.input)?;
     let size = (left.width(), left.height());
     let mut fitted = Params::sgm(1); // any: all variants have the cameras in common
     bench.cameras.fit(&mut fitted, size.into(), bench.maps.as_ref().is_some_and(MapFolder::needs_depth))?;
     let evidence = diagnosis::evidence(&left, &right, &fitted)?;
     let truth = scene.truth.as_ref().map(|truth| truth.read(size, &scene.left)).transpose()?;
+    doubts.extend(truth.iter().flat_map(|truth| truth.doubts.clone()));
     let noc = match (&truth, &scene.non_occluded) {
         (Some(truth), Some(non_occluded)) => {
-            Some(Truth { map: truth.map.clone(), mask: Some(non_occluded.read(size)?) })
+            Some(Truth { mask: Some(non_occluded.read(size)?), map: truth.map.clone(), doubts: Vec::new() })
         }
         _ => None,
     };

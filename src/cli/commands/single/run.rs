@@ -25,6 +25,7 @@ pub fn run(job: &Job) -> Result<Report> {
     outputs::ensure_size(&job.outputs, left.width(), left.height())?;
     let truth = job.truth.as_ref().map(|truth| truth.read((left.width(), left.height()), &job.left)).transpose()?;
 
+    truth.iter().flat_map(|truth| &truth.doubts).for_each(|doubt| warnings::warn(doubt));
     let (params, camera) = &params_for(job, &left)?;
     let start = Instant::now();
     let open = |params: &Params| Engine::open(&job.device, job.needs_adapter, &left, params);
