@@ -111,7 +111,7 @@ pub mod reference;
 #[cfg(any(feature = "cpu", feature = "gpu"))]
 #[cfg_attr(docsrs, doc(cfg(any(feature = "cpu", feature = "gpu"))))]
 pub use check::{Mismatch, StageCheck};
-pub use color::turbo;
+pub use color::{Colors, turbo};
 pub use error::Error;
 #[cfg(feature = "gpu")]
 #[cfg_attr(docsrs, doc(cfg(feature = "gpu")))]

@@ -9,11 +9,12 @@ use std::path::Path;
 use tempfile::TempDir;
 
 /// What is written of each pair: the word of --format, what follows the name, and the option of a single run.
-const KINDS: [(&str, &str, &str); 7] = [
+const KINDS: [(&str, &str, &str); 8] = [
     ("npy", ".npy", "-o"),
     ("color", "_color.png", "--color"),
     ("right-npy", "_right.npy", "--right"),
     ("right", "_right.png", "--right"),
+    ("depth", "_depth.png", "--depth"),
     ("depth-tif", "_depth.tif", "--depth"),
     ("points", "_points.ply", "--points"),
     ("confidence", "_confidence.png", "--confidence"),
@@ -84,10 +85,11 @@ fn every_verb_writes_what_a_single_run_writes() {
     let path = folder.path();
     let formats = formats();
     let plain = expected(path, &FOCAL);
-    for options in [&RECTIFY[..], &FOCAL] {
+    let far = [&FOCAL[..], &["--max-depth", "1.9", "--colors", "magma", "--scale-bar"]].concat();
+    for options in [&RECTIFY[..], &FOCAL, &far] {
         let expected = expected(path, options);
         let is_rectified = expected != plain;
-        assert_eq!(is_rectified, options == RECTIFY, "the images are rectified");
+        assert_eq!(is_rectified, options != FOCAL);
         let tail = [&["--disp", "16", "--backend", "cpu", "-q", "--format", &formats], options].concat();
         for (of, verb) in [("batch", &["batch", "pairs.csv"][..]), ("video", &["video", "l", "r"])] {
             succeeds(path, &[verb, &["-o", "maps"], &tail].concat());
@@ -248,4 +250,113 @@ fn what_is_missing_is_said() {
         &[&["batch", "pairs.csv", "-o", "maps", "--disp", "16", "--backend", "cpu"], &FOCAL[..]].concat(),
     );
     assert!(stderr(&output).contains("note: the cameras have no effect"), "{}", stderr(&output));
+}
+
+/// The floats of an array.
+fn floats(folder: &Path, name: &str) -> Vec<f32> {
+    npyz::NpyFile::new(fs::File::open(folder.join(name)).unwrap()).unwrap().into_vec().unwrap()
+}
+
+fn picture(folder: &Path, name: &str) -> image::DynamicImage {
+    image::open(folder.join(name)).unwrap()
+}
+
+#[test]
+fn pictures_have_the_colours_that_were_asked_for() {
+    let folder = folder();
+    let path = folder.path();
+    succeeds(path, &on("left.png", "right.png", &["-o", "map.npy", "--color", "turbo.png"]));
+    let map = floats(path, "map.npy");
+    assert!(map.iter().any(|d| d.is_nan()) && map.iter().any(|d| d.is_finite()));
+    for (name, colors) in gpu_stereo::Colors::ALL {
+        let file = format!("{name}.png");
+        succeeds(path, &on("left.png", "right.png", &["--color", &file, "--colors", name]));
+        let drawn = picture(path, &file).into_rgb8();
+        assert_eq!(drawn.dimensions(), (48, 30));
+        for (pixel, disparity) in drawn.pixels().zip(&map) {
+            let expected = if disparity.is_nan() { [0; 3] } else { colors.at(f64::from(*disparity) / 15.0) };
+            assert_eq!(pixel.0, expected, "{name}");
+        }
+    }
+    // A bar stands beside the picture, in px or in metres, and changes nothing of it.
+    let bars = [&[][..], &FOCAL].map(|cameras: &[&str]| {
+        let args = [&["--color", "bar.png", "--scale-bar"], cameras].concat();
+        succeeds(path, &on("left.png", "right.png", &args));
+        let bar = picture(path, "bar.png").into_rgb8();
+        let plain = picture(path, "turbo.png").into_rgb8();
+        assert!(plain.enumerate_pixels().all(|(x, y, pixel)| bar.get_pixel(x, y) == pixel));
+        bar
+    });
+    assert!(bars[0].width() > 60 && bars[0] != bars[1]);
+    let output = succeeds(path, &on("left.png", "right.png", &["-o", "map.npy", "--scale-bar"]));
+    assert!(stderr(&output).contains("no effect without a picture"), "{}", stderr(&output));
+    // The sheet of several maps has them, too.
+    let tail = ["--disp", "16", "--backend", "cpu", "-o", "sheet.png", "--colors", "gray"];
+    succeeds(path, &[&["compare", "left.png", "right.png", "--variants", "sad"], &tail[..]].concat());
+    let is_gray = picture(path, "sheet.png").into_rgb8().pixels().all(|p| p.0[0] == p.0[1] && p.0[1] == p.0[2]);
+    assert!(is_gray, "left image and maps of a gray pair in gray");
+}
+
+#[test]
+fn nothing_is_farther_away_than_allowed() {
+    let folder = folder();
+    let path = folder.path();
+    let depths = |more: &[&str]| {
+        succeeds(
+            path,
+            &on("left.png", "right.png", &[&FOCAL[..], &["--depth", "d.npy", "--points", "p.ply"], more].concat()),
+        );
+        let points = fs::read(path.join("p.ply")).unwrap();
+        (floats(path, "d.npy"), points.len())
+    };
+    let (all, size) = depths(&[]);
+    // 5 px are 2 m away.
+    let farther = all.iter().filter(|d| **d > 2.0).count();
+    assert!(farther > 0 && farther < all.len() / 2, "{farther}");
+    let (cut, smaller) = depths(&["--max-depth", "2"]);
+    for (cut, all) in cut.iter().zip(&all) {
+        assert!(if *all > 2.0 { cut.is_nan() } else { cut.to_bits() == all.to_bits() }, "{cut} {all}");
+    }
+    let header = |size: usize| size.ilog10() as usize; // the number of points in the header may lose a digit
+    assert!((size - smaller).abs_diff(15 * farther) <= header(size), "{size} {smaller} {farther}");
+}
+
+#[test]
+fn the_rectified_pair_is_written_as_it_is_matched() {
+    let folder = folder();
+    let path = folder.path();
+    let args = [&RECTIFY[..], &["--rectified", "a.png,b.png"]].concat();
+    succeeds(path, &on("left.png", "right.png", &args));
+    // The rectified cameras see 2 px farther to the left.
+    for (given, rectified) in [("left.png", "a.png"), ("right.png", "b.png")] {
+        let (given, rectified) = (picture(path, given).into_luma8(), picture(path, rectified));
+        assert!(matches!(rectified, image::DynamicImage::ImageLuma8(_)), "{rectified:?}");
+        for (x, y, pixel) in rectified.into_luma8().enumerate_pixels() {
+            assert_eq!(pixel.0[0], if x < 2 { 0 } else { given.get_pixel(x - 2, y).0[0] }, "({x}, {y})");
+        }
+    }
+    // Colours and 16 bits stay.
+    let deep = |name: &str| {
+        image::DynamicImage::from(picture(path, name).into_rgb16()).save(path.join(format!("deep_{name}")))
+    };
+    deep("left.png").unwrap();
+    deep("right.png").unwrap();
+    let batch = ["batch", "deep.csv", "-o", "maps", "--disp", "16", "--backend", "cpu", "--format"];
+    fs::write(path.join("deep.csv"), "deep_left.png,deep_right.png,a\n").unwrap();
+    succeeds(path, &[&batch[..], &["rectified-left,rectified-right"], &RECTIFY].concat());
+    succeeds(path, &on("deep_left.png", "deep_right.png", &args));
+    for (one, other) in [("a.png", "maps/a_rectified_left.png"), ("b.png", "maps/a_rectified_right.png")] {
+        assert!(matches!(picture(path, one), image::DynamicImage::ImageRgb16(_)));
+        assert!(fs::read(path.join(one)).unwrap() == fs::read(path.join(other)).unwrap());
+    }
+    for (args, words) in [
+        (&["--rectified", "a.png,b.png"][..], &["nothing rectifies them", "--rectify FILE"][..]),
+        (&["--rectified", "a.png", "--rectify", "lenses.yml"], &["LEFT,RIGHT", "one comma"]),
+        (&["--rectified", "a.png,b.jpg", "--rectify", "lenses.yml"], &["--rectified is \"b.jpg\"", ".png"]),
+        (&["--max-depth", "0"], &["--max-depth is 0", "above 0"]),
+        (&["--max-depth", "nan"], &["--max-depth is NaN"]),
+        (&["--colors", "turb"], &["a similar value is turbo"]),
+    ] {
+        refuses(path, &on("left.png", "right.png", args), words);
+    }
 }

@@ -3,7 +3,7 @@
 use super::bulk::BulkArgs;
 use super::cameras::CameraArgs;
 use super::device::DeviceArgs;
-use super::formats::FormatArgs;
+use super::formats::{FormatArgs, LookArgs};
 use super::headings::{DEVICE, OUTPUT};
 use super::input::{InputArgs, MaskArgs};
 use super::numbers::Whole;
@@ -91,6 +91,10 @@ pub struct BatchArgs {
     /// What is written
     #[command(flatten)]
     pub formats: FormatArgs,
+
+    /// How maps are drawn
+    #[command(flatten)]
+    pub look: LookArgs,
 
     /// How the run resumes, writes and reports
     #[command(flatten)]

@@ -3,7 +3,7 @@
 use super::cameras::CameraArgs;
 use super::choices;
 use super::device::DeviceArgs;
-use super::formats::MapsArgs;
+use super::formats::{LookArgs, MapsArgs};
 use super::headings::OUTPUT;
 use super::input::InputArgs;
 use super::numbers::Whole;
@@ -74,6 +74,10 @@ pub struct BenchArgs {
     /// Where the maps are written, too
     #[command(flatten)]
     pub maps: MapsArgs,
+
+    /// How maps are drawn
+    #[command(flatten)]
+    pub look: LookArgs,
 
     /// Write the files that the benchmark takes into this folder: kitti SET/disp_0/*.png (2012: SET/*.png), middlebury
     /// SET/NAME/disp0METHOD.pfm (with holes disp0METHOD_s.pfm) and timeMETHOD.txt, eth3d low_res_two_view/NAME.pfm, .txt

@@ -41,6 +41,10 @@ pub struct CameraArgs {
     #[arg(long, value_parser = choices::pair(), value_name = "PAIR", requires = "cameras")]
     pub calib_pair: Option<KittiPair>,
 
+    /// What is farther away than so many metres has no depth and is no point
+    #[arg(long, value_name = "M", allow_negative_numbers = true)]
+    pub max_depth: Option<f64>,
+
     /// The cameras in two numbers
     #[command(flatten)]
     pub optics: Optics,

@@ -1,9 +1,10 @@
 //! Choices: what can be typed for a type of the library, and what `--help` says of it.
 
 use clap::builder::{PossibleValue, PossibleValuesParser, TypedValueParser};
+use gpu_stereo::Colors;
 use gpu_stereo::files::calibration::{KittiPair, LensModel, Unit};
 use gpu_stereo::files::datasets::DataSet;
-use gpu_stereo::files::encoders::{Format, PointFormat, SampleFormat};
+use gpu_stereo::files::encoders::{Format, Look, PointFormat, SampleFormat};
 use gpu_stereo::files::images::{Arrangement, Split};
 
 /// What can be typed, the usual name first, what it means, and what `--help` says of it.
@@ -23,6 +24,11 @@ fn choice<T: Copy + Send + Sync + 'static>(all: &'static [Choice<T>]) -> impl Ty
 /// What [`FORMATS`] has.
 pub fn format() -> impl TypedValueParser<Value = Format> {
     choice(&FORMATS)
+}
+
+/// What [`COLORS`] has.
+pub fn colors() -> impl TypedValueParser<Value = Colors> {
+    choice(&COLORS)
 }
 
 /// What [`LAYOUTS`] has.
@@ -65,15 +71,31 @@ const SPLITS: [Choice<Split>; 7] = [
     ),
 ];
 
+/// `--colors`.
+const COLORS: [Choice<Colors>; 7] = [
+    (&["turbo"], Colors::Turbo, "Blue, green, yellow, red"),
+    (&["inferno"], Colors::Inferno, "Purple, red, yellow, white"),
+    (&["magma"], Colors::Magma, "Purple, pink, white"),
+    (&["plasma"], Colors::Plasma, "Purple, orange, yellow"),
+    (&["viridis"], Colors::Viridis, "Blue, green, yellow"),
+    (&["cividis"], Colors::Cividis, "Blue, gray, yellow: alike to all eyes"),
+    (&["gray", "grey"], Colors::Gray, "Dark gray to white"),
+];
+
+/// Replaced by what `--colors` and `--scale-bar` say.
+const LOOK: Look = Look { colors: Colors::Turbo, scale_bar: false };
+
 /// `--format`.
-const FORMATS: [Choice<Format>; 17] = [
+const FORMATS: [Choice<Format>; 19] = [
     (&["png"], Format::Disparity(SampleFormat::Png), ""),
     (&["pfm"], Format::Disparity(SampleFormat::Pfm), ""),
     (&["npy"], Format::Disparity(SampleFormat::Npy), ""),
     (&["tif", "tiff"], Format::Disparity(SampleFormat::Tiff), ""),
-    (&["color"], Format::Color, ""),
+    (&["color"], Format::Color(LOOK), ""),
     (&["mask"], Format::Mask, ""),
     (&["confidence"], Format::Confidence, ""),
+    (&["rectified-left"], Format::RectifiedLeft, ""),
+    (&["rectified-right"], Format::RectifiedRight, ""),
     (&["right", "right-png"], Format::Right(SampleFormat::Png), ""),
     (&["right-pfm"], Format::Right(SampleFormat::Pfm), ""),
     (&["right-npy"], Format::Right(SampleFormat::Npy), ""),

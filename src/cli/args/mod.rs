@@ -24,7 +24,7 @@ pub use bench::{BenchArgs, HELP as BENCH_HELP};
 pub use cameras::CameraArgs;
 pub use device::{Backend, DeviceArgs};
 pub use eval::{EvalArgs, HELP as EVAL_HELP};
-pub use formats::MapsArgs;
+pub use formats::{LookArgs, MapsArgs};
 pub use input::InputArgs;
 #[cfg(test)]
 pub use names::FOREIGN;

@@ -2,6 +2,7 @@
 
 use super::cameras::CameraArgs;
 use super::device::DeviceArgs;
+use super::formats::LookArgs;
 use super::headings::{DEVICE, OUTPUT, TRUTH};
 use super::input::{InputArgs, MaskArgs};
 use super::numbers::Whole;
@@ -85,9 +86,13 @@ pub struct SingleArgs {
     #[arg(short, long, value_name = "FILE", help_heading = OUTPUT)]
     pub output: Vec<PathBuf>,
 
-    /// Write a picture of the map (PNG): turbo colours over the searched range, invalid black
+    /// Write a picture of the map (PNG): its colours over the searched range, invalid black
     #[arg(long, value_name = "FILE", help_heading = OUTPUT)]
     pub color: Option<PathBuf>,
+
+    /// How it is drawn
+    #[command(flatten)]
+    pub look: LookArgs,
 
     /// Write where the map has a disparity (8-bit PNG): 255 where it has one, 0 where not
     #[arg(long, value_name = "FILE", help_heading = OUTPUT)]
@@ -96,6 +101,10 @@ pub struct SingleArgs {
     /// Write how far each winner is ahead of its rivals (8-bit PNG): 1 to 255, 0 where there is no disparity
     #[arg(long, value_name = "FILE", help_heading = OUTPUT)]
     pub confidence: Option<PathBuf>,
+
+    /// Write the images as they are matched (PNG), rectified by --rectify; a name with commas is split at the middle one
+    #[arg(long, value_name = "LEFT,RIGHT", help_heading = OUTPUT)]
+    pub rectified: Option<String>,
 
     /// Write the right view's map: at a pixel of RIGHT its disparity, in whole pixels, before any filter; the formats of --output;
     /// may be given several times

@@ -2,7 +2,7 @@
 
 use super::cameras::CameraArgs;
 use super::device::DeviceArgs;
-use super::formats::MapsArgs;
+use super::formats::{LookArgs, MapsArgs};
 use super::headings::OUTPUT;
 use super::input::{InputArgs, MaskArgs};
 use super::numbers::Whole;
@@ -66,6 +66,10 @@ pub struct StudyArgs {
     /// Where the maps are written, too
     #[command(flatten)]
     pub maps: MapsArgs,
+
+    /// How maps are drawn
+    #[command(flatten)]
+    pub look: LookArgs,
 
     /// Width of a map on the sheet, 16 to 4096 [default: so that the sheet is legible]
     #[arg(long, value_name = "PX", allow_negative_numbers = true, help_heading = OUTPUT)]

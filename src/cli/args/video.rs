@@ -3,7 +3,7 @@
 use super::bulk::BulkArgs;
 use super::cameras::CameraArgs;
 use super::device::DeviceArgs;
-use super::formats::FormatArgs;
+use super::formats::{FormatArgs, LookArgs};
 use super::headings::{DEVICE, OUTPUT};
 use super::input::{InputArgs, MaskArgs};
 use super::numbers::Whole;
@@ -91,6 +91,10 @@ pub struct VideoArgs {
     /// What is written
     #[command(flatten)]
     pub formats: FormatArgs,
+
+    /// How maps are drawn
+    #[command(flatten)]
+    pub look: LookArgs,
 
     /// Frames a second of the video that is written, above 0, at most 1000 [default: as the video that is read, else 10]
     #[arg(long, value_name = "FPS", allow_negative_numbers = true, help_heading = OUTPUT)]

@@ -23,6 +23,7 @@ struct Batch {
     device: DeviceArgs,
     input: InputArgs,
     params: ParamsBySize,
+    keeps_right: bool,
     in_flight: usize,
     threads: usize,
     json: bool,
@@ -43,10 +44,12 @@ fn resolve(typed: BatchArgs) -> Result<Batch> {
     let given: Vec<_> = typed.settings.iter().map(|(name, _)| name).collect();
     args::ensure_disparities(&given)?;
     let mut params = args::params(typed.settings.iter())?;
-    let formats = output_files::formats(&typed.formats.format, &params)?;
+    let formats = output_files::formats(&typed.formats.format, &typed.look, &params)?;
     output_files::want(&mut params, &formats);
     let cameras = Cameras::resolve(&typed.cameras)?;
-    cameras.ensure_fit(output_files::asks_for_depth(&formats), false)?;
+    cameras.ensure_fit(output_files::asks_for_depth(&formats), typed.look.scale_bar)?;
+    output_files::ensure_rectified(&formats, &cameras)?;
+    output_files::note_look(typed.look.look(), &formats);
     network::give(&typed.network, [&mut params])?;
     let masks = MaskFiles::resolve(typed.masks.mask_in.as_deref())?;
     params.masks = images::reported(masks.read()?);
@@ -64,7 +67,7 @@ fn resolve(typed: BatchArgs) -> Result<Batch> {
         retry: typed.bulk.retry,
         video: false,
         input: typed.input.of_many(),
-        cameras: cameras.digest(),
+        more: output_files::decisive(&cameras, &typed.look),
         inputs: masks.paths().chain(cameras.files()).chain(typed.network.weights.as_deref()).map(Into::into).collect(),
         suspects: typed.bulk.suspects,
     };
@@ -77,13 +80,15 @@ fn resolve(typed: BatchArgs) -> Result<Batch> {
         _ => planned,
     })?;
     args::report_unused(&[(given, &params)]);
-    let params = ParamsBySize::new(params, cameras, formats.iter().any(|format| format.needs_depth()));
+    let depth = formats.iter().any(|format| format.needs_depth()) || (typed.look.scale_bar && cameras.are_known());
+    let params = ParamsBySize::new(params, cameras, depth);
     Ok(Batch {
         shard: typed.shard,
         device: typed.device,
         input: store.mode.input.clone(),
         store,
         params,
+        keeps_right: output_files::keeps_right(&formats),
         in_flight,
         threads,
         json: typed.bulk.json,
@@ -117,7 +122,7 @@ fn plan(args: &BatchArgs, formats: &[Format]) -> Result<Vec<Planned>> {
 impl Batch {
     /// Computes all pairs.
     fn run(self) -> Result<Summary<FailedLine>> {
-        let Self { store, shard, device, input, params, in_flight, threads, quiet, .. } = self;
+        let Self { store, shard, device, input, params, keeps_right, in_flight, threads, quiet, .. } = self;
         let stop = stop_on_signals();
         if store.mode.suspects.is_some() {
             trial::stop_with_parent(stop)?;
@@ -127,6 +132,7 @@ impl Batch {
             params: &params,
             input: &input,
             diagnosed: 1,
+            keeps_right,
             in_flight,
             readers: threads,
             writers: threads,

@@ -14,7 +14,7 @@ use crate::engine::pair::Pair;
 use crate::engine::{adapter, images, places};
 use crate::terminal::{self, Progress, table, warnings};
 use anyhow::{Context as _, Result, bail, ensure};
-use gpu_stereo::files::encoders::SheetFormat;
+use gpu_stereo::files::encoders::{Look, SheetFormat};
 use gpu_stereo::files::images::ImagePair;
 use gpu_stereo::files::masks::MaskFiles;
 use gpu_stereo::files::outputs::Output;
@@ -41,6 +41,7 @@ struct Study {
     common: String,
     order: Order,
     tile_width: Option<u32>,
+    look: Look,
     device: DeviceArgs,
     repeat: Option<u32>,
     outputs: Vec<Output<SheetFormat>>,
@@ -127,8 +128,10 @@ fn resolve(typed: &StudyArgs, mut variants: Vec<Variant>, common: String, order:
     let masks = MaskFiles::resolve(typed.masks.mask_in.as_deref())?;
     let (Pair { left, right }, input) = images::given(&typed.left, typed.right.as_deref(), &typed.input)?;
     let cameras = Cameras::resolve(&typed.cameras)?;
-    let maps = MapFolder::resolve(&typed.maps)?;
-    cameras.ensure_fit(output_files::asks_for_depth(MapFolder::formats(maps.as_ref())), false)?;
+    let maps = MapFolder::resolve(&typed.maps, &typed.look)?;
+    let formats = MapFolder::formats(maps.as_ref());
+    cameras.ensure_fit(output_files::asks_for_depth(formats), typed.look.scale_bar)?;
+    output_files::ensure_rectified(formats, &cameras)?;
     let images = [left.as_path(), &right];
     let others = masks.paths().chain(cameras.files()).chain(typed.network.weights.as_deref());
     let inputs: Vec<_> = images.into_iter().chain(others).collect();
@@ -150,6 +153,7 @@ fn resolve(typed: &StudyArgs, mut variants: Vec<Variant>, common: String, order:
         common,
         order,
         tile_width,
+        look: typed.look.look(),
         device: typed.device.clone(),
         repeat,
         outputs,
@@ -213,7 +217,7 @@ impl Study {
         let ImagePair { left, right, doubts, .. } = images::read_pair(&self.left, &self.right, &self.input)?;
         doubts.iter().for_each(|doubt| warnings::warn(doubt));
         let mut fitted = Params::sgm(1); // any: all variants have the cameras in common
-        let needs_depth = self.maps.as_ref().is_some_and(MapFolder::needs_depth);
+        let needs_depth = self.maps.as_ref().is_some_and(MapFolder::needs_depth) || self.look.scale_bar;
         self.cameras.fit(&mut fitted, [left.width(), left.height()], needs_depth)?;
         let evidence = diagnosis::evidence(&left, &right, &fitted)?;
         let masks = images::reported(self.masks.read_for(&left)?);
@@ -241,11 +245,12 @@ impl Study {
                 sheet = Some(self.blank(ready, &left, repeat, (first, last))?);
             }
             let show = |share| progress.share(label, share);
-            let frames = ready.frames(&left, &right, params, false, repeat, &show).with_context(context)?;
+            let mut frames = ready.frames(&left, &right, params, false, repeat, &show).with_context(context)?;
             let energy = EnergyReport::new(&left, &right, &frames.matched, params)?;
             if let Some(maps) = &self.maps {
                 let name = map_name(place, &self.variants[place - 1], self.variants.len());
-                maps.write(&name, &frames.matched, &left, params).with_context(context)?;
+                self.cameras.cut(&mut frames.matched);
+                maps.write(&name, &frames.matched, (&left, Some(&right)), params).with_context(context)?;
             }
             let (map, times) = (frames.matched.map, frames.times);
             match evidence.finding(&params.searched()) {
@@ -264,7 +269,7 @@ impl Study {
                 peak_device_bytes: ready.device_bytes(),
             };
             if let Some(sheet) = &mut sheet {
-                sheet.tile(place, &encoders::picture(&map, (first, last)), &found.note());
+                sheet.tile(place, &encoders::picture(&map, (first, last), self.look.colors), &found.note());
             }
             progress.done(&format!("{}: {}", found.label, found.note()));
             variants.push(found);
@@ -302,7 +307,7 @@ impl Study {
         let legend = ["black: no disparity".to_owned(), self.common.clone(), times];
         let legend: Vec<_> = legend.into_iter().filter(|line| !line.is_empty()).collect();
         let plan = SheetPlan::new((left.width(), left.height()), &captions, &legend, self.order, self.tile_width)?;
-        Ok(Sheet::new(plan, &images::drawn(left), range))
+        Ok(Sheet::new(plan, &images::drawn(left), range, self.look.colors))
     }
 
     /// Prints what was found.

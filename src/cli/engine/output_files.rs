@@ -2,25 +2,32 @@
 
 use super::known::KnownFile;
 use super::{images, places};
-use crate::args::MapsArgs;
+use crate::args::{LookArgs, MapsArgs};
+use crate::engine::compute::Cameras;
 use crate::terminal::{message, warnings};
 use anyhow::{Context as _, Result, bail, ensure};
 use gpu_stereo::files::Facts;
 use gpu_stereo::files::encoders::{self, Maps};
 use gpu_stereo::files::encoders::{
-    Format, PointFormat, SampleFormat, SheetFormat, ending, ensure_range, sample_format, searched,
+    Format, Look, PointFormat, SampleFormat, SheetFormat, ending, ensure_range, sample_format, searched,
 };
 use gpu_stereo::files::outputs::{self, Output};
-use gpu_stereo::{Image, Matched, Params};
+use gpu_stereo::{Colors, Image, Matched, Params};
+use std::borrow::Cow;
 use std::path::{Path, PathBuf};
 
 /// The files to write, each checked: its ending is known, its folder can be written, it is neither an input nor named
 /// twice. Without any file, the default ones.
-pub fn resolve(mut wanted: Vec<(PathBuf, Format)>, inputs: &[&Path], params: &Params) -> Result<Vec<Output>> {
+pub fn resolve(
+    mut wanted: Vec<(PathBuf, Format)>,
+    inputs: &[&Path],
+    params: &Params,
+    look: Look,
+) -> Result<Vec<Output>> {
     wanted.iter().try_for_each(|(path, format)| ensure_range(*format, path, params))?;
     if wanted.is_empty() {
         wanted.push(default_map(params));
-        wanted.push(("disparity_color.png".into(), Format::Color));
+        wanted.push(("disparity_color.png".into(), Format::Color(look)));
     }
     places(wanted, inputs)
 }
@@ -119,10 +126,56 @@ pub fn want(params: &mut Params, formats: &[Format]) {
     params.right_map = formats.iter().any(|format| matches!(format, Format::Right(_)));
 }
 
+/// Reports a look that no file has.
+pub fn note_look(look: Look, formats: &[Format]) {
+    if look != Look::default() && !formats.iter().any(|format| matches!(format, Format::Color(_))) {
+        message("note: --colors and --scale-bar have no effect without a picture of a map");
+    }
+}
+
+/// Whether files of these formats show the right image.
+pub fn keeps_right(formats: &[Format]) -> bool {
+    formats.iter().any(|format| format.shows_image(1))
+}
+
+/// Refuses the rectified pair where nothing rectifies.
+pub fn ensure_rectified(formats: &[Format], cameras: &Cameras) -> Result<()> {
+    let wanted = formats.iter().any(|format| matches!(format, Format::RectifiedLeft | Format::RectifiedRight));
+    ensure!(
+        !wanted || cameras.rectify(),
+        "the rectified images are wanted, but nothing rectifies them; give the calibration by --rectify FILE"
+    );
+    Ok(())
+}
+
+/// The names of `--rectified`, split at the comma in the middle.
+pub fn rectified(given: Option<&str>) -> Result<Vec<(PathBuf, Format)>> {
+    let Some(given) = given else { return Ok(Vec::new()) };
+    let commas: Vec<_> = given.match_indices(',').map(|(at, _)| at).collect();
+    ensure!(
+        commas.len() % 2 == 1,
+        "--rectified is {given:?}, but the names of two images are needed, LEFT,RIGHT; put one comma between them"
+    );
+    let (left, right) = given.split_at(commas[commas.len() / 2]);
+    pictures(&[
+        ("rectified", &Some(left.into()), Format::RectifiedLeft),
+        ("rectified", &Some(right[1..].into()), Format::RectifiedRight),
+    ])
+}
+
 /// The option that asks for a depth, if one of the formats does.
 pub fn asks_for_depth(formats: &[Format]) -> Option<&'static str> {
     let found = formats.iter().find(|format| format.needs_depth())?;
     Some(if matches!(found, Format::Depth(_)) { "a depth" } else { "a file of points" })
+}
+
+/// What decides about files of a folder besides the settings of the matcher. Defaults are not told.
+pub fn decisive(cameras: &Cameras, look: &LookArgs) -> Vec<(&'static str, String)> {
+    let named = Colors::ALL.iter().find(|(_, colors)| *colors == look.colors && *colors != Colors::default());
+    let cameras = cameras.digest().map(|digest| ("cameras", digest));
+    let colors = named.map(|(name, _)| ("colors", (*name).into()));
+    let bar = look.scale_bar.then(|| ("scale-bar", "on".into()));
+    [cameras, colors, bar].into_iter().flatten().collect()
 }
 
 /// The files of a map in a folder, one a format: NAME.png, NAME_depth.png and so on.
@@ -146,20 +199,38 @@ fn each_once(given: &[Format]) -> Result<Vec<Format>> {
 }
 
 /// The same, or the usual one if there is none.
-pub fn formats(given: &[Format], params: &Params) -> Result<Vec<Format>> {
-    let mut formats = each_once(given)?;
+pub fn formats(given: &[Format], look: &LookArgs, params: &Params) -> Result<Vec<Format>> {
+    let mut formats = look.dressed(&each_once(given)?);
     if formats.is_empty() {
         formats.push(default_format(params, "NAME"));
     }
     Ok(formats)
 }
 
-/// Writes what was computed of a pair with these settings to every file, or, if one cannot be written, to none. `left`: the left
-/// image as it was given.
-pub fn write(outputs: &[Output], matched: &Matched, left: &Image, params: &Params) -> Result<Vec<Facts>> {
-    let has_points = outputs.iter().any(|output| matches!(output.format, Format::Points(_)));
-    let left = if has_points { Some(images::rectified(left, params, 0)?) } else { None };
-    write_all(outputs, &Maps { left: left.as_deref(), ..Maps::all(matched, params) })
+/// Writes what was computed of a pair with these settings to every file, or, if one cannot be written, to none. The
+/// images are the given ones; the right one is needed if [`keeps_right`] says so.
+pub fn write(
+    outputs: &[Output],
+    matched: &Matched,
+    (left, right): (&Image, Option<&Image>),
+    params: &Params,
+) -> Result<Vec<Facts>> {
+    let images = images_for(outputs, [Some(left), right], params)?;
+    write_all(outputs, &Maps { images: images.each_ref().map(Option::as_deref), ..Maps::all(matched, params) })
+}
+
+/// The images that these files show, rectified if `params` say so.
+pub fn images_for<'a>(
+    outputs: &[Output],
+    given: [Option<&'a Image>; 2],
+    params: &Params,
+) -> Result<[Option<Cow<'a, Image>>; 2]> {
+    let needed = |side: usize| outputs.iter().any(|output| output.format.shows_image(side));
+    let mut images = [None, None];
+    for (side, (image, given)) in images.iter_mut().zip(given).enumerate() {
+        *image = given.filter(|_| needed(side)).map(|given| images::rectified(given, params, side)).transpose()?;
+    }
+    Ok(images)
 }
 
 /// The same of all that there is, once it is reported what the files do not hold.
@@ -179,10 +250,10 @@ pub struct MapFolder {
 
 impl MapFolder {
     /// The folder, if one is given, created if missing.
-    pub fn resolve(given: &MapsArgs) -> Result<Option<Self>> {
+    pub fn resolve(given: &MapsArgs, look: &LookArgs) -> Result<Option<Self>> {
         given.ensure_folder()?;
         let Some(folder) = &given.maps else { return Ok(None) };
-        let mut formats = each_once(&given.formats.format)?;
+        let mut formats = look.dressed(&each_once(&given.formats.format)?);
         if formats.is_empty() {
             formats.push(Format::Disparity(SampleFormat::Png));
         }
@@ -208,10 +279,16 @@ impl MapFolder {
     }
 
     /// Writes a map as [`write`] does.
-    pub fn write(&self, name: &Path, matched: &Matched, left: &Image, params: &Params) -> Result<Vec<KnownFile>> {
+    pub fn write(
+        &self,
+        name: &Path,
+        matched: &Matched,
+        images: (&Image, Option<&Image>),
+        params: &Params,
+    ) -> Result<Vec<KnownFile>> {
         let outputs = of_name(&self.folder, name, &self.formats);
         self.folder.join(name).parent().map_or(Ok(()), places::ensure_folder)?;
-        let facts = write(&outputs, matched, left, params)?;
+        let facts = write(&outputs, matched, images, params)?;
         Ok(outputs.iter().zip(facts).map(|(output, facts)| KnownFile::new(&output.path, facts)).collect())
     }
 }

@@ -152,7 +152,7 @@ impl Run<'_> {
         }
         let ReadPair { left, right, doubts } = pair;
         if let Some(flow) = self.flow {
-            flow.push(place, left, &right)?;
+            flow.push(place, left, right, self.setup.keeps_right)?;
         }
         doubts.into_iter().for_each(|doubt| self.tally.doubt(place, doubt));
         Ok(())
@@ -165,7 +165,10 @@ impl Run<'_> {
     /// Has the next result written.
     fn hand_on(&mut self) -> Result<()> {
         match self.flow.as_mut().map(Flow::next).transpose()?.flatten() {
-            Some(pair) => self.writers.write(pair),
+            Some(mut pair) => {
+                self.setup.params.cut(&mut pair.matched);
+                self.writers.write(pair)
+            }
             None => Ok(()),
         }
     }

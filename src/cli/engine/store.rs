@@ -49,8 +49,8 @@ pub struct Mode {
     pub video: bool,
     /// How images are read.
     pub input: InputArgs,
-    /// The digest of the cameras.
-    pub cameras: Option<String>,
+    /// What decides about the files besides the settings of the matcher: names and values.
+    pub more: Vec<(&'static str, String)>,
     /// Files that no map replaces: masks, calibrations, weights.
     pub inputs: Vec<PathBuf>,
     /// The journal whose suspects are computed alone, in place of any list.
@@ -107,7 +107,7 @@ impl Store {
         }
         let outputs = all.iter().flat_map(|planned| &planned.item.outputs).map(|output| output.path.as_path());
         places::ensure_no_input(outputs, all.iter().map(|planned| &planned.pair), &mode.inputs)?;
-        let record = Record::new(out, params, mode.cameras.as_deref(), &mode.input, sources);
+        let record = Record::new(out, params, &mode.more, &mode.input, sources);
         let log = |name: &str| Log { path: out.join(name) };
         let store = Self {
             out: out.into(),
@@ -358,7 +358,7 @@ impl Store {
         for folder in item.outputs.iter().filter_map(|output| output.path.parent()) {
             disk::make_folder_below(&self.out, folder)?;
         }
-        let facts = output_files::write(&item.outputs, &matched.matched, &matched.left, &matched.params)?;
+        let facts = output_files::write(&item.outputs, &matched.matched, matched.images(), &matched.params)?;
         let outputs = item.outputs.iter().zip(facts);
         let outputs = outputs.map(|(output, facts)| KnownFile { path: self.below(&output.path), facts }).collect();
         let pair = &self.pairs[matched.place];

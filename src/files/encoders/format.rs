@@ -1,7 +1,7 @@
 //! The formats that maps are written in, and what each can hold.
 
-use crate::Params;
 use crate::files::error::{Result, bail, ensure};
+use crate::{Colors, Params};
 use std::path::Path;
 
 /// The formats of a file with a number a pixel.
@@ -27,6 +27,15 @@ pub enum PointFormat {
     Pcd,
 }
 
+/// How a map is drawn as a picture.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct Look {
+    /// The colours of disparities.
+    pub colors: Colors,
+    /// Whether a bar beside the map tells what the colours stand for: metres where the cameras are known, else px.
+    pub scale_bar: bool,
+}
+
 /// What a file holds.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Format {
@@ -38,14 +47,18 @@ pub enum Format {
     Depth(SampleFormat),
     /// The points that have a depth.
     Points(PointFormat),
-    /// A picture: turbo colours over the searched range, invalid black.
-    Color,
+    /// A picture: the colours of a map over the searched range, invalid black.
+    Color(Look),
     /// An 8-bit gray PNG: 255 where there is a disparity, 0 where not.
     Mask,
     /// An 8-bit gray PNG: the confidence.
     Confidence,
     /// A picture: the errors.
     ErrorMap,
+    /// The left image as it was matched (PNG): rectified, if the pair was.
+    RectifiedLeft,
+    /// The right one.
+    RectifiedRight,
 }
 
 impl Format {
@@ -67,16 +80,27 @@ impl Format {
             Self::Depth(Tiff) => "_depth.tif",
             Self::Points(PointFormat::Ply) => "_points.ply",
             Self::Points(PointFormat::Pcd) => "_points.pcd",
-            Self::Color => "_color.png",
+            Self::Color(_) => "_color.png",
             Self::Mask => "_mask.png",
             Self::Confidence => "_confidence.png",
             Self::ErrorMap => "_errors.png",
+            Self::RectifiedLeft => "_rectified_left.png",
+            Self::RectifiedRight => "_rectified_right.png",
         }
     }
 
     /// Whether it is made from the depth, so that the cameras must be known.
     pub fn needs_depth(self) -> bool {
         matches!(self, Self::Depth(_) | Self::Points(_))
+    }
+
+    /// Whether it shows the image of a side, 0 the left one: its colours or the image itself.
+    pub fn shows_image(self, side: usize) -> bool {
+        match self {
+            Self::Points(_) | Self::RectifiedLeft => side == 0,
+            Self::RectifiedRight => side == 1,
+            _ => false,
+        }
     }
 
     /// Whether it is a TIFF, which has at most 4 GiB.

@@ -1,12 +1,13 @@
 //! A map in the bytes of each format.
 
 use super::disparity::{kitti, pixels};
-use super::format::{Format, PointFormat, SampleFormat, searched};
-use super::pictures::picture;
+use super::format::{Format, Look, PointFormat, SampleFormat, searched};
+use super::pictures::{image_png, picture};
 use super::samples::{npy, pfm, png, png8, png16, tiff};
+use super::scale_bar::beside;
 use super::{depth, points};
 use crate::files::error::{Context as _, Result};
-use crate::{ConfidenceMap, DepthMap, DisparityMap, Image, Matched, Params};
+use crate::{Camera, ConfidenceMap, DepthMap, DisparityMap, Image, Matched, Params};
 use image::RgbImage;
 
 /// What is written.
@@ -20,8 +21,10 @@ pub struct Maps<'a> {
     pub confidence: Option<&'a ConfidenceMap>,
     /// The depth of the left view, if it was computed.
     pub depth: Option<&'a DepthMap>,
-    /// The left image, rectified if the pair was, for the colours of points.
-    pub left: Option<&'a Image>,
+    /// The images, rectified if the pair was: the left one has the colours of points.
+    pub images: [Option<&'a Image>; 2],
+    /// The cameras, if they are known, for the scale of a picture.
+    pub camera: Option<&'a Camera>,
     /// The picture of its errors, if there is a truth.
     pub errors: Option<&'a RgbImage>,
     /// The settings.
@@ -31,7 +34,16 @@ pub struct Maps<'a> {
 impl<'a> Maps<'a> {
     /// A map alone.
     pub fn of(map: &'a DisparityMap, params: &'a Params) -> Self {
-        Self { map, right: None, confidence: None, depth: None, left: None, errors: None, params }
+        Self {
+            map,
+            right: None,
+            confidence: None,
+            depth: None,
+            images: [None; 2],
+            camera: params.depth.as_ref(),
+            errors: None,
+            params,
+        }
     }
 
     /// All that was computed.
@@ -90,12 +102,19 @@ fn depths(format: SampleFormat, depth: &DepthMap, baseline: f64) -> Result<Encod
 pub fn encode(format: Format, maps: &Maps<'_>) -> Result<Encoded> {
     let Maps { map, params, .. } = maps;
     let depth = || maps.depth.zip(params.depth.as_ref()).context("no depth was computed");
+    let image = |side: usize| maps.images[side].context("the image is not there");
     let bytes = match format {
         Format::Disparity(format) => disparities(format, map),
         Format::Right(format) => {
             disparities(format, maps.right.context("no map of the right view was computed")?).context("the right view")
         }
-        Format::Color => png(&picture(map, searched(params))),
+        Format::Color(Look { colors, scale_bar }) => {
+            let drawn = picture(map, searched(params), colors);
+            match scale_bar {
+                true => png(&beside(&drawn, searched(params), colors, maps.camera)),
+                false => png(&drawn),
+            }
+        }
         Format::Mask => {
             let samples: Vec<u8> =
                 map.data.iter().map(|&value| if pixels(value).is_some() { 255 } else { 0 }).collect();
@@ -107,12 +126,14 @@ pub fn encode(format: Format, maps: &Maps<'_>) -> Result<Encoded> {
             return depths(format, found, camera.baseline);
         }
         Format::Points(format) => {
-            let ((found, camera), left) = (depth()?, maps.left.context("points need the left image")?);
+            let ((found, camera), left) = (depth()?, image(0)?);
             match format {
                 PointFormat::Ply => points::ply(found, camera, left),
                 PointFormat::Pcd => points::pcd(found, camera, left),
             }
         }
+        Format::RectifiedLeft => image_png(image(0)?),
+        Format::RectifiedRight => image_png(image(1)?),
         Format::ErrorMap => png(maps.errors.context("no truth was read")?),
     }?;
     Ok(Encoded { bytes, doubt: None })

@@ -2,15 +2,18 @@
 
 mod depth;
 mod disparity;
+mod font;
 mod format;
 mod map;
 mod pictures;
 mod points;
 mod samples;
+mod scale_bar;
 
 pub use depth::{metres, millimetres};
+pub use font::Font;
 pub use format::{
-    Format, PointFormat, SampleFormat, SheetFormat, default_format, ending, ensure_range, sample_format, searched,
+    Format, Look, PointFormat, SampleFormat, SheetFormat, default_format, ending, ensure_range, sample_format, searched,
 };
 pub use map::{Encoded, Maps, encode};
 pub use pictures::{picture, rgba8, truth_picture};

@@ -11,7 +11,7 @@ use crate::terminal::{self, plain};
 use anyhow::Result;
 use gpu_stereo::evaluation::FloatMap;
 use gpu_stereo::files::{encoders, outputs};
-use gpu_stereo::{DisparityMap, Params};
+use gpu_stereo::{Colors, DisparityMap, Params};
 use image::RgbImage;
 use image::imageops::{self, FilterType};
 use serde::Serialize;
@@ -62,7 +62,7 @@ pub fn write_pictures(
     found: &SceneReport,
     loaded: &Loaded,
     estimate: &DisparityMap,
-    params: &Params,
+    (params, colors): (&Params, Colors),
     is_first: bool,
 ) -> Result<Vec<KnownFile>> {
     let folder = report.join(PICTURES);
@@ -74,11 +74,11 @@ pub fn write_pictures(
     if is_first {
         written.push(put("input", &images::drawn(&*images::rectified(&loaded.left, params, 0)?))?);
         if let Some(truth) = &loaded.truth {
-            written.push(put("truth", &encoders::truth_picture(&thinned(&truth.map)?, range))?);
+            written.push(put("truth", &encoders::truth_picture(&thinned(&truth.map)?, range, colors))?);
         }
     }
     let number = found.numbers[1];
-    written.push(put(&format!("estimate{number}"), &encoders::picture(estimate, range))?);
+    written.push(put(&format!("estimate{number}"), &encoders::picture(estimate, range, colors))?);
     // Occluded pixels are half as bright.
     if let Some(truth) = loaded.noc.as_ref().or(loaded.truth.as_ref()) {
         written.push(put(&format!("errors{number}"), &truth.error_picture(&estimate.into())?)?);
@@ -128,7 +128,7 @@ pub fn write_report(folder: &Path, found: &BenchReport) -> Result<()> {
             write!(text, "\n## {title}\n\n{table}")?;
         }
     }
-    text += "\n## Pictures\n\nTurbo colours over the range searched: red is near, blue is far, black is unknown or invalid. \
+    text += "\n## Pictures\n\nColours over the range searched, black is unknown or invalid; in turbo, red is near and blue is far. \
                  Errors in KITTI's colours, holes filled: blue up to 3 px or 5 %, then yellow to red; half as bright where occluded.\n";
     text += &picture_tables(&found.scenes)?;
     outputs::write_in_folder(&folder.join(RESULTS), terminal::pretty_json(found)?.as_bytes())?;

@@ -13,7 +13,7 @@ use crate::engine::{adapter, places};
 use crate::terminal::name;
 use anyhow::{Result, bail, ensure};
 use gpu_stereo::files::datasets::{DataSet, Scene};
-use gpu_stereo::files::encoders;
+use gpu_stereo::files::encoders::{self, Look};
 use gpu_stereo::files::lists::absolute;
 use gpu_stereo::files::weights::fingerprint;
 use std::collections::BTreeSet;
@@ -39,6 +39,8 @@ pub struct Bench {
     pub report: Option<PathBuf>,
     /// The cameras of all pairs.
     pub cameras: Cameras,
+    /// How maps are drawn.
+    pub look: Look,
     /// Where maps go.
     pub maps: Option<MapFolder>,
     /// Where files to submit go.
@@ -67,8 +69,10 @@ pub fn resolve(typed: BenchArgs) -> Result<Bench> {
     let submission = typed.submission.map(|folder| submission(folder, typed.method_name, typed.layout, variants.len()));
     let submission = submission.transpose()?;
     let cameras = Cameras::resolve(&typed.cameras)?;
-    let maps = MapFolder::resolve(&typed.maps)?;
-    cameras.ensure_fit(output_files::asks_for_depth(MapFolder::formats(maps.as_ref())), false)?;
+    let maps = MapFolder::resolve(&typed.maps, &typed.look)?;
+    let formats = MapFolder::formats(maps.as_ref());
+    cameras.ensure_fit(output_files::asks_for_depth(formats), typed.look.scale_bar)?;
+    output_files::ensure_rectified(formats, &cameras)?;
     for folder in [typed.report.as_ref(), submission.as_ref().map(|s| &s.folder)].into_iter().flatten() {
         places::ensure_folder(folder)?;
     }
@@ -89,6 +93,7 @@ pub fn resolve(typed: BenchArgs) -> Result<Bench> {
         repeat,
         report: typed.report,
         cameras,
+        look: typed.look.look(),
         maps,
         submission,
         resume: typed.resume,
@@ -219,7 +224,7 @@ impl Bench {
             &self.input,
         );
         let maps = self.maps.as_ref().map(|maps| (absolute(&maps.folder), &maps.formats));
-        let cameras = self.cameras.digest();
+        let cameras = (self.cameras.digest(), self.look);
         let weights = variant.params.network.as_ref().and(self.weights.as_ref());
         format!(
             "{of_run:?} {number} {place} {:?} {:?} {weights:?} {scene:?} {files:?} {maps:?} {cameras:?}",

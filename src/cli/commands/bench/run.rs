@@ -173,7 +173,8 @@ impl<'a> Run<'a> {
                 return Err(error.into());
             }
         };
-        let matched = frames.matched;
+        let mut matched = frames.matched;
+        self.bench.cameras.cut(&mut matched);
         let map = &matched.map;
         let report = SceneReport::new(task.scene, task.variant, &params, settings, frames.times);
         let (width, height, valid) = (map.width, map.height, map.valid_fraction());
@@ -195,11 +196,18 @@ impl<'a> Run<'a> {
             written.extend(submission.write(task.scene, task.variant, &matched.map, report, params)?);
         }
         if let Some(folder) = &self.bench.report {
-            written.extend(write_pictures(folder, report, loaded, &matched.map, params, task.is_first)?);
+            written.extend(write_pictures(
+                folder,
+                report,
+                loaded,
+                &matched.map,
+                (params, self.bench.look.colors),
+                task.is_first,
+            )?);
         }
         if let Some(maps) = &self.bench.maps {
             let name = self.bench.map_name(task.scene, task.variant);
-            written.extend(maps.write(&name, matched, &loaded.left, params)?);
+            written.extend(maps.write(&name, matched, (&loaded.left, Some(&loaded.right)), params)?);
         }
         Ok(written)
     }

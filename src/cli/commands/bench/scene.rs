@@ -39,7 +39,11 @@ pub fn load(scene: &Scene, bench: &Bench) -> Result<Loaded> {
     let ImagePair { left, right, mut doubts, .. } = images::read_pair(&scene.left, &scene.right, &bench.input)?;
     let size = (left.width(), left.height());
     let mut fitted = Params::sgm(1); // any: all variants have the cameras in common
-    bench.cameras.fit(&mut fitted, size.into(), bench.maps.as_ref().is_some_and(MapFolder::needs_depth))?;
+    bench.cameras.fit(
+        &mut fitted,
+        size.into(),
+        bench.look.scale_bar || bench.maps.as_ref().is_some_and(MapFolder::needs_depth),
+    )?;
     let evidence = diagnosis::evidence(&left, &right, &fitted)?;
     let truth = scene.truth.as_ref().map(|truth| truth.read(size, &scene.left)).transpose()?;
     doubts.extend(truth.iter().flat_map(|truth| truth.doubts.clone()));

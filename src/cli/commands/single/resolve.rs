@@ -75,7 +75,8 @@ pub fn resolve(typed: SingleArgs) -> Result<Job> {
     let wanted = wanted(&typed)?;
     let formats: Vec<_> = wanted.iter().map(|(_, format)| *format).collect();
     output_files::want(&mut params, &formats);
-    cameras.ensure_fit(output_files::asks_for_depth(&formats), typed.truth.gt_depth)?;
+    cameras.ensure_fit(output_files::asks_for_depth(&formats), typed.truth.gt_depth || typed.look.scale_bar)?;
+    output_files::ensure_rectified(&formats, &cameras)?;
     let truth = match &typed.gt {
         Some(path) => Some(typed.truth.file(path, typed.cameras.optics.both()?)?),
         None => typed.truth.ensure_unused().map(|()| None)?,
@@ -89,7 +90,8 @@ pub fn resolve(typed: SingleArgs) -> Result<Job> {
         .chain(typed.network.weights.as_deref())
         .chain([left.as_path(), &right])
         .collect();
-    let outputs = output_files::resolve(wanted, &inputs, &params)?;
+    let outputs = output_files::resolve(wanted, &inputs, &params, typed.look.look())?;
+    output_files::note_look(typed.look.look(), &outputs.iter().map(|output| output.format).collect::<Vec<_>>());
     if let Some(folder) = &typed.dump_shaders {
         shaders::ensure_empty(folder, &inputs)?;
     }
@@ -122,7 +124,7 @@ fn needs_adapter(typed: &SingleArgs) -> Option<&'static str> {
 /// The files that the options name.
 fn wanted(typed: &SingleArgs) -> Result<Vec<(PathBuf, Format)>> {
     let pictures = [
-        ("color", &typed.color, Format::Color),
+        ("color", &typed.color, Format::Color(typed.look.look())),
         ("mask", &typed.mask, Format::Mask),
         ("confidence", &typed.confidence, Format::Confidence),
         ("error-map", &typed.truth.error_map, Format::ErrorMap),
@@ -132,6 +134,7 @@ fn wanted(typed: &SingleArgs) -> Result<Vec<(PathBuf, Format)>> {
         output_files::points(&typed.points)?,
         output_files::maps(&typed.output, Format::Disparity)?,
         output_files::maps(&typed.right_map, Format::Right)?,
+        output_files::rectified(typed.rectified.as_deref())?,
         output_files::pictures(&pictures)?,
     ];
     Ok(wanted.concat())

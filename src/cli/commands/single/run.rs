@@ -39,7 +39,8 @@ pub fn run(job: &Job) -> Result<Report> {
     let show = |share| bar.show(share);
     let computed = engine.frames(&left, &right, params, timed, job.repeat, &show);
     bar.finish();
-    let Computed { matched, first, times, stages } = computed?;
+    let Computed { mut matched, first, times, stages } = computed?;
+    job.cameras.cut(&mut matched);
     let first_frame_ms = (first - start).as_secs_f64() * 1e3;
     if let Some(finding) = diagnosis::finding(&left, &right, params)? {
         warnings::warn(&finding.to_string());
@@ -48,7 +49,8 @@ pub fn run(job: &Job) -> Result<Report> {
     let energy = EnergyReport::new(&left, &right, &matched, params)?;
     let check = if job.check { Some(engine.check(&left, &right, params)?) } else { None };
     let passed = check.iter().flatten().all(|stage| stage.mismatches == 0);
-    let evaluation = if passed { write(job, params, &left, &matched, truth.as_ref())? } else { None };
+    let evaluation =
+        if passed { write(job, (params, camera.as_ref()), [&left, &right], &matched, truth.as_ref())? } else { None };
     let outputs = if passed { job.outputs.iter().map(|output| output.path.clone()).collect() } else { Vec::new() };
     Ok(Report {
         names: engine.names([params]),
@@ -84,8 +86,8 @@ fn params_for(job: &Job, image: &Image) -> Result<(Params, Option<Camera>)> {
 /// Scores the map where there is a truth, and writes all files.
 fn write(
     job: &Job,
-    params: &Params,
-    left: &Image,
+    (params, camera): (&Params, Option<&Camera>),
+    pair: [&Image; 2],
     matched: &Matched,
     truth: Option<&Truth>,
 ) -> Result<Option<Evaluation>> {
@@ -97,8 +99,9 @@ fn write(
             errors = Some(truth.error_picture(&estimate)?);
         }
     }
-    let left = images::rectified(left, params, 0)?;
-    let maps = Maps { errors: errors.as_ref(), left: Some(&left), ..Maps::all(matched, params) };
+    let images = output_files::images_for(&job.outputs, pair.map(Some), params)?;
+    let images = images.each_ref().map(Option::as_deref);
+    let maps = Maps { errors: errors.as_ref(), images, camera, ..Maps::all(matched, params) };
     output_files::write_all(&job.outputs, &maps)?;
     Ok(evaluation)
 }

@@ -1,14 +1,10 @@
 //! The sheet: colour maps side by side in one picture, each with its caption.
 
 use anyhow::{Result, ensure};
-use embedded_graphics::mono_font::iso_8859_1::{FONT_6X10, FONT_8X13, FONT_9X15, FONT_10X20};
-use embedded_graphics::mono_font::{MonoFont, MonoTextStyle};
-use embedded_graphics::pixelcolor::Rgb888;
-use embedded_graphics::prelude::{DrawTarget, Drawable as _, OriginDimensions, Pixel, Point, RgbColor as _, Size};
-use embedded_graphics::text::{Baseline, Text};
+use gpu_stereo::Colors;
+use gpu_stereo::files::encoders::Font;
 use image::imageops::{self, FilterType};
 use image::{Rgb, RgbImage};
-use std::convert::Infallible;
 
 /// The longest side of a sheet in pixels: viewers open it, and it takes at most 300 MB.
 const MAX_SIDE: u64 = 10_000;
@@ -17,9 +13,9 @@ const GAP: u32 = 8;
 /// Characters that fit below every map in one line: the longest note.
 const LINE: u32 = 24;
 /// The largest font in which [`LINE`] characters fit below a map is used, or else the first.
-const FONTS: [&MonoFont<'static>; 4] = [&FONT_6X10, &FONT_8X13, &FONT_9X15, &FONT_10X20];
-const BLACK: Rgb888 = Rgb888::BLACK;
-const GRAY: Rgb888 = Rgb888::new(90, 90, 90);
+const FONTS: [Font; 4] = Font::ALL;
+const BLACK: [u8; 3] = [0; 3];
+const GRAY: [u8; 3] = [90; 3];
 
 /// The arrangement of the tiles.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -41,7 +37,7 @@ pub struct SheetPlan {
     captions: Vec<Vec<String>>,
     legend: Vec<String>,
     legend_at: (u32, u32),
-    font: &'static MonoFont<'static>,
+    font: Font,
 }
 
 impl SheetPlan {
@@ -62,10 +58,10 @@ impl SheetPlan {
         let width = width.unwrap_or_else(|| usual_width(size, columns));
         let scale = f64::from(width) / f64::from(size.0);
         let picture = (width, ((f64::from(size.1) * scale).round() as u32).max(1));
-        let tile_width = width.max(LINE * FONTS[0].character_size.width);
-        let fitting = FONTS.into_iter().rev().find(|font| LINE * font.character_size.width <= tile_width);
+        let tile_width = width.max(LINE * FONTS[0].character()[0]);
+        let fitting = FONTS.into_iter().rev().find(|font| LINE * font.character()[0] <= tile_width);
         let font = fitting.unwrap_or(FONTS[0]);
-        let Size { width: character, height: line } = font.character_size;
+        let [character, line] = font.character();
 
         let captions: Vec<_> = captions.iter().map(|caption| wrapped(caption, tile_width / character)).collect();
         let lines = captions.iter().map(Vec::len).max().unwrap_or_default() as u32 + 1; // the note, too
@@ -162,35 +158,34 @@ fn wrapped(text: &str, characters: u32) -> Vec<String> {
 /// A sheet that is being drawn.
 pub struct Sheet {
     plan: SheetPlan,
-    canvas: Canvas,
+    canvas: RgbImage,
 }
 
 impl Sheet {
     /// A white sheet with the left image and the colours of the disparities `first` to `last`.
-    pub fn new(plan: SheetPlan, left: &RgbImage, (first, last): (i32, i32)) -> Self {
-        let canvas = Canvas(RgbImage::from_pixel(plan.size.0, plan.size.1, Rgb([255; 3])));
+    pub fn new(plan: SheetPlan, left: &RgbImage, (first, last): (i32, i32), colors: Colors) -> Self {
+        let canvas = RgbImage::from_pixel(plan.size.0, plan.size.1, Rgb([255; 3]));
         let mut sheet = Self { plan, canvas };
         sheet.tile(0, left, &format!("{} x {}", left.width(), left.height()));
 
-        let ((x, mut y), Size { width: character, height: line }) =
-            (sheet.plan.legend_at, sheet.plan.font.character_size);
+        let ((x, mut y), [character, line]) = (sheet.plan.legend_at, sheet.plan.font.character());
         let from = format!("{first} ");
         let bar_at = x + from.len() as u32 * character;
         let bar = 8 * character;
-        sheet.canvas.write(sheet.plan.font, (x, y), &from, BLACK);
+        sheet.plan.font.write(&mut sheet.canvas, (x, y), &from, BLACK);
         for i in 0..bar {
-            let color = gpu_stereo::turbo(f64::from(i) / f64::from(bar - 1));
+            let color = colors.at(f64::from(i) / f64::from(bar - 1));
             imageops::replace(
-                &mut sheet.canvas.0,
+                &mut sheet.canvas,
                 &RgbImage::from_pixel(1, line, Rgb(color)),
                 (bar_at + i).into(),
                 y.into(),
             );
         }
-        sheet.canvas.write(sheet.plan.font, (bar_at + bar, y), &format!(" {last} px"), BLACK);
+        sheet.plan.font.write(&mut sheet.canvas, (bar_at + bar, y), &format!(" {last} px"), BLACK);
         for text in std::mem::take(&mut sheet.plan.legend) {
             y += line + GAP / 4;
-            sheet.canvas.write(sheet.plan.font, (x, y), &text, GRAY);
+            sheet.plan.font.write(&mut sheet.canvas, (x, y), &text, GRAY);
         }
         sheet
     }
@@ -204,50 +199,19 @@ impl Sheet {
             (width, _) if width >= picture.width() => imageops::resize(picture, width, height, FilterType::Nearest),
             _ => imageops::resize(picture, width, height, FilterType::Triangle),
         };
-        imageops::replace(&mut canvas.0, &scaled, x.into(), y.into());
-        let line = plan.font.character_size.height;
+        imageops::replace(canvas, &scaled, x.into(), y.into());
+        let [_, line] = plan.font.character();
         let mut y = y + height + GAP / 2;
         for text in &plan.captions[place] {
-            canvas.write(plan.font, (x, y), text, BLACK);
+            plan.font.write(canvas, (x, y), text, BLACK);
             y += line;
         }
-        canvas.write(plan.font, (x, y), note, GRAY);
+        plan.font.write(canvas, (x, y), note, GRAY);
     }
 
     /// The picture.
     pub fn finish(self) -> RgbImage {
-        self.canvas.0
-    }
-}
-
-/// A picture that text can be drawn on.
-struct Canvas(RgbImage);
-
-impl Canvas {
-    fn write(&mut self, font: &MonoFont<'_>, (x, y): (u32, u32), text: &str, color: Rgb888) {
-        let style = MonoTextStyle::new(font, color);
-        let Ok(_) = Text::with_baseline(text, Point::new(x as i32, y as i32), style, Baseline::Top).draw(self);
-    }
-}
-
-impl OriginDimensions for Canvas {
-    fn size(&self) -> Size {
-        Size::new(self.0.width(), self.0.height())
-    }
-}
-
-impl DrawTarget for Canvas {
-    type Color = Rgb888;
-    type Error = Infallible;
-
-    fn draw_iter<I: IntoIterator<Item = Pixel<Rgb888>>>(&mut self, pixels: I) -> Result<(), Infallible> {
-        for Pixel(at, color) in pixels {
-            let at = u32::try_from(at.x).ok().zip(u32::try_from(at.y).ok());
-            if let Some(pixel) = at.and_then(|(x, y)| self.0.get_pixel_mut_checked(x, y)) {
-                *pixel = Rgb([color.r(), color.g(), color.b()]);
-            }
-        }
-        Ok(())
+        self.canvas
     }
 }
 
@@ -281,7 +245,7 @@ mod tests {
                 for width in [None, Some(64), Some(300)] {
                     let captions: Vec<_> = texts(maps + 1).collect();
                     let plan = SheetPlan::new(size, &captions, &legend, order, width).unwrap();
-                    let Size { width: character, height: line } = plan.font.character_size;
+                    let [character, line] = plan.font.character();
                     let mut boxes: Vec<(u32, u32, u32, u32)> = Vec::new();
                     for (&(x, y), caption) in plan.tiles.iter().zip(&plan.captions) {
                         let text = caption.iter().map(String::len).max().unwrap().max(LINE as usize) as u32 * character;

@@ -4,6 +4,7 @@ use crate::engine::ffmpeg::{self, Ffmpeg};
 use crate::engine::pipeline::{MatchedPair, Refused, Work};
 use crate::engine::{disk, images, places};
 use anyhow::{Context as _, Result, ensure};
+use gpu_stereo::Colors;
 use gpu_stereo::files::encoders;
 use gpu_stereo::files::encoders::ending;
 use std::ffi::OsString;
@@ -20,6 +21,7 @@ pub struct Film {
     fps: String,
     /// The disparities of the first and of the last colour, the same for all frames.
     range: (i32, i32),
+    colors: Colors,
     encoder: Mutex<Option<Encoder>>,
 }
 
@@ -36,19 +38,19 @@ pub fn is_film(path: &Path) -> bool {
 
 impl Film {
     /// A video of `fps` frames a second, once it is sure that it can be written.
-    pub fn new(path: &Path, fps: String, range: (i32, i32)) -> Result<Self> {
+    pub fn new(path: &Path, fps: String, range: (i32, i32), colors: Colors) -> Result<Self> {
         let place = places::writable_place(path)?;
         ensure!(
             ffmpeg::is_there(),
             "output {path:?} is a video, but no working ffmpeg is on the PATH; install ffmpeg, or give a folder"
         );
-        Ok(Self { path: path.into(), place, fps, range, encoder: Mutex::new(None) })
+        Ok(Self { path: path.into(), place, fps, range, colors, encoder: Mutex::new(None) })
     }
 
     /// Adds a frame. All have the size of the first one.
     fn add(&self, frame: &MatchedPair) -> Result<()> {
         let left = images::drawn(&*images::rectified(&frame.left, &frame.params, 0)?);
-        let map = encoders::picture(&frame.matched.map, self.range);
+        let map = encoders::picture(&frame.matched.map, self.range, self.colors);
         let row = 3 * map.width() as usize;
         let rows = left.as_raw().chunks_exact(row).zip(map.as_raw().chunks_exact(row));
         let pixels: Vec<u8> = rows.flat_map(|(left, map)| left.iter().chain(map)).copied().collect();

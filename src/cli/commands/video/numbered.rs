@@ -40,7 +40,7 @@ impl Numbered {
 
 impl Work for Numbered {
     fn write(&self, pair: &MatchedPair) -> Result<(), Refused> {
-        let written = output_files::write(&self.outputs(pair.place), &pair.matched, &pair.left, &pair.params);
+        let written = output_files::write(&self.outputs(pair.place), &pair.matched, pair.images(), &pair.params);
         written.map(drop).map_err(Refused::of)
     }
 }

@@ -28,11 +28,13 @@ pub fn resolve(typed: VideoArgs) -> Result<Video> {
     let given: Vec<_> = typed.settings.iter().map(|(name, _)| name).collect();
     args::ensure_disparities(&given)?;
     let mut params = args::params(typed.settings.iter())?;
-    let formats = &typed.formats.format;
+    let formats = &typed.look.dressed(&typed.formats.format);
     output_files::want(&mut params, formats);
     let cameras = Cameras::resolve(&typed.cameras)?;
-    cameras.ensure_fit(output_files::asks_for_depth(formats), false)?;
-    let depth = formats.iter().any(|format| format.needs_depth());
+    cameras.ensure_fit(output_files::asks_for_depth(formats), typed.look.scale_bar)?;
+    output_files::ensure_rectified(formats, &cameras)?;
+    let depth = formats.iter().any(|format| format.needs_depth()) || (typed.look.scale_bar && cameras.are_known());
+    let keeps_right = output_files::keeps_right(formats);
     network::give(&typed.network, [&mut params])?;
     let masks = MaskFiles::resolve(typed.masks.mask_in.as_deref())?;
     params.masks = images::reported(masks.read()?);
@@ -49,8 +51,14 @@ pub fn resolve(typed: VideoArgs) -> Result<Video> {
     let inputs: Vec<PathBuf> =
         masks.paths().chain(cameras.files()).chain(typed.network.weights.as_deref()).map(Into::into).collect();
     let task = if film::is_film(&typed.output) {
+        ensure!(
+            !typed.look.scale_bar,
+            "--scale-bar is for pictures, but output {:?} is a video; drop it",
+            typed.output
+        );
         film(&typed, source, &params, &inputs)?
     } else {
+        output_files::note_look(typed.look.look(), formats);
         ensure!(
             !OTHER_FILMS.contains(&encoders::ending(&typed.output).as_str()) || typed.output.is_dir(),
             "output {:?} looks like a video, but .mp4, .mkv and .webm are written; use one of these, or a folder",
@@ -74,6 +82,7 @@ pub fn resolve(typed: VideoArgs) -> Result<Video> {
         device: typed.device,
         input,
         params: ParamsBySize::new(params, cameras, depth),
+        keeps_right,
         in_flight,
         task,
         output: typed.output,
@@ -96,14 +105,14 @@ fn film(args: &VideoArgs, source: Source, params: &Params, inputs: &[PathBuf]) -
         fps.parse().is_ok_and(|fps: f64| fps > 0.0 && fps <= MAX_FPS),
         "--fps is {fps:?}, but must be above 0 and at most {MAX_FPS}; 10 is usual"
     );
-    let film = Film::new(&args.output, fps, encoders::searched(params))?;
+    let film = Film::new(&args.output, fps, encoders::searched(params), args.look.colors)?;
     Ok(Task::Film(source, film))
 }
 
 fn numbered(args: &VideoArgs, source: Source, inputs: &[PathBuf], pattern: Pattern) -> Result<Task> {
     let out = &args.output;
     ensure!(!args.bulk.resume, "--resume needs a folder, but output is {out:?}; give a folder, or drop it");
-    let format = match args.formats.format[..] {
+    let format = match args.look.dressed(&args.formats.format)[..] {
         [] => Format::Disparity(encoders::sample_format(&pattern.path(0))?),
         [format] if format.suffix().ends_with(&format!(".{}", encoders::ending(out))) => format,
         _ => bail!("output {out:?} is one file a frame, and --format must fit its ending; drop it, or give a folder"),
@@ -120,7 +129,7 @@ fn numbered_folder(args: &VideoArgs, source: Source, params: &Params, inputs: &[
         !args.bulk.resume,
         "--resume is for files, whose maps can be told from those of others, but the frames come from a stream; drop it"
     );
-    let formats = output_files::formats(&args.formats.format, params)?;
+    let formats = output_files::formats(&args.formats.format, &args.look, params)?;
     ensure!(
         !out.join(store::RECORD).exists(),
         "output {out:?} is a folder of maps that --resume may keep, which are not mixed with those of a stream; give another \
@@ -146,7 +155,7 @@ fn folder(
     (cameras, inputs): (&Cameras, Vec<PathBuf>),
 ) -> Result<Store> {
     let out = &args.output;
-    let formats = output_files::formats(&args.formats.format, params)?;
+    let formats = output_files::formats(&args.formats.format, &args.look, params)?;
     let planned = |pair, name| Planned { pair, item: Item::new(out, name, &formats), line: None };
     let named = |pair: Pair| {
         let name = pair.left.file_stem().unwrap_or_default().into();
@@ -161,7 +170,7 @@ fn folder(
         retry: args.bulk.retry,
         video: true,
         input: input.clone(),
-        cameras: cameras.digest(),
+        more: output_files::decisive(cameras, &args.look),
         inputs,
         suspects: args.bulk.suspects.clone(),
     };

@@ -5,7 +5,7 @@ use crate::terminal::{message, warnings};
 use anyhow::{Result, bail, ensure};
 use gpu_stereo::files::calibration::{Calibration, Fitted, LensModel, Reading};
 use gpu_stereo::files::hash;
-use gpu_stereo::{Camera, Error, Params, Rectification};
+use gpu_stereo::{Camera, DepthMap, Error, Matched, Params, Rectification};
 use std::collections::VecDeque;
 use std::path::{Path, PathBuf};
 use std::sync::{Arc, Mutex, PoisonError};
@@ -17,12 +17,15 @@ pub struct Cameras {
     /// Whether the principal point is to be in the middle of the image, along each axis.
     middle: [bool; 2],
     files: Vec<PathBuf>,
+    /// The farthest depth in micrometres.
+    farthest: Option<u32>,
 }
 
 impl Cameras {
     /// Reads the calibration, if one is given.
     pub fn resolve(given: &CameraArgs) -> Result<Self> {
         let CameraArgs { calib, rectify, calib_right, optics, .. } = given;
+        let farthest = given.max_depth.map(farthest).transpose()?;
         let files = [calib, rectify, calib_right].into_iter().flatten().cloned().collect();
         if let Some(path) = calib.as_ref().or(rectify.as_ref()) {
             // Clap does not require --rectify for --lens if --calib, which excludes it, is given.
@@ -38,14 +41,14 @@ impl Cameras {
                 lenses: rectify.is_some(),
             };
             let calibration = Some(Calibration::read(path, calib_right.as_deref(), reading)?);
-            return Ok(Self { calibration, middle: [false; 2], files });
+            return Ok(Self { calibration, middle: [false; 2], files, farthest });
         }
-        let Some([focal, baseline]) = optics.both()? else { return Ok(Self::default()) };
+        let Some([focal, baseline]) = optics.both()? else { return Ok(Self { farthest, ..Self::default() }) };
         let [doffs, cx, cy] = [given.doffs, given.cx, given.cy].map(Option::unwrap_or_default);
         let camera = Camera { focal, baseline, doffs, cx, cy };
         camera.validate().map_err(args::by_option)?;
         let middle = [given.cx, given.cy].map(|given| given.is_none());
-        Ok(Self { calibration: Some(Calibration::typed(camera)), middle, files })
+        Ok(Self { calibration: Some(Calibration::typed(camera)), middle, files, farthest })
     }
 
     /// Refuses a depth without cameras (`depth`: the option that asks for one); reports cameras that nothing needs.
@@ -59,7 +62,26 @@ impl Cameras {
             }
             _ => {}
         }
+        if let (Some(_), None) = (self.farthest, depth) {
+            message("note: --max-depth has no effect without a depth or points");
+        }
         Ok(())
+    }
+
+    /// Whether images are rectified.
+    pub fn rectify(&self) -> bool {
+        self.calibration.as_ref().is_some_and(Calibration::has_lenses)
+    }
+
+    /// Whether the cameras are known.
+    pub fn are_known(&self) -> bool {
+        self.calibration.is_some()
+    }
+
+    /// Removes depths that are farther away than allowed.
+    pub fn cut(&self, matched: &mut Matched) {
+        let Some((farthest, depth)) = self.farthest.zip(matched.depth.as_mut()) else { return };
+        depth.data.iter_mut().filter(|depth| **depth > farthest).for_each(|depth| *depth = DepthMap::NONE);
     }
 
     /// The files that are read.
@@ -75,7 +97,7 @@ impl Cameras {
             false if calibration.has_lenses() => "rectify",
             false => "calib",
         };
-        Some(format!("{option} {}", hash(format!("{calibration:?} {:?}", self.middle).as_bytes())))
+        Some(format!("{option} {}", hash(format!("{calibration:?} {:?} {:?}", self.middle, self.farthest).as_bytes())))
     }
 
     /// Fits the settings to images of a size: rectification, and with `depth` the cameras that it is seen by. Returns the
@@ -100,6 +122,15 @@ impl Cameras {
     }
 }
 
+/// `--max-depth` in micrometres.
+fn farthest(metres: f64) -> Result<u32> {
+    ensure!(
+        metres > 0.0 && metres.is_finite(),
+        "--max-depth is {metres}, but must be a number of metres above 0, such as 20; drop it for all depths"
+    );
+    Ok((metres * 1e6).round().min(f64::from(u32::MAX)) as u32)
+}
+
 /// So many sizes of images are kept: the positions of a rectification take 16 bytes a pixel.
 const KEPT: usize = 4;
 
@@ -116,6 +147,11 @@ impl ParamsBySize {
     /// `depth`: whether a depth is wanted.
     pub fn new(common: Params, cameras: Cameras, depth: bool) -> Self {
         Self { common, cameras, depth, known: Mutex::default() }
+    }
+
+    /// Removes depths that are farther away than allowed.
+    pub fn cut(&self, matched: &mut Matched) {
+        self.cameras.cut(matched);
     }
 
     /// The settings for images of a size. An error is one of the pair alone: [`Error::Image`].

@@ -20,8 +20,11 @@ pub struct Flow {
     kind: PairKind,
     /// The settings for pairs of the present size.
     params: Arc<Params>,
-    waiting: VecDeque<(usize, Image, Arc<Params>)>,
+    waiting: VecDeque<Waiting>,
 }
+
+/// A pair in flight: its place, its images as far as they are kept, and its settings.
+type Waiting = (usize, (Image, Option<Image>), Arc<Params>);
 
 enum FlowEngine {
     Streams(Box<Streams>),
@@ -157,16 +160,17 @@ impl Flow {
     }
 
     /// Begins to match a pair that fits; fewer than the most are in flight.
-    pub fn push(&mut self, place: usize, left: Image, right: &Image) -> Result<()> {
+    pub fn push(&mut self, place: usize, left: Image, right: Image, keeps_right: bool) -> Result<()> {
         match &mut self.engine {
             FlowEngine::Streams(on) => {
-                let pushed = on.current()?.try_push(&left, right);
+                let pushed = on.current()?.try_push(&left, &right);
                 on.opened.fault()?;
                 pushed?.ok_or_else(|| anyhow!("the stream is full before its time"))?;
             }
-            FlowEngine::Cpu(on, result) => *result = Some(Box::new(on.compute(&left, right)?.0)),
+            FlowEngine::Cpu(on, result) => *result = Some(Box::new(on.compute(&left, &right)?.0)),
         }
-        self.waiting.push_back((place, left, Arc::clone(&self.params)));
+        let right = keeps_right.then_some(right);
+        self.waiting.push_back((place, (left, right), Arc::clone(&self.params)));
         Ok(())
     }
 
@@ -181,7 +185,7 @@ impl Flow {
             FlowEngine::Cpu(_, result) => result.take().map(|matched| *matched),
         };
         let ended = || Error::Lost("the stream gave no result".into());
-        let Some((place, left, params)) = self.waiting.pop_front() else { return Ok(None) };
-        Ok(Some(MatchedPair { place, left, matched: matched.ok_or_else(ended)?, params }))
+        let Some((place, (left, right), params)) = self.waiting.pop_front() else { return Ok(None) };
+        Ok(Some(MatchedPair { place, left, right, matched: matched.ok_or_else(ended)?, params }))
     }
 }

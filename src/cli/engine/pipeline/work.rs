@@ -25,6 +25,8 @@ pub struct Setup<'a> {
     pub input: &'a InputArgs,
     /// One of so many pairs is diagnosed.
     pub diagnosed: usize,
+    /// Whether the right images are kept for what is written.
+    pub keeps_right: bool,
     /// Pairs on the device at a time.
     pub in_flight: usize,
     /// Threads that read.
@@ -82,10 +84,19 @@ pub struct MatchedPair {
     pub place: usize,
     /// The left image.
     pub left: Image,
+    /// The right image, if it is kept.
+    pub right: Option<Image>,
     /// The map.
     pub matched: Matched,
     /// The settings that it was computed with.
     pub params: Arc<Params>,
+}
+
+impl MatchedPair {
+    /// The images, as far as they are kept.
+    pub fn images(&self) -> (&Image, Option<&Image>) {
+        (&self.left, self.right.as_ref())
+    }
 }
 
 /// The size and the format of a pair, in words.

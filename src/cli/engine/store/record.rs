@@ -41,12 +41,12 @@ pub struct Record {
 }
 
 impl Record {
-    /// The record that the maps in `folder` are made with `params` of images read as `input` says, taken by `cameras`, a digest. A
+    /// The record that the maps in `folder` are made with `params` of images read as `input` says, and with what `more` names. A
     /// video has `sources`, two names with a path each.
     pub fn new(
         folder: &Path,
         params: &Params,
-        cameras: Option<&str>,
+        more: &[(&str, String)],
         input: &InputArgs,
         sources: &[(&str, &Path)],
     ) -> Self {
@@ -65,9 +65,7 @@ impl Record {
         if let Some(network) = &params.network {
             made_with.insert("weights".into(), fingerprint(network).into());
         }
-        if let Some(cameras) = cameras {
-            made_with.insert("cameras".into(), cameras.into());
-        }
+        made_with.extend(more.iter().map(|(name, value)| ((*name).into(), value.as_str().into())));
         // Defaults are not recorded.
         if input.swap {
             made_with.insert("swap".into(), true.into());
