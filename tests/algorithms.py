@@ -99,6 +99,15 @@ def bent(lens, x, y):
         t = angle * angle
         scale = 1.0 if r == 0.0 else angle * (1.0 + (((k4 * t + k3) * t + k2) * t + k1) * t) / r
         return x * scale, y * scale
+    if "double_sphere" in lens or "extended_unified" in lens:
+        if "double_sphere" in lens:
+            xi, alpha = lens["double_sphere"]
+            z = xi * math.sqrt(q + 1.0) + 1.0
+            w = alpha * math.sqrt(q + z * z) + (1.0 - alpha) * z
+        else:
+            alpha, beta = lens["extended_unified"]
+            w = alpha * math.sqrt(beta * q + 1.0) + (1.0 - alpha)
+        return (x / w, y / w) if w > 0.0 else None
     k1, k2, p1, p2, k3, k4, k5, k6, s1, s2, s3, s4, tau_x, tau_y = lens["pinhole"]
     radial = (1.0 + ((k3 * q + k2) * q + k1) * q) / (1.0 + ((k6 * q + k5) * q + k4) * q)
     column = x * radial + 2.0 * p1 * xy + p2 * (q + 2.0 * xx) + s1 * q + s2 * (q * q)

@@ -69,7 +69,11 @@ pub fn calibration(data: &[u8], two_files: bool) {
     let lenses = selector / 12 % 2 == 1;
     let lens = [LensModel::Auto, LensModel::Pinhole, LensModel::Fisheye][usize::from(selector / 24 % 3)];
     let scale = [None, Some(Scale::ONE), "1/2".parse().ok()][usize::from(selector / 72 % 3)];
-    let reading = Reading { unit, pair, lens, scale, lenses };
+    let cameras = (lenses && scale.is_none()).then_some([0, 1]);
+    let rectified_size = (lenses && unit.is_some()).then_some([320, 200]);
+    let alpha = (lenses && unit == Some(Unit::Mm)).then_some(0.5);
+    let vertical = selector % 32 == 31;
+    let reading = Reading { unit, pair, cameras, lens, scale, lenses, alpha, vertical, rectified_size };
     let size = [[640, 480], [320, 240]][usize::from(selector / 144 % 2)];
     let parsed = if two_files {
         let end = rest.iter().position(|byte| *byte == 0).unwrap_or(rest.len());
@@ -79,8 +83,8 @@ pub fn calibration(data: &[u8], two_files: bool) {
         Source::parse(rest).map(|left| (left, None))
     };
     let fit = |calibration: Calibration| calibration.fit(size[0], size[1]);
-    match parsed.and_then(|(left, right)| Calibration::of(left, right, reading)).and_then(fit) {
-        Ok(Fitted { camera, lenses: found }) => {
+    match parsed.and_then(|(left, right)| Calibration::of(&left, right.as_ref(), reading)).and_then(fit) {
+        Ok(Fitted { camera, lenses: found, .. }) => {
             let Camera { focal, baseline, doffs, cx, cy } = camera;
             assert!([focal, baseline, doffs, cx, cy].iter().all(|value| value.is_finite()), "{camera:?}");
             assert!(focal > 0.0 && baseline > 0.0, "{camera:?}");

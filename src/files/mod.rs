@@ -22,6 +22,7 @@ pub mod masks;
 pub mod outputs;
 pub mod truth;
 pub mod weights;
+mod zip;
 
 pub use contents::{MAX_BYTES, hint};
 pub use error::{Error, Result};

@@ -16,7 +16,7 @@ pub struct Lens {
     pub projection: [f64; 9],
 }
 
-/// How a lens distorts: OpenCV's models.
+/// How a lens distorts: OpenCV's models, and two for wide lenses.
 ///
 /// ```
 /// use gpu_stereo::Distortion;
@@ -34,6 +34,10 @@ pub enum Distortion {
     Pinhole([f64; 14]),
     /// The equidistant model of `cv::fisheye`: k1, k2, k3, k4. Without any it is still no pinhole.
     Fisheye([f64; 4]),
+    /// The double sphere model of Basalt and Kalibr (`ds`): xi, alpha.
+    DoubleSphere([f64; 2]),
+    /// The extended unified model of Basalt and Kalibr (`eucm`): alpha, beta.
+    ExtendedUnified([f64; 2]),
 }
 
 impl Distortion {
@@ -59,6 +63,7 @@ impl Distortion {
         match self {
             Self::Pinhole(numbers) => numbers,
             Self::Fisheye(numbers) => numbers,
+            Self::DoubleSphere(numbers) | Self::ExtendedUnified(numbers) => numbers,
         }
     }
 }
@@ -69,8 +74,17 @@ fn refused<T>(given: String, allowed: &str) -> Result<T, Error> {
 }
 
 impl Lens {
-    /// For each pixel of a rectified image the column and the row in the given one, in 1/256 px; both are of this size.
-    pub(crate) fn positions(&self, [width, height]: [u32; 2]) -> Result<Vec<[i32; 2]>, Error> {
+    /// The lens of the same camera whose rectified image, `width` pixels wide, is turned by 90 degrees against the clock: what was
+    /// at (x, y) is at (y, `width` - 1 - x).
+    pub(crate) fn turned(&self, width: u32) -> Self {
+        let Self { rotation: r, projection: p, .. } = *self;
+        let rotation = [r[3], r[4], r[5], -r[0], -r[1], -r[2], r[6], r[7], r[8]];
+        let projection = [p[4], 0.0, p[5], 0.0, p[0], f64::from(width - 1) - p[2], p[6], p[7], p[8]];
+        Self { rotation, projection, ..*self }
+    }
+
+    /// For each pixel of a rectified image the column and the row in the given one, in 1/256 px.
+    pub(crate) fn positions(&self, given: [u32; 2], rectified: [u32; 2]) -> Result<Vec<[i32; 2]>, Error> {
         let Self { matrix, distortion, rotation, projection } = self;
         let all = matrix.iter().chain(distortion.numbers()).chain(rotation).chain(projection);
         if let Some(number) = all.copied().find(|number| !number.is_finite()) {
@@ -93,14 +107,15 @@ impl Lens {
             let [x, y, w] = [0, 3, 6].map(|i| back[i] * u + back[i + 1] * v + back[i + 2]);
             let Some([x, y]) = bent.ray(x / w, y / w).filter(|_| w > 0.0) else { return [-512; 2] };
             let place = [matrix[0] * x + matrix[2], matrix[4] * y + matrix[5]];
-            [(0, width), (1, height)].map(|(axis, side)| {
+            [0, 1].map(|axis| {
                 let nearest = (256.0 * place[axis] + 0.5).floor();
                 match nearest.is_finite() {
-                    true => nearest.clamp(-512.0, 256.0 * f64::from(side)) as i32,
+                    true => nearest.clamp(-512.0, 256.0 * f64::from(given[axis])) as i32,
                     false => -512,
                 }
             })
         };
+        let [width, height] = rectified;
         Ok((0..height).flat_map(|y| (0..width).map(move |x| place(x, y))).collect())
     }
 }
@@ -110,12 +125,16 @@ impl Lens {
 enum Bent {
     Pinhole([f64; 12], Option<[f64; 4]>),
     Fisheye([f64; 4]),
+    DoubleSphere([f64; 2]),
+    ExtendedUnified([f64; 2]),
 }
 
 impl Bent {
     fn of(distortion: &Distortion) -> Result<Self, Error> {
         match *distortion {
             Distortion::Fisheye(k) => Ok(Self::Fisheye(k)),
+            Distortion::DoubleSphere(numbers) => Ok(Self::DoubleSphere(numbers)),
+            Distortion::ExtendedUnified(numbers) => Ok(Self::ExtendedUnified(numbers)),
             Distortion::Pinhole(numbers) => {
                 let [.., tau_x, tau_y] = numbers;
                 if let Some(tau) = [tau_x, tau_y].into_iter().find(|tau| tau.abs() > 1.5) {
@@ -141,6 +160,18 @@ impl Bent {
                 let bent = angle * (1.0 + (((k4 * t + k3) * t + k2) * t + k1) * t);
                 let scale = if r == 0.0 { 1.0 } else { bent / r };
                 Some([x * scale, y * scale])
+            }
+            Self::DoubleSphere([xi, alpha]) => {
+                let far = (q + 1.0).sqrt();
+                let z = xi * far + 1.0;
+                let w = alpha * (q + z * z).sqrt() + (1.0 - alpha) * z;
+                let ahead = w > 0.0;
+                ahead.then(|| [x / w, y / w])
+            }
+            Self::ExtendedUnified([alpha, beta]) => {
+                let w = alpha * (beta * q + 1.0).sqrt() + (1.0 - alpha);
+                let ahead = w > 0.0;
+                ahead.then(|| [x / w, y / w])
             }
             Self::Pinhole([k1, k2, p1, p2, k3, k4, k5, k6, s1, s2, s3, s4], tilt) => {
                 let radial = (1.0 + ((k3 * q + k2) * q + k1) * q) / (1.0 + ((k6 * q + k5) * q + k4) * q);
@@ -222,7 +253,7 @@ mod tests {
         let matrix = [100.0, 0.0, 8.0, 0.0, 100.0, 4.0, 0.0, 0.0, 1.0];
         let rotation = [1.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 1.0];
         let good = Lens { matrix, distortion: Distortion::NONE, rotation, projection: matrix };
-        assert_eq!(good.positions([16, 8]).unwrap()[17], [256, 256]);
+        assert_eq!(good.positions([16, 8], [16, 8]).unwrap()[17], [256, 256]);
         let tilted = |tau: f64| Distortion::Pinhole(std::array::from_fn(|i| if i == 13 { tau } else { 0.0 }));
         let with = |i: usize, value: f64| {
             let mut lens = good;
@@ -237,7 +268,7 @@ mod tests {
             (with(4, -1.0), "focal length of -1"),
             (Lens { rotation: [0.0; 9], ..good }, "without an inverse"),
         ] {
-            let error = lens.positions([16, 8]).unwrap_err().to_string();
+            let error = lens.positions([16, 8], [16, 8]).unwrap_err().to_string();
             assert!(error.contains(words), "{error}");
         }
         assert!(Distortion::pinhole(&[0.0; 6]).unwrap_err().to_string().contains("6 numbers"));

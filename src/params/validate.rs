@@ -183,7 +183,7 @@ impl Params {
     /// # Errors
     /// [`Error::Image`] if pairs of `width` x `height` pixels are not of it.
     pub fn accepts(&self, width: u32, height: u32) -> Result<(), Error> {
-        self.rectify.as_ref().map_or(Ok(()), |rectification| rectification.accepts(width, height))?;
+        self.rectify.as_ref().map_or(Ok(()), |rectification| rectification.suits(width, height))?;
         self.masks.as_ref().map_or(Ok(()), |masks| masks.accepts(width, height))
     }
 }

@@ -123,7 +123,12 @@ fn json(Case { left, right, params }: &Case) -> String {
     if let Some(rectification) = &params.rectify {
         let lens = |lens: &gpu_stereo::Lens| {
             let gpu_stereo::Lens { matrix, distortion, rotation, projection } = lens;
-            let model = if matches!(distortion, Distortion::Fisheye(_)) { "fisheye" } else { "pinhole" };
+            let model = match distortion {
+                Distortion::Fisheye(_) => "fisheye",
+                Distortion::DoubleSphere(_) => "double_sphere",
+                Distortion::ExtendedUnified(_) => "extended_unified",
+                _ => "pinhole",
+            };
             format!(
                 "{{\"matrix\": {matrix:?}, \"{model}\": {:?}, \"rotation\": {rotation:?}, \
                  \"projection\": {projection:?}}}",
@@ -316,7 +321,7 @@ fn cases() -> Vec<Case> {
         cases.push(Case { left, right, params });
     }
     // Pairs that are rectified first, in every format; lenses that look away; every model of a lens.
-    for seed in 0..7 {
+    for seed in 0..9 {
         let mut random = ChaCha8Rng::seed_from_u64(500 + seed);
         let mut params = Params::sgm(6);
         let mut lenses = support::lenses(31, 14);
@@ -330,6 +335,10 @@ fn cases() -> Vec<Case> {
             lenses[0].rotation = [0.2, 0.0, 0.98, 0.0, 1.0, 0.0, -0.98, 0.0, 0.2];
             let prism = [-0.28, 0.09, 0.0011, -0.0004, 0.01, 0.3, 0.1, 0.02, 0.01, -0.02, 0.015, 0.003, 0.12, -0.2];
             lenses[1].distortion = Distortion::pinhole(&prism[..[12, 14][seed as usize % 2]]).unwrap();
+        }
+        if seed > 6 {
+            lenses[0].distortion = Distortion::DoubleSphere([-0.24, 0.56]);
+            lenses[1].distortion = Distortion::ExtendedUnified([0.6, 1.1]);
         }
         params.rectify = Some(Rectification::new(31, 14, lenses).unwrap());
         let image = if seed % 2 == 0 { noise } else { few_levels };

@@ -1,6 +1,6 @@
 //! `--calib`, `--rectify`, `--focal` and so on: the cameras of the pair.
 
-use super::choices;
+use super::{choices, numbers};
 use gpu_stereo::files::calibration::{KittiPair, LensModel, Scale, Unit};
 use std::path::PathBuf;
 
@@ -40,6 +40,25 @@ pub struct CameraArgs {
     /// The cameras of a KITTI calibration that took the pair [default: color, if it has P2]
     #[arg(long, value_parser = choices::pair(), value_name = "PAIR", requires = "cameras")]
     pub calib_pair: Option<KittiPair>,
+
+    /// The numbers of the left camera and of the right one, where a calibration has more than two: Kalibr, Basalt (0 is the
+    /// first one), KITTI (P0 to P3)
+    #[arg(long, value_name = "LEFT,RIGHT", value_parser = numbers::two, requires = "cameras", conflicts_with = "calib_pair")]
+    pub calib_cams: Option<[u32; 2]>,
+
+    /// How much the rectified images show, as OpenCV's alpha, from 0 (no pixel without content) to 1 (all of the given images)
+    /// [default: the focal length stays; of fisheyes 0]
+    #[arg(long, value_name = "A", requires = "rectify", allow_negative_numbers = true)]
+    pub alpha: Option<f64>,
+
+    /// Columns and rows of the rectified images [default: those of the given ones]
+    #[arg(long, value_name = "WxH", value_parser = numbers::size, requires = "rectify")]
+    pub rectified_size: Option<[u32; 2]>,
+
+    /// The cameras lie one above the other: LEFT is of the upper one. The pair is matched turned by 90 degrees; all outputs lie
+    /// as the images do, and a disparity d at (x, y) says that LEFT(x, y) shows what RIGHT(x, y - d) shows
+    #[arg(long)]
+    pub vertical: bool,
 
     /// What is farther away than so many metres has no depth and is no point
     #[arg(long, value_name = "M", allow_negative_numbers = true)]

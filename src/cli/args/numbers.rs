@@ -42,6 +42,21 @@ impl FromStr for Positive {
     }
 }
 
+/// Columns and rows, such as 1280x720.
+pub fn size(text: &str) -> Result<[u32; 2], String> {
+    let sides =
+        text.split_once(['x', 'X']).and_then(|(width, height)| Some([width.parse().ok()?, height.parse().ok()?]));
+    let sides = sides.filter(|sides: &[u32; 2]| sides.iter().all(|side| (1..=65_536).contains(side)));
+    sides.ok_or_else(|| "columns and rows from 1 to 65536 are needed, such as 1280x720".into())
+}
+
+/// Two whole numbers, such as 0,1.
+pub fn two(text: &str) -> Result<[u32; 2], String> {
+    let two =
+        text.split_once(',').and_then(|(one, other)| Some([one.trim().parse().ok()?, other.trim().parse().ok()?]));
+    two.ok_or_else(|| "two whole numbers are needed, such as 0,1".into())
+}
+
 const MAX_REPEAT: u32 = 1_000_000;
 
 /// `--repeat`: the frames after the warm-up.

@@ -4,6 +4,7 @@ use anyhow::Result;
 use gpu_stereo::{Error, Image, Matched, Method, Params, reference};
 use serde::Serialize;
 
+use crate::engine::compute::Beforehand;
 use crate::terminal::message;
 
 /// The energy of the winners, and its two parts.
@@ -18,7 +19,8 @@ impl EnergyReport {
     /// That of a matched pair; a network has none, nor has a pair without labels.
     pub fn new(left: &Image, right: &Image, matched: &Matched, params: &Params) -> Result<Option<Self>> {
         let Some(labels) = &matched.labels else { return Ok(None) };
-        let energy = reference::energy(left, right, labels, params)?;
+        let before = Beforehand::of(params)?;
+        let energy = reference::energy(&*before.image(left, 0)?, &*before.image(right, 1)?, labels, &before.params)?;
         Ok(Some(Self { data: energy.data, smoothness: energy.smoothness, sum: energy.sum() }))
     }
 

@@ -1,5 +1,6 @@
 //! The images of pairs and their masks, as the options say.
 
+use super::compute::upright;
 use super::pair::Pair;
 use super::pairs;
 use crate::args::InputArgs;
@@ -86,10 +87,13 @@ pub fn reported(read: ReadMasks) -> Option<Masks> {
     read.masks
 }
 
-/// An image as it is matched with `params`: rectified, if they say so. `side`: 0 the left one.
+/// An image as its map shows it: rectified, if `params` say so, but never turned. `side`: 0 the left one.
 pub fn rectified<'a>(image: &'a Image, params: &Params, side: usize) -> Result<Cow<'a, Image>> {
     Ok(match &params.rectify {
-        Some(rectification) => Cow::Owned(reference::rectify(image, rectification, side)?),
+        Some(rectification) => {
+            let rectified = reference::rectify(image, rectification, side)?;
+            Cow::Owned(if rectification.is_turned() { upright(&rectified, rectification)? } else { rectified })
+        }
         None => Cow::Borrowed(image),
     })
 }

@@ -1,76 +1,137 @@
 //! Fits a calibration to the images: their size and scale, and warnings about doubtful numbers.
 
+use super::algebra::Matrix;
 use super::apart::Apart;
-use super::cameras::{Calibration, Cameras};
+use super::cameras::{Calibration, Cameras, OfSize};
 use super::reading::Unit;
-use super::rectified::of_projections;
+use super::rectified::{RectifiedPair, of_projections};
+use super::rectifying::{Rectified, Wanted, stereo_rectify};
 use super::scale::{Scale, in_words};
-use super::stereo_rectify::stereo_rectify;
 use crate::files::error::{Result, bail, ensure};
 use crate::{Camera, Lens};
 
-type Matrix = [f64; 9];
-
 /// The cameras of images of one size.
 #[derive(Clone, Debug, PartialEq)]
+#[non_exhaustive]
 pub struct Fitted {
-    /// The rectified cameras.
+    /// The rectified cameras. Where they lie one above the other, `doffs` is the row of the right principal point less that of
+    /// the left one.
     pub camera: Camera,
     /// The lenses of a pair that is to be rectified.
     pub lenses: Option<[Lens; 2]>,
-}
-
-/// The rectified cameras of those that lie apart.
-fn fitted(apart: &Apart, size: [u32; 2], scale: Scale) -> Result<Fitted> {
-    let cameras = apart.cameras.map(|(matrix, distortion)| (scale.of_matrix(matrix), distortion));
-    let (lenses, [left, right]) = stereo_rectify(cameras, size, &apart.rotation, &apart.translation)?;
-    Ok(Fitted { camera: of_projections(&left, &right, 1.0)?, lenses: Some(lenses) })
+    /// Columns and rows of the rectified images.
+    pub size: [u32; 2],
+    /// Whether the cameras lie one above the other, the upper one in the place of the left one.
+    pub vertical: bool,
 }
 
 impl Calibration {
     /// The cameras of images of this size.
+    ///
+    /// # Errors
+    /// If the calibration is of images of another size, or of none that can be rectified.
     pub fn fit(&self, width: u32, height: u32) -> Result<Fitted> {
-        let scale = self.scale.unwrap_or(Scale::ONE);
+        let (scale, given) = (self.scale(), [width, height]);
         match self.size {
-            Some(size) => ensure_size(size, [width, height], scale)?,
-            None => self.ensure_middle([width, height])?,
+            Some(size) => ensure_size(size, given, scale)?,
+            None if matches!(self.cameras, Cameras::Sizes(_)) => {}
+            None => self.ensure_middle(&self.principal_points(), given)?,
         }
+        let upright = |pair: &RectifiedPair, lenses: Option<[Lens; 2]>| -> Result<Fitted> {
+            let camera = scale.of_camera(pair.camera);
+            Ok(Fitted { camera, lenses, size: given, vertical: self.vertical(pair.vertical)? })
+        };
         let fitted = match &self.cameras {
-            Cameras::Rectified(camera) => Fitted { camera: scale.of_camera(*camera), lenses: None },
-            Cameras::Lenses(camera, lenses) => Fitted {
-                camera: scale.of_camera(*camera),
-                lenses: Some(lenses.each_ref().map(|lens| scale.of_lens(lens))),
-            },
-            Cameras::Apart(apart) => fitted(apart, [width, height], scale)?,
+            Cameras::Rectified(pair) => upright(pair, None)?,
+            Cameras::Lenses(pair, lenses) => upright(pair, Some(lenses.each_ref().map(|lens| scale.of_lens(lens))))?,
+            Cameras::Apart(apart) => self.rectify(apart, given)?,
+            Cameras::Sizes(sizes) => self.rectify(&self.of_size(sizes, given)?.apart, given)?,
         };
         fitted.camera.validate()?;
-        if matches!(self.cameras, Cameras::Lenses(..)) && self.scale.is_none() {
-            ensure_inside(&fitted.camera, [width, height])?;
+        if matches!(self.cameras, Cameras::Lenses(..)) && self.reading.scale.is_none() {
+            ensure_inside(&fitted.camera, given)?;
         }
         Ok(fitted)
+    }
+
+    fn scale(&self) -> Scale {
+        self.reading.scale.unwrap_or(Scale::ONE)
+    }
+
+    /// Whether the cameras lie one above the other, by the file or by what was asked for.
+    fn vertical(&self, told: Option<bool>) -> Result<bool> {
+        ensure!(
+            told != Some(false) || !self.reading.vertical,
+            "its cameras lie side by side, but --vertical is given; drop it, or give the calibration of these images"
+        );
+        Ok(told.unwrap_or(self.reading.vertical))
+    }
+
+    /// The rectified cameras of those that lie apart.
+    fn rectify(&self, apart: &Apart, given: [u32; 2]) -> Result<Fitted> {
+        let scale = self.scale();
+        let cameras = apart.cameras.map(|(matrix, distortion)| (scale.of_matrix(matrix), distortion));
+        let wanted = Wanted { alpha: self.reading.alpha, size: self.reading.rectified_size };
+        let Rectified { lenses, projections: [left, right], size } =
+            stereo_rectify(cameras, given, &apart.rotation, &apart.translation, &wanted)?;
+        let RectifiedPair { camera, vertical } = of_projections(&left, &right, 1.0)?;
+        Ok(Fitted { camera, lenses: Some(lenses), size, vertical: self.vertical(vertical)? })
+    }
+
+    /// The cameras of images of this size: by the size that the name of each tells, else the only ones whose principal points
+    /// lie in the middle.
+    fn of_size<'a>(&self, sizes: &'a [OfSize], given: [u32; 2]) -> Result<&'a OfSize> {
+        let scale = self.scale();
+        let fits = |of: &&OfSize| of.size.is_some_and(|size| ensure_size(size, given, scale).is_ok());
+        if let Some(found) = sizes.iter().find(fits) {
+            return Ok(found);
+        }
+        let middle = |of: &&OfSize| self.ensure_middle(&of.apart.principal_points(), given).is_ok();
+        let mut suited = sizes.iter().filter(middle);
+        match (suited.next(), suited.next()) {
+            (Some(found), None) => Ok(found),
+            _ => {
+                let name = |of: &OfSize| match of.size {
+                    Some([width, height]) => format!("{} ({width}x{height})", of.name),
+                    None => of.name.clone(),
+                };
+                let names = sizes.iter().map(name).collect::<Vec<_>>().join(", ");
+                bail!(
+                    "the images are {}x{}, but the calibration is of the resolutions {names}; where they are the same images at \
+                     another size, give --calib-scale, the ratio of their size to one of these",
+                    given[0],
+                    given[1]
+                )
+            }
+        }
     }
 
     /// The principal points of the given cameras, in the calibrated images.
     fn principal_points(&self) -> [[f64; 2]; 2] {
         let of = |m: &Matrix| [m[2], m[5]];
         match &self.cameras {
-            Cameras::Rectified(Camera { doffs, cx, cy, .. }) => [[*cx, *cy], [cx + doffs, *cy]],
+            Cameras::Rectified(RectifiedPair { camera, vertical }) => {
+                let Camera { doffs, cx, cy, .. } = *camera;
+                let right = if *vertical == Some(true) { [cx, cy + doffs] } else { [cx + doffs, cy] };
+                [[cx, cy], right]
+            }
             Cameras::Lenses(_, lenses) => lenses.each_ref().map(|lens| of(&lens.matrix)),
-            Cameras::Apart(apart) => apart.cameras.each_ref().map(|(matrix, _)| of(matrix)),
+            Cameras::Apart(apart) => apart.principal_points(),
+            Cameras::Sizes(sizes) => sizes[0].apart.principal_points(),
         }
     }
 
     /// Refuses a calibration that gives no image size and does not suit these images: a principal point lies far from the
     /// middle, or all of them are off it by one factor, as those of images at another size.
-    fn ensure_middle(&self, images: [u32; 2]) -> Result<()> {
-        let scale = self.scale.unwrap_or(Scale::ONE);
-        let points = self.principal_points().map(|point| point.map(|place| scale.of_place(place)));
+    fn ensure_middle(&self, points: &[[f64; 2]; 2], images: [u32; 2]) -> Result<()> {
+        let scale = self.scale();
+        let points = points.map(|point| point.map(|place| scale.of_place(place)));
         // 1 is the middle, 0 and 2 are the borders.
         let shares = points.map(|point| [0, 1].map(|axis| 2.0 * (point[axis] + 0.5) / f64::from(images[axis])));
         let all = shares.as_flattened();
         let [width, height] = images;
         let [x, y] = points[0];
-        if self.scale.is_some() {
+        if self.reading.scale.is_some() {
             let outside = scale != Scale::ONE && all.iter().any(|share| !(0.0..=2.0).contains(share));
             ensure!(
                 !outside,

@@ -1,6 +1,6 @@
 //! The numbers of a lens in a file, and the model that they are of.
 
-use super::tree::{Tree, matrix};
+use super::content::tree::{Tree, matrix};
 use crate::files::error::{Context as _, Result, bail, ensure};
 use crate::{Distortion, Lens};
 
@@ -14,6 +14,10 @@ pub enum LensModel {
     Pinhole,
     /// cv::fisheye, equidistant: k1, k2, k3, k4
     Fisheye,
+    /// Double sphere: xi, alpha
+    DoubleSphere,
+    /// Extended unified: alpha, beta
+    ExtendedUnified,
 }
 
 impl LensModel {
@@ -22,59 +26,43 @@ impl LensModel {
             Self::Auto => "auto",
             Self::Pinhole => "pinhole",
             Self::Fisheye => "fisheye",
+            Self::DoubleSphere => "ds",
+            Self::ExtendedUnified => "eucm",
         }
     }
 }
 
 /// The models by their names in files, with the counts of numbers that they have.
-const MODELS: [(&str, LensModel, &[usize]); 11] = [
+const MODELS: [(&str, LensModel, &[usize]); 14] = [
     ("plumb_bob", LensModel::Pinhole, &[0, 4, 5]),
     ("rational_polynomial", LensModel::Pinhole, &[0, 8, 12, 14]),
     ("radtan", LensModel::Pinhole, &[0, 4, 5]),
     ("radial-tangential", LensModel::Pinhole, &[0, 4, 5]),
     ("pinhole", LensModel::Pinhole, &Distortion::PINHOLE_COUNTS),
+    ("radial_tangential", LensModel::Pinhole, &[0, 4, 5]),
     ("none", LensModel::Pinhole, &[0]),
     ("equidistant", LensModel::Fisheye, &[4]),
     ("equi", LensModel::Fisheye, &[4]),
     ("fisheye", LensModel::Fisheye, &[4]),
     ("kannala_brandt", LensModel::Fisheye, &[4]),
     ("kannala_brandt4", LensModel::Fisheye, &[4]),
+    ("ds", LensModel::DoubleSphere, &[2]),
+    ("eucm", LensModel::ExtendedUnified, &[2]),
 ];
 
-/// Models that are none of OpenCV's two, whatever --lens says.
-const OTHERS: [&str; 9] = ["omni", "mei", "omni_radtan", "ds", "eucm", "fov", "atan", "scaramuzza", "ocamcalib"];
+/// Models that are none of these, whatever --lens says.
+const OTHERS: [&str; 7] = ["omni", "mei", "omni_radtan", "fov", "atan", "scaramuzza", "ocamcalib"];
 
 /// The names under which files name the model.
 const MODEL: [&str; 5] = ["distortion_model", "distortion_type", "lens_model", "camera_model", "model"];
 
-/// What a camera's numbers are called: in OpenCV's files the left one's and the right one's, and in a file of ROS.
+/// What a camera's numbers are called: the left one's and the right one's by their canonical names, and in a file of ROS.
 pub struct Names(pub [&'static [&'static str]; 2], pub &'static [&'static str]);
 
-pub const MATRIX: Names = Names(
-    [
-        &["M1", "K1", "cameraMatrix1", "camera_matrix_1", "LEFT.K"],
-        &["M2", "K2", "cameraMatrix2", "camera_matrix_2", "RIGHT.K"],
-    ],
-    &["camera_matrix", "K", "k"],
-);
-pub const DISTORTION: Names = Names(
-    [
-        &["D1", "distCoeffs1", "dist_coeffs_1", "distortion_coefficients_1", "LEFT.D"],
-        &["D2", "distCoeffs2", "dist_coeffs_2", "distortion_coefficients_2", "RIGHT.D"],
-    ],
-    &["distortion_coefficients", "D", "d"],
-);
-pub const ROTATION: Names = Names(
-    [&["R1", "rectification_matrix_1", "LEFT.R"], &["R2", "rectification_matrix_2", "RIGHT.R"]],
-    &["rectification_matrix", "R", "r"],
-);
-pub const PROJECTION: Names = Names(
-    [
-        &["P1", "projectionMatrix1", "projection_matrix_1", "LEFT.P"],
-        &["P2", "projectionMatrix2", "projection_matrix_2", "RIGHT.P"],
-    ],
-    &["projection_matrix", "P", "p"],
-);
+pub const MATRIX: Names = Names([&["M1"], &["M2"]], &["camera_matrix", "K", "k"]);
+pub const DISTORTION: Names = Names([&["D1"], &["D2"]], &["distortion_coefficients", "D", "d"]);
+pub const ROTATION: Names = Names([&["R1"], &["R2"]], &["rectification_matrix", "R", "r"]);
+pub const PROJECTION: Names = Names([&["P1"], &["P2"]], &["projection_matrix", "P", "p"]);
 
 const NEEDED: &str = "--rectify needs M1, D1, M2, D2 and either R1, P1, R2 and P2 or R and T; where the pair is rectified, give the \
     file with --calib";
@@ -171,6 +159,11 @@ pub fn of_model(numbers: &[f64], named: Option<&str>, choice: LensModel, what: &
         (LensModel::Fisheye, 0) => Ok(Distortion::Fisheye([0.0; 4])),
         (LensModel::Fisheye, count) => {
             bail!("its {what} has {count} numbers, but a fisheye has 4; give --lens pinhole, or correct the file")
+        }
+        (LensModel::DoubleSphere, 2) => Ok(Distortion::DoubleSphere([numbers[0], numbers[1]])),
+        (LensModel::ExtendedUnified, 2) => Ok(Distortion::ExtendedUnified([numbers[0], numbers[1]])),
+        (LensModel::DoubleSphere | LensModel::ExtendedUnified, count) => {
+            bail!("its {what} has {count} numbers, but a lens of the model {} has 2; correct the file", model.name())
         }
         (LensModel::Auto | LensModel::Pinhole, _) => Ok(Distortion::pinhole(numbers)?),
     }

@@ -9,25 +9,21 @@
 //! # Ok::<(), gpu_stereo::files::Error>(())
 //! ```
 
+mod algebra;
 mod apart;
-mod camera_info;
 mod cameras;
+mod content;
 mod fit;
-mod kalibr;
 mod kinds;
-mod kitti;
 mod lenses;
-mod middlebury;
-mod opencv;
 mod read;
 mod reading;
 mod rectified;
+mod rectifying;
+mod rig;
 mod scale;
-mod stereo_rectify;
 #[cfg(test)]
 mod tests;
-mod tree;
-mod zed;
 
 pub use cameras::Calibration;
 pub use fit::Fitted;

@@ -3,10 +3,19 @@
 use crate::Camera;
 use crate::files::error::{Result, ensure};
 
+/// Rectified cameras.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct RectifiedPair {
+    /// The cameras; one above the other, `doffs` counts rows.
+    pub camera: Camera,
+    /// Whether they lie one above the other, if that is known.
+    pub vertical: Option<bool>,
+}
+
 const REMEDY: &str = "use P1 and P2 as stereoRectify gives them";
 
 /// The cameras of two projection matrices, 3 x 4 by rows.
-pub fn of_projections(left: &[f64], right: &[f64], unit: f64) -> Result<Camera> {
+pub fn of_projections(left: &[f64], right: &[f64], unit: f64) -> Result<RectifiedPair> {
     let same = |a: f64, b: f64| (a - b).abs() <= 1e-5 * a.abs().max(b.abs());
     let (focal, right_focal) = (left[0], right[0]);
     ensure!(focal > 0.0, "the focal length is {focal} px, but must be more than 0; correct the projection matrix");
@@ -30,12 +39,6 @@ pub fn of_projections(left: &[f64], right: &[f64], unit: f64) -> Result<Camera> 
             "the projection is no [f 0 cx tx; 0 f cy ty; 0 0 1 tz]; {REMEDY}"
         );
     }
-    ensure!(
-        (left[6] - right[6]).abs() <= 0.01,
-        "the principal points lie in the rows {} and {}, but those of a rectified pair lie in one; {REMEDY}",
-        left[6],
-        right[6]
-    );
     let [across, down] = [3, 7].map(|i| (left[i] - right[i]) / focal * unit);
     let ahead = (left[11] - right[11]) * unit;
     ensure!(
@@ -44,21 +47,35 @@ pub fn of_projections(left: &[f64], right: &[f64], unit: f64) -> Result<Camera> 
          fourth number is -f B"
     );
     // KITTI's files are off by tenths of a per cent.
+    let vertical = down.abs() > across.abs();
+    let (along, aside) = if vertical { (down, across) } else { (across, down) };
     ensure!(
-        down.abs() <= 0.01 * across.abs() && ahead.abs() <= 0.01 * across.abs(),
-        "the cameras lie {across} m apart along rows, {down} m along columns and {ahead} m in depth, but must lie side by side; \
-         rectify the pair horizontally"
+        aside.abs() <= 0.01 * along.abs() && ahead.abs() <= 0.01 * along.abs(),
+        "the cameras lie {across} m apart along rows, {down} m along columns and {ahead} m in depth, but must lie side by side, or \
+         one above the other; rectify the pair"
     );
+    let (lines, place) = if vertical { ("columns", 2) } else { ("rows", 6) };
     ensure!(
-        across > 0.0,
-        "the baseline is {across} m: the right camera lies to the left of the left one; exchange the cameras and the images, or \
+        (left[place] - right[place]).abs() <= 0.01,
+        "the principal points lie in the {lines} {} and {}, but those of a rectified pair lie in one; {REMEDY}",
+        left[place],
+        right[place]
+    );
+    let [right_lies, left_one] = if vertical { ["above", "upper"] } else { ["to the left of", "left"] };
+    ensure!(
+        along > 0.0,
+        "the baseline is {along} m: the right camera lies {right_lies} the {left_one} one; exchange the cameras and the images, or \
          correct the sign"
     );
-    Ok(Camera { focal, baseline: across, doffs: right[2] - left[2], cx: left[2], cy: left[6] })
+    let doffs = if vertical { right[6] - left[6] } else { right[2] - left[2] };
+    let camera = Camera { focal, baseline: along, doffs, cx: left[2], cy: left[6] };
+    Ok(RectifiedPair { camera, vertical: Some(vertical) })
 }
 
 /// Q = [1 0 0 -cx; 0 1 0 -cy; 0 0 0 f; 0 0 1 / B doffs / B] of OpenCV's stereoRectify.
-pub fn of_q(q: &[f64], unit: f64) -> Result<Camera> {
+///
+/// It does not tell whether the cameras lie side by side or one above the other.
+pub fn of_q(q: &[f64], unit: f64) -> Result<RectifiedPair> {
     let places = [
         (0, 1.0),
         (1, 0.0),
@@ -90,7 +107,7 @@ pub fn of_q(q: &[f64], unit: f64) -> Result<Camera> {
     let (cx, cy, doffs) = (-q[3], -q[7], q[15] * baseline);
     let left = [focal, 0.0, cx, 0.0, 0.0, focal, cy, 0.0, 0.0, 0.0, 1.0, 0.0];
     let right = [focal, 0.0, cx + doffs, -focal * baseline, 0.0, focal, cy, 0.0, 0.0, 0.0, 1.0, 0.0];
-    of_projections(&left, &right, unit)
+    Ok(RectifiedPair { vertical: None, ..of_projections(&left, &right, unit)? })
 }
 
 /// Refuses two descriptions of one pair of cameras that differ by more than the rounding of numbers in files.

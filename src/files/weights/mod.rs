@@ -8,7 +8,6 @@ mod safetensors;
 mod tests;
 mod torch;
 mod values;
-mod zip;
 
 pub use file::{Weights, WeightsFormat, fingerprint};
 pub use safetensors::encode;

@@ -2,8 +2,8 @@
 
 use super::pickle::{self, Id, Object, Objects, Storage, Tensor};
 use super::values::{Budget, Found, Given, View, shown};
-use super::zip;
 use crate::files::error::{Context as _, Result, bail, ensure, error};
+use crate::files::zip;
 use std::collections::BTreeMap;
 
 /// The number with which the older format begins, 0x1950a86a20f9469cfc6c, little endian.
@@ -15,15 +15,20 @@ type Storages<'a> = BTreeMap<&'a str, &'a [u8]>;
 /// The tensors of an archive: `data.pkl`, and a file for each storage in `data` beside it.
 pub(super) fn archive(bytes: &[u8]) -> Result<Vec<Given>> {
     let files = zip::files(bytes)?;
+    // What is stored as it is need not be decompressed.
+    ensure!(
+        files.iter().all(|file| file.method == 0),
+        "it has compressed files, but torch.save stores them as they are; unzip it and zip it with -0, or save it again"
+    );
     let (base, pickled) = files
         .iter()
-        .find_map(|(name, contents)| {
-            let base = name.strip_suffix(b"data.pkl").filter(|base| base.is_empty() || base.ends_with(b"/"))?;
-            Some((base, *contents))
+        .find_map(|file| {
+            let base = file.name.strip_suffix(b"data.pkl").filter(|base| base.is_empty() || base.ends_with(b"/"))?;
+            Some((base, file.stored))
         })
         .context("it is an archive without data.pkl; give what torch.save wrote")?;
     let mut storages = Storages::new();
-    for (name, contents) in &files {
+    for zip::Packed { name, stored: contents, .. } in &files {
         let Some(name) = name.strip_prefix(base) else { continue };
         ensure!(
             name != b"byteorder" || contents.starts_with(b"little"),

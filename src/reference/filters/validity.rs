@@ -9,7 +9,7 @@ pub struct Content {
 }
 
 impl Content {
-    /// Of pairs of `width` x `height` pixels, the size of the rectification and of the masks. `None` if all pixels have
+    /// Of pairs of `width` x `height` pixels, those that the rectification and the masks are for. `None` if all pixels have
     /// content: then no stage reads it.
     ///
     /// A pixel of a given image has content if its mask is not 0, or there is none. A pixel of a rectified image has content
@@ -60,6 +60,7 @@ fn content_of_side(
             && (0..height as i32).contains(&y)
             && mask.is_none_or(|mask| mask[y as usize * width as usize + x as usize] != 0)
     };
+    let [columns, rows] = rectification.map_or([width, height], Rectification::rectified_size);
     let data = match rectification {
         None => {
             mask.map_or(vec![true; width as usize * height as usize], |mask| mask.iter().map(|&v| v != 0).collect())
@@ -73,7 +74,7 @@ fn content_of_side(
             rectification.positions(side).iter().map(all_that_count).collect()
         }
     };
-    Plane { width: width as usize, height: height as usize, data }
+    Plane { width: columns as usize, height: rows as usize, data }
 }
 
 /// Stage `validity`: a map of the left view (`side` 0) or of the right one (1) without the disparities of pixels that have no

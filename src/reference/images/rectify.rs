@@ -33,5 +33,6 @@ pub fn rectify(image: &Image, rectification: &Rectification, side: usize) -> Res
         Pixels::Rgba8(s) => Pixels::Rgba8(bytes(sampled(4, &|i| s[i].into()))),
         Pixels::Rgba16(s) => Pixels::Rgba16(deep(sampled(4, &|i| s[i].into()))),
     };
+    let [width, height] = rectification.rectified_size();
     Image::new(width, height, pixels)
 }

@@ -16,6 +16,8 @@ pub struct Cameras {
     calibration: Option<Calibration>,
     /// Whether the principal point is to be in the middle of the image, along each axis.
     middle: [bool; 2],
+    /// Whether the pair is one of an upper and a lower camera, as the options say.
+    vertical: bool,
     files: Vec<PathBuf>,
     /// The farthest depth in micrometres.
     farthest: Option<u32>,
@@ -38,17 +40,26 @@ impl Cameras {
                 pair: given.calib_pair,
                 lens: given.lens,
                 scale: given.calib_scale,
+                cameras: given.calib_cams,
                 lenses: rectify.is_some(),
+                alpha: given.alpha,
+                vertical: given.vertical,
+                rectified_size: given.rectified_size,
             };
             let calibration = Some(Calibration::read(path, calib_right.as_deref(), reading)?);
-            return Ok(Self { calibration, middle: [false; 2], files, farthest });
+            return Ok(Self { calibration, middle: [false; 2], vertical: given.vertical, files, farthest });
         }
-        let Some([focal, baseline]) = optics.both()? else { return Ok(Self { farthest, ..Self::default() }) };
+        ensure!(
+            given.alpha.is_none() && given.rectified_size.is_none(),
+            "--alpha and --rectified-size go with --rectify FILE; give the calibration, or drop them"
+        );
+        let vertical = given.vertical;
+        let Some([focal, baseline]) = optics.both()? else { return Ok(Self { vertical, farthest, ..Self::default() }) };
         let [doffs, cx, cy] = [given.doffs, given.cx, given.cy].map(Option::unwrap_or_default);
         let camera = Camera { focal, baseline, doffs, cx, cy };
         camera.validate().map_err(args::by_option)?;
         let middle = [given.cx, given.cy].map(|given| given.is_none());
-        Ok(Self { calibration: Some(Calibration::typed(camera)), middle, files, farthest })
+        Ok(Self { calibration: Some(Calibration::typed(camera)), middle, vertical, files, farthest })
     }
 
     /// Refuses a depth without cameras (`depth`: the option that asks for one); reports cameras that nothing needs.
@@ -91,26 +102,37 @@ impl Cameras {
 
     /// A digest of all that decides about maps and depths; nothing without cameras.
     pub fn digest(&self) -> Option<String> {
-        let calibration = self.calibration.as_ref()?;
+        let Some(calibration) = &self.calibration else { return self.vertical.then(|| "vertical".into()) };
         let option = match self.files.is_empty() {
             true => "focal",
             false if calibration.has_lenses() => "rectify",
             false => "calib",
         };
-        Some(format!("{option} {}", hash(format!("{calibration:?} {:?} {:?}", self.middle, self.farthest).as_bytes())))
+        let all = format!("{calibration:?} {:?} {} {:?}", self.middle, self.vertical, self.farthest);
+        Some(format!("{option} {}", hash(all.as_bytes())))
     }
 
     /// Fits the settings to images of a size: rectification, and with `depth` the cameras that it is seen by. Returns the
     /// rectified cameras, if they are known.
     pub fn fit(&self, params: &mut Params, [width, height]: [u32; 2], depth: bool) -> Result<Option<Camera>> {
-        let Some(calibration) = &self.calibration else { return Ok(None) };
-        let Fitted { mut camera, lenses } = calibration.fit(width, height)?;
+        let Some(calibration) = &self.calibration else {
+            params.rectify = if self.vertical { Some(Rectification::turn([width, height])?) } else { None };
+            return Ok(None);
+        };
+        let Fitted { mut camera, lenses, size, vertical, .. } = calibration.fit(width, height)?;
+        let vertical = vertical || self.vertical;
+        if vertical && !self.vertical {
+            message("note: by the calibration the cameras lie one above the other: LEFT is taken for the upper one");
+        }
         if let Some(doubt) = calibration.doubt(&camera) {
             warnings::warn(&doubt);
         }
-        if let Some(lenses) = lenses {
-            params.rectify = Some(Rectification::new(width, height, lenses)?);
-        }
+        params.rectify = match (lenses, vertical) {
+            (Some(lenses), false) => Some(Rectification::of_size([width, height], size, lenses)?),
+            (Some(lenses), true) => Some(Rectification::vertical([width, height], size, lenses)?),
+            (None, true) => Some(Rectification::turn([width, height])?),
+            (None, false) => None,
+        };
         let [x, y] = self.middle;
         for (is_middle, place, side) in [(x, &mut camera.cx, width), (y, &mut camera.cy, height)] {
             if is_middle {

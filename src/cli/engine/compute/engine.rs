@@ -1,5 +1,6 @@
 //! The engine computes the maps of pairs of one size and format: on an adapter, by the native schedule or by the reference.
 
+use super::beforehand::Beforehand;
 use super::names::EngineNames;
 use super::on_cpu::{self, OnCpu};
 use crate::args::{Backend, DeviceArgs};
@@ -50,6 +51,8 @@ impl Engine {
     /// What computes with `params` maps of pairs that are as `image` is. `needed_for`: what
     /// only an adapter can do.
     pub fn open(device: &DeviceArgs, needed_for: Option<&str>, image: &Image, params: &Params) -> Result<Self> {
+        let before = Beforehand::of(params)?;
+        let (image, params) = (&*before.like(image)?, &before.params);
         let (backend, wanted) = (device.backend, device.adapter.as_deref());
         match backend {
             Backend::Cpu => return Ok(Self::Cpu(OnCpu::native(image, params, None)?)),
@@ -101,6 +104,8 @@ impl Engine {
         image: &Image,
         params: &Params,
     ) -> Result<&'a Self> {
+        let before = Beforehand::of(params)?;
+        let (like, matched) = (&*before.like(image)?, &before.params);
         let by_method = device.backend == Backend::Auto && device.adapter.is_none();
         let fits = |kept: &Self| match kept {
             Self::Adapter(on) => on.opened.info.device_type != DeviceType::Cpu || on_cpu_adapters(params.method),
@@ -112,9 +117,9 @@ impl Engine {
             Some(Self::Adapter(on)) => {
                 let OnAdapter { opened, matcher } = *on;
                 drop(matcher); // its memory goes to the next one
-                Self::on(opened, image, params)?
+                Self::on(opened, like, matched)?
             }
-            Some(Self::Cpu(on)) => Self::Cpu(on.again(image, params)?),
+            Some(Self::Cpu(on)) => Self::Cpu(on.again(like, matched)?),
         };
         Ok(kept.insert(engine))
     }
@@ -138,6 +143,8 @@ impl Engine {
         repeat: Option<u32>,
         show: &(dyn Fn(f64) + Sync),
     ) -> Result<Computed, Error> {
+        let before = Beforehand::of(params)?;
+        let (left, right, params) = (&*before.image(left, 0)?, &*before.image(right, 1)?, &before.params);
         let compute = || with_progress(left, params, show, || self.compute(left, right, timed));
         let before_first = Instant::now();
         let (mut matched, stages) = compute()?;
@@ -154,7 +161,7 @@ impl Engine {
         }
         let (times, stages): (Vec<_>, Vec<_>) = frames.into_iter().unzip();
         let times = FrameMs { min: times.iter().copied().fold(f64::INFINITY, f64::min), median: median(times) };
-        Ok(Computed { matched, first, times, stages: median_stages(stages) })
+        Ok(Computed { matched: before.upright(matched), first, times, stages: median_stages(stages) })
     }
 
     fn compute(&self, left: &Image, right: &Image, timed: bool) -> Result<(Matched, Vec<StageTime>), Error> {
@@ -176,6 +183,8 @@ impl Engine {
 
     /// Compares each stage with the reference.
     pub fn check(&self, left: &Image, right: &Image, params: &Params) -> Result<Vec<StageCheck>> {
+        let before = Beforehand::of(params)?;
+        let (left, right, params) = (&*before.image(left, 0)?, &*before.image(right, 1)?, &before.params);
         match self {
             Self::Adapter(on) => {
                 on_cpu::ensure_check(left, params, 0)?;

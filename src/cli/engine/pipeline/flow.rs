@@ -2,7 +2,7 @@
 
 use super::work::{MatchedPair, PairKind, Setup};
 use crate::engine::adapter::Opened;
-use crate::engine::compute::{Engine, EngineNames, OnAdapter, OnCpu};
+use crate::engine::compute::{Beforehand, Engine, EngineNames, OnAdapter, OnCpu};
 use anyhow::{Result, anyhow};
 use gpu_stereo::{Error, Image, Matched, Params, PixelFormat, StereoMatcher, StereoStream};
 use std::collections::VecDeque;
@@ -20,6 +20,7 @@ pub struct Flow {
     kind: PairKind,
     /// The settings for pairs of the present size.
     params: Arc<Params>,
+    before: Beforehand,
     waiting: VecDeque<Waiting>,
 }
 
@@ -112,7 +113,8 @@ impl Flow {
         };
         let size = (left.width(), left.height());
         let (kind, format) = (PairKind::of(left), left.format());
-        Ok(Self { engine, names, size, kind, format, params, waiting: VecDeque::new() })
+        let before = Beforehand::of(&params)?;
+        Ok(Self { engine, names, size, kind, format, params, before, waiting: VecDeque::new() })
     }
 
     /// Makes sure that a pair can be pushed. Unless pairs may differ, it must be like the first one; those in flight always have
@@ -123,9 +125,13 @@ impl Flow {
             self.kind.ensure(left)?;
         }
         let params = setup.params.of([left.width(), left.height()])?;
+        if !Arc::ptr_eq(&params, &self.params) {
+            self.before = Beforehand::of(&params)?;
+        }
+        let left = self.before.like(left)?;
         match &mut self.engine {
-            FlowEngine::Streams(on) => on.fit(left, &params, self.waiting.is_empty())?,
-            FlowEngine::Cpu(on, _) => on.fit(left, &params)?,
+            FlowEngine::Streams(on) => on.fit(&left, &self.before.params, self.waiting.is_empty())?,
+            FlowEngine::Cpu(on, _) => on.fit(&left, &self.before.params)?,
         }
         (self.format, self.params) = (format, params);
         Ok(())
@@ -161,14 +167,16 @@ impl Flow {
 
     /// Begins to match a pair that fits; fewer than the most are in flight.
     pub fn push(&mut self, place: usize, left: Image, right: Image, keeps_right: bool) -> Result<()> {
+        let (first, second) = (self.before.image(&left, 0)?, self.before.image(&right, 1)?);
         match &mut self.engine {
             FlowEngine::Streams(on) => {
-                let pushed = on.current()?.try_push(&left, &right);
+                let pushed = on.current()?.try_push(&first, &second);
                 on.opened.fault()?;
                 pushed?.ok_or_else(|| anyhow!("the stream is full before its time"))?;
             }
-            FlowEngine::Cpu(on, result) => *result = Some(Box::new(on.compute(&left, &right)?.0)),
+            FlowEngine::Cpu(on, result) => *result = Some(Box::new(on.compute(&first, &second)?.0)),
         }
+        drop((first, second));
         let right = keeps_right.then_some(right);
         self.waiting.push_back((place, (left, right), Arc::clone(&self.params)));
         Ok(())
@@ -186,6 +194,8 @@ impl Flow {
         };
         let ended = || Error::Lost("the stream gave no result".into());
         let Some((place, (left, right), params)) = self.waiting.pop_front() else { return Ok(None) };
-        Ok(Some(MatchedPair { place, left, right, matched: matched.ok_or_else(ended)?, params }))
+        // The settings change only when nothing is in flight.
+        let matched = self.before.upright(matched.ok_or_else(ended)?);
+        Ok(Some(MatchedPair { place, left, right, matched, params }))
     }
 }

@@ -1,23 +1,23 @@
 //! ROS camera_info in YAML, a file for each camera: `camera_matrix`, `projection_matrix`, .. or `K`, `P`, ..
 
-use super::cameras::{Calibration, Cameras};
-use super::lenses::{MATRIX, PROJECTION, lens};
-use super::opencv::READABLE;
-use super::reading::{Reading, Unit};
-use super::rectified::of_projections;
-use super::tree::{Tree, has, matrix, size_of};
+use super::opencv;
+use crate::files::calibration::cameras::{Cameras, Found};
+use crate::files::calibration::content::tree::{Tree, has, matrix, size_of};
+use crate::files::calibration::lenses::{MATRIX, PROJECTION, lens};
+use crate::files::calibration::reading::{Reading, Unit};
+use crate::files::calibration::rectified::of_projections;
 use crate::files::error::{Context as _, Result, bail, ensure};
 
 pub fn is(tree: &Tree) -> bool {
-    !has(tree, READABLE) && (has(tree, PROJECTION.1) || has(tree, MATRIX.1))
+    (has(tree, PROJECTION.1) || has(tree, MATRIX.1)) && !opencv::is_of_pair(tree)
 }
 
-pub fn read(_: &Tree, _: Reading) -> Result<Calibration> {
+pub fn read(_: &Tree, _: Reading) -> Result<Found> {
     bail!("it is the calibration of one camera; give that of the right one with --calib-right")
 }
 
 /// Both cameras.
-pub fn pair(left: &Tree, right: &Tree, reading: Reading) -> Result<Calibration> {
+pub fn pair(left: &Tree, right: &Tree, reading: Reading) -> Result<Found> {
     let [left_size, right_size] = [size_of(left)?, size_of(right)?];
     ensure!(
         left_size == right_size,
@@ -40,7 +40,7 @@ pub fn pair(left: &Tree, right: &Tree, reading: Reading) -> Result<Calibration> 
         }
         false => Cameras::Rectified(camera),
     };
-    Ok(Calibration { cameras, size: left_size, unit: Some(unit), scale: reading.scale })
+    Ok(Found { cameras, size: left_size, unit: Some(unit) })
 }
 
 /// The size of an image in words.

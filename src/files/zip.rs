@@ -1,6 +1,6 @@
-//! The files of a ZIP archive that stores them as they are, as PyTorch does, so that there is nothing to decompress.
+//! The files of a ZIP archive, as PyTorch and NumPy write them.
 
-use crate::files::error::{Context as _, Result, bail, ensure};
+use crate::files::error::{Context as _, Result, bail};
 
 /// The end of an archive: a record of at least this length, and a comment of at most 65535 bytes.
 const END: usize = 22;
@@ -18,18 +18,23 @@ fn place<const N: usize>(bytes: &[u8], at: usize) -> Option<usize> {
     usize::try_from(number::<N>(bytes, at)?).ok()
 }
 
-/// The name and the contents of every file.
-pub(super) fn files(bytes: &[u8]) -> Result<Vec<(&[u8], &[u8])>> {
+/// A file of an archive.
+pub(super) struct Packed<'a> {
+    pub name: &'a [u8],
+    /// How it is compressed: 0 not at all, 8 by deflate.
+    pub method: u64,
+    /// Its bytes in the archive.
+    pub stored: &'a [u8],
+}
+
+/// Every file.
+pub(super) fn files(bytes: &[u8]) -> Result<Vec<Packed<'_>>> {
     let (mut at, count) = directory(bytes).context("its end is missing; it is cut short: save or download it again")?;
     let mut files = Vec::new();
     for _ in 0..count {
         let entry = Entry::read(bytes, at).context("its list of files is damaged; save or download it again")?;
-        ensure!(
-            entry.method == 0,
-            "it has compressed files, but torch.save stores them as they are; unzip it and zip it with -0, or save it again"
-        );
-        let contents = entry.contents(bytes).context("a file of it is cut short; save or download it again")?;
-        files.push((entry.name, contents));
+        let stored = entry.contents(bytes).context("a file of it is cut short; save or download it again")?;
+        files.push(Packed { name: entry.name, method: entry.method, stored });
         at = entry.next;
     }
     if files.is_empty() {
@@ -87,7 +92,7 @@ impl<'a> Entry<'a> {
             return None;
         }
         let next = at + fields.end + comment;
-        Some(Self { method, name: row.get(name)?, length: length?, header: header?, next })
+        Some(Self { method, name: row.get(name)?, length: stored?, header: header?, next })
     }
 
     fn contents(&self, bytes: &'a [u8]) -> Option<&'a [u8]> {

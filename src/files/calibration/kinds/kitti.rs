@@ -1,10 +1,10 @@
 //! KITTI's calib files, and DrivingStereo's: 3 x 4 projection matrices of the rectified cameras, a line each, as `P0` to `P3`,
 //! `P_rect_00` to `P_rect_03`, `P_rect_101` and `P_rect_103`, or without names.
 
-use super::cameras::{Calibration, Cameras};
-use super::reading::{KittiPair, Reading, Unit};
-use super::rectified::of_projections;
-use super::tree::{number, whole};
+use crate::files::calibration::cameras::{Cameras, Found};
+use crate::files::calibration::content::tree::{number, whole};
+use crate::files::calibration::reading::{KittiPair, Reading, Unit};
+use crate::files::calibration::rectified::of_projections;
 use crate::files::error::{Context as _, Result, bail, ensure};
 use std::collections::BTreeMap;
 
@@ -34,7 +34,7 @@ fn unnamed(text: &str) -> Option<Vec<Vec<f64>>> {
     text.lines().filter(|line| !line.trim().is_empty()).map(matrix).collect()
 }
 
-pub fn read(text: &str, reading: Reading) -> Result<Calibration> {
+pub fn read(text: &str, reading: Reading) -> Result<Found> {
     let (mut projections, mut sizes) = (BTreeMap::new(), BTreeMap::new());
     for (camera, numbers) in unnamed(text).into_iter().flatten().enumerate() {
         projections.insert(camera as u32, numbers);
@@ -53,7 +53,11 @@ pub fn read(text: &str, reading: Reading) -> Result<Calibration> {
             sizes.insert(camera, numbers()?);
         }
     }
-    let cameras = cameras(&projections.keys().copied().collect::<Vec<_>>(), reading.pair)?;
+    let there: Vec<_> = projections.keys().copied().collect();
+    let cameras = match reading.cameras {
+        Some(cameras) => named(&there, cameras)?,
+        None => cameras(&there, reading.pair)?,
+    };
     let projection = |camera: u32| -> Result<&Vec<f64>> {
         let numbers = projections.get(&camera).with_context(|| format!("it has no P{camera}"))?;
         ensure!(numbers.len() == 12, "its P{camera} has {} numbers, but must have 12: 3 x 4 by rows", numbers.len());
@@ -75,7 +79,19 @@ pub fn read(text: &str, reading: Reading) -> Result<Calibration> {
         cameras[1]
     );
     let size = left_size.or(right_size);
-    Ok(Calibration { cameras: Cameras::Rectified(camera), size, unit: Some(unit), scale: reading.scale })
+    Ok(Found { cameras: Cameras::Rectified(camera), size, unit: Some(unit) })
+}
+
+/// The cameras of `--calib-cams`.
+fn named(there: &[u32], cameras: [u32; 2]) -> Result<[u32; 2]> {
+    let all = there.iter().map(|camera| format!("P{camera}")).collect::<Vec<_>>().join(", ");
+    for camera in cameras {
+        ensure!(
+            there.contains(&camera),
+            "--calib-cams names the camera {camera}, but it has {all}; give two of these numbers"
+        );
+    }
+    Ok(cameras)
 }
 
 /// The two cameras of those that are there.

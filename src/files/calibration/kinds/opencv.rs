@@ -1,33 +1,28 @@
-//! OpenCV's FileStorage in YAML or XML: what stereoCalibrate and stereoRectify give.
+//! The matrices of stereoCalibrate and stereoRectify, under the names of OpenCV or others: FileStorage in YAML or XML, what people
+//! dump from Python as YAML, JSON or NumPy's archives.
 
-use super::apart::Apart;
-use super::cameras::{Calibration, Cameras};
-use super::lenses::{DISTORTION, MATRIX, PROJECTION, ROTATION, camera_matrix, distortion, ensure_rotation, lens, nine};
-use super::reading::{Reading, Unit};
-use super::rectified::{ensure_same, of_projections, of_q};
-use super::tree::{Tree, has, matrix, size_of};
-use crate::Camera;
+use crate::files::calibration::algebra::{Matrix, rotation};
+use crate::files::calibration::apart::Apart;
+use crate::files::calibration::cameras::{Cameras, Found};
+use crate::files::calibration::content::canonical;
+use crate::files::calibration::content::tree::{Tree, has, matrix, size_of};
+use crate::files::calibration::lenses::{
+    DISTORTION, MATRIX, PROJECTION, ROTATION, camera_matrix, distortion, ensure_rotation, lens,
+};
+use crate::files::calibration::reading::{Reading, Unit};
+use crate::files::calibration::rectified::{RectifiedPair, ensure_same, of_projections, of_q};
 use crate::files::error::{Context as _, Error, Result, bail, ensure, error};
 
-/// Names that only these files have.
-pub const READABLE: &[&str] = &[
-    "M1",
-    "K1",
-    "cameraMatrix1",
-    "camera_matrix_1",
-    "LEFT.K",
-    "P1",
-    "projectionMatrix1",
-    "projection_matrix_1",
-    "LEFT.P",
-    "Q",
-];
+/// Whether a file has the matrices of both cameras, as no file of one camera has.
+pub fn is_of_pair(tree: &Tree) -> bool {
+    canonical(tree).is_ok_and(|tree| has(&tree, &["M1", "P1", "Q"]))
+}
 
-/// A matrix of OpenCV's, or a name of one of its own.
+/// A matrix of a pair, or one of a name of its own.
 pub fn is(tree: &Tree) -> bool {
     let matrix =
         |key: &String| key.strip_suffix(".rows").is_some_and(|name| tree.contains_key(&format!("{name}.cols")));
-    has(tree, READABLE) || has(tree, &["P2", "disparity_to_depth", "M2", "T"]) || tree.keys().any(matrix)
+    tree.keys().any(matrix) || canonical(tree).map_or(true, |tree| has(&tree, &["M1", "P1", "Q", "P2", "M2", "T"]))
 }
 
 /// Both files of one calibration.
@@ -46,7 +41,8 @@ pub fn together(mut left: Tree, right: Tree) -> Result<Tree> {
 }
 
 /// `P1` and `P2`, or `Q`; with lenses `M1`, `D1`, `R1` and `M2`, `D2`, `R2`, too; or `M1`, `D1`, `M2`, `D2`, `R` and `T`.
-pub fn read(tree: &Tree, reading: Reading) -> Result<Calibration> {
+pub fn read(tree: &Tree, reading: Reading) -> Result<Found> {
+    let tree = &canonical(tree)?;
     let unit = reading.unit(Unit::M);
     let lies_between = has(tree, &["R"]) && has(tree, &["T"]);
     let rectifies = has(tree, ROTATION.0[0]) && has(tree, PROJECTION.0[0]);
@@ -77,7 +73,7 @@ pub fn read(tree: &Tree, reading: Reading) -> Result<Calibration> {
             ),
         },
     };
-    Ok(Calibration { cameras, size: size_of(tree)?, unit: Some(unit), scale: reading.scale })
+    Ok(Found { cameras, size: size_of(tree)?, unit: Some(unit) })
 }
 
 fn not_rectified() -> Error {
@@ -87,21 +83,21 @@ fn not_rectified() -> Error {
 }
 
 /// The rectified cameras; what tells of them twice must agree.
-fn rectified(tree: &Tree, unit: Unit) -> Result<Option<Camera>> {
+fn rectified(tree: &Tree, unit: Unit) -> Result<Option<RectifiedPair>> {
     let left = matrix(tree, PROJECTION.0[0], &[(3, 4)])?;
     let right = matrix(tree, PROJECTION.0[1], &[(3, 4)])?;
     let pair = match (&left, &right) {
         (Some(left), Some(right)) => Some(of_projections(left, right, unit.metres())?),
         _ => None,
     };
-    let q = matrix(tree, &["Q", "disparity_to_depth"], &[(4, 4)])?;
+    let q = matrix(tree, &["Q"], &[(4, 4)])?;
     let q = q.map(|q| of_q(&q, unit.metres())).transpose()?;
     if let (Some(pair), Some(q)) = (&pair, &q) {
-        ensure_same(pair, q, "its P1 and P2 and its Q")?;
+        ensure_same(&pair.camera, &q.camera, "its P1 and P2 and its Q")?;
     }
     let found = pair.or(q);
     let t = if has(tree, &["R"]) { matrix(tree, &["T"], &[(3, 1), (1, 3)]).unwrap_or(None) } else { None };
-    if let (Some(camera), Some(t)) = (&found, t) {
+    if let (Some(RectifiedPair { camera, .. }), Some(t)) = (&found, t) {
         let apart = t.iter().map(|x| x * x).sum::<f64>().sqrt() * unit.metres();
         ensure!(
             (apart - camera.baseline).abs() <= 0.01 * apart,
@@ -112,9 +108,18 @@ fn rectified(tree: &Tree, unit: Unit) -> Result<Option<Camera>> {
     Ok(found)
 }
 
+/// `R`, or its axis times its angle.
+fn between(tree: &Tree) -> Result<Matrix> {
+    let numbers = matrix(tree, &["R"], &[(3, 3), (3, 1), (1, 3)])?.context("it has no R")?;
+    Ok(match numbers[..] {
+        [x, y, z] => rotation([x, y, z]),
+        _ => std::array::from_fn(|i| numbers[i]),
+    })
+}
+
 /// `M1`, `D1`, `M2`, `D2`, and `R` and `T` of OpenCV's stereoCalibrate.
 fn apart(tree: &Tree, reading: Reading, unit: Unit) -> Result<Apart> {
-    let r = nine(tree, &["R"])?;
+    let r = between(tree)?;
     ensure_rotation(&r, "R")?;
     let t = matrix(tree, &["T"], &[(3, 1), (1, 3)])?.context("it has no T")?;
     let side = |side: usize| {

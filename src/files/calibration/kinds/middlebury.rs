@@ -1,10 +1,10 @@
 //! Middlebury's calib.txt, vision.middlebury.edu/stereo/submit3: `cam0=[f 0 cx; 0 f cy; 0 0 1]`, `cam1`, `doffs`, `baseline`,
 //! `width`, `height`.
 
-use super::cameras::{Calibration, Cameras};
-use super::reading::{Reading, Unit};
-use super::rectified::of_projections;
-use super::tree::{number, whole};
+use crate::files::calibration::cameras::{Cameras, Found};
+use crate::files::calibration::content::tree::{number, whole};
+use crate::files::calibration::reading::{Reading, Unit};
+use crate::files::calibration::rectified::of_projections;
 use crate::files::error::{Context as _, Result, ensure};
 use std::collections::BTreeMap;
 
@@ -17,7 +17,7 @@ pub fn is(text: &str) -> bool {
     pairs(text).any(|(key, _)| key == "cam0" || key == "cam1")
 }
 
-pub fn read(text: &str, reading: Reading) -> Result<Calibration> {
+pub fn read(text: &str, reading: Reading) -> Result<Found> {
     let mut values = BTreeMap::new();
     for (key, value) in pairs(text) {
         let before = values.insert(key, value);
@@ -41,18 +41,18 @@ pub fn read(text: &str, reading: Reading) -> Result<Calibration> {
     let baseline = number(text("baseline")?).context("its baseline")?;
     let projection =
         |k: &[f64], shift: f64| vec![k[0], k[1], k[2], shift, k[3], k[4], k[5], 0.0, k[6], k[7], k[8], 0.0];
-    let camera = of_projections(&projection(&left, 0.0), &projection(&right, -baseline * right[0]), unit.metres())?;
+    let pair = of_projections(&projection(&left, 0.0), &projection(&right, -baseline * right[0]), unit.metres())?;
     if let Some(doffs) = values.get("doffs") {
         let doffs = number(doffs).context("its doffs")?;
         ensure!(
-            (doffs - camera.doffs).abs() < 0.02,
+            (doffs - pair.camera.doffs).abs() < 0.02,
             "its doffs is {doffs}, but cam1 less cam0 says {}; correct the one or the other",
-            camera.doffs
+            pair.camera.doffs
         );
     }
     let size = match (values.get("width"), values.get("height")) {
         (Some(width), Some(height)) => Some([whole(width)?, whole(height)?]),
         _ => None,
     };
-    Ok(Calibration { cameras: Cameras::Rectified(camera), size, unit: Some(unit), scale: reading.scale })
+    Ok(Found { cameras: Cameras::Rectified(pair), size, unit: Some(unit) })
 }

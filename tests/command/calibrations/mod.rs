@@ -2,6 +2,9 @@
 //!
 //! Everything runs on the CPU, so that no adapter is needed.
 
+mod kinds;
+mod truth;
+
 use image::GrayImage;
 use std::fs;
 use std::path::Path;
@@ -269,7 +272,8 @@ fn projections_of_no_rectified_pair_are_refused() {
         (pair(|_, right| right[1] = -0.5), "skew of -0.5"),
         (pair(|_, right| right[7] = -0.5), "side by side"),
         (pair(|_, right| right[11] = 0.01), "side by side"),
-        (pair(|_, right| (right[3], right[7]) = (0.0, -5.0)), "side by side"),
+        (pair(|_, right| (right[3], right[7]) = (-5.0, -5.0)), "one above the other"),
+        (pair(|_, right| (right[3], right[7]) = (0.0, 5.0)), "above the upper one"),
         (pair(|_, right| right[3] = 5.0), "exchange"),
         (pair(|left, right| (left[3], right[3]) = (-5.0, 0.0)), "exchange"),
         (pair(|_, right| right[3] = 0.0), "both cameras are one"),
@@ -396,9 +400,12 @@ fn no_two_errors_send_in_a_circle() {
         good(path, text, then);
     }
     refused(path, &none, &["--calib", "calib"], "it has P1, but no P0");
-    refused(path, &zed.replace("TY=0", "TY=0.2"), &["--rectify", "calib"], "TY");
-    let two = format!("{zed}[LEFT_CAM_HD]\nfx=1\n");
-    refused(path, &two, &["--rectify", "calib"], "VGA, HD");
+    let two =
+        format!("{zed}[LEFT_CAM_HD]\nfx=640\nfy=640\ncx=640\ncy=360\n[RIGHT_CAM_HD]\nfx=640\nfy=640\ncx=640\ncy=360\n");
+    // Of the two resolutions only one has these images.
+    good(path, &two, &["--rectify", "calib"]);
+    let far = two.replace("cx=29.5", "cx=336").replace("cy=19.5", "cy=188");
+    refused(path, &far, &["--rectify", "calib"], "VGA (672x376), HD (1280x720)");
     fs::write(path.join("right"), zed).unwrap();
     refused(path, zed, &["--rectify", "calib", "--calib-right", "right"], "drop it");
 }

@@ -1,0 +1,91 @@
+//! Rectification that no matcher does: to another size, or of cameras one above the other. The pair is rectified before, and what
+//! is made from it is turned back.
+
+use anyhow::Result;
+use gpu_stereo::{
+    ConfidenceMap, DepthMap, DisparityMap, Error, Image, Masks, Matched, Params, Pixels, Rectification, reference,
+};
+use std::borrow::Cow;
+
+/// What is done before and after, and the settings between.
+pub struct Beforehand {
+    rectification: Option<Rectification>,
+    /// The settings for pairs that were rectified.
+    pub params: Params,
+}
+
+impl Beforehand {
+    /// With these settings, for the given pairs.
+    pub fn of(params: &Params) -> Result<Self, Error> {
+        let rectification = params.rectify.clone().filter(|rectification| !rectification.is_for_matchers());
+        let mut params = params.clone();
+        if let Some(rectification) = &rectification {
+            let [width, height] = rectification.size();
+            let content = reference::Content::new(&params, width, height);
+            let [width, height] = rectification.rectified_size();
+            let bytes = |side: &reference::Plane<bool>| side.data.iter().map(|&has| u8::from(has)).collect();
+            let masks = content
+                .map(|content| Masks::new(width, height, content.sides.each_ref().map(|side| Some(bytes(side)))));
+            (params.rectify, params.masks) = (None, masks.transpose()?);
+        }
+        Ok(Self { rectification, params })
+    }
+
+    /// The image of a side (0: left) as the matcher takes it.
+    pub fn image<'a>(&self, image: &'a Image, side: usize) -> Result<Cow<'a, Image>, Error> {
+        Ok(match &self.rectification {
+            Some(rectification) => Cow::Owned(reference::rectify(image, rectification, side)?),
+            None => Cow::Borrowed(image),
+        })
+    }
+
+    /// An image of the size and format that the matcher takes.
+    pub fn like<'a>(&self, image: &'a Image) -> Result<Cow<'a, Image>, Error> {
+        let Some(rectification) = &self.rectification else { return Ok(Cow::Borrowed(image)) };
+        let [width, height] = rectification.rectified_size();
+        let pixels = width as usize * height as usize;
+        let blank = match image.pixels() {
+            Pixels::Gray8(_) => Pixels::Gray8(vec![0; pixels]),
+            Pixels::Gray16(_) => Pixels::Gray16(vec![0; pixels]),
+            Pixels::Rgba8(_) => Pixels::Rgba8(vec![0; 4 * pixels]),
+            Pixels::Rgba16(_) => Pixels::Rgba16(vec![0; 4 * pixels]),
+            other => return Err(Error::Image(format!("pixels of the kind {other:?} cannot be rectified"))),
+        };
+        Image::new(width, height, blank).map(Cow::Owned)
+    }
+
+    /// What a matcher made, as it lies in the rectified images before they were turned.
+    pub fn upright(&self, mut matched: Matched) -> Matched {
+        let Some(rectification) = self.rectification.as_ref().filter(|rectification| rectification.is_turned()) else {
+            return matched;
+        };
+        let map = |map: &DisparityMap| DisparityMap {
+            width: map.height,
+            height: map.width,
+            data: rectification.upright(&map.data),
+        };
+        matched.map = map(&matched.map);
+        matched.right = matched.right.as_ref().map(map);
+        let [height, width] = rectification.rectified_size();
+        matched.confidence =
+            matched.confidence.map(|all| ConfidenceMap { width, height, data: rectification.upright(&all.data) });
+        matched.depth = matched.depth.map(|all| DepthMap { width, height, data: rectification.upright(&all.data) });
+        matched
+    }
+}
+
+/// An image that was turned, as it lies before.
+pub fn upright(image: &Image, rectification: &Rectification) -> Result<Image, Error> {
+    let [height, width] = rectification.rectified_size();
+    fn colors<T: Copy>(samples: &[T], rectification: &Rectification) -> Vec<T> {
+        rectification.upright(samples.as_chunks::<4>().0).as_flattened().to_vec()
+    }
+    let pixels = match image.pixels() {
+        Pixels::Gray8(samples) => Pixels::Gray8(rectification.upright(samples)),
+        Pixels::Gray16(samples) => Pixels::Gray16(rectification.upright(samples)),
+        Pixels::Rgba8(samples) => Pixels::Rgba8(colors(samples, rectification)),
+        Pixels::Rgba16(samples) => Pixels::Rgba16(colors(samples, rectification)),
+        other => return Err(Error::Image(format!("pixels of the kind {other:?} cannot be turned"))),
+    };
+    Image::new(width, height, pixels)
+}

@@ -1,0 +1,14 @@
+//! The kinds of calibrations, each by the structure of its files.
+
+mod basalt;
+mod camera_info;
+mod euroc;
+mod foundation_stereo;
+mod kalibr;
+mod kitti;
+mod middlebury;
+mod opencv;
+mod source;
+
+pub use source::Source;
+mod zed;
