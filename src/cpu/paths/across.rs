@@ -4,6 +4,7 @@
 
 use fearless_simd::{Simd, SimdFrom, u8x32, u16x16};
 
+use super::buffers::{Buffers, Lent};
 use super::penalties::PenaltyRow;
 use super::step::{PAD, Receive, Stepping, load, steps, store};
 use crate::Params;
@@ -39,7 +40,7 @@ pub(super) struct Scratch {
 
 struct RowScratch {
     /// T of the path to the right, `[x][n]`.
-    right: Aligned<u8>,
+    right: Lent,
     state: Aligned<u8>,
     least: u8,
     /// The sum of all paths of a pixel.
@@ -53,7 +54,7 @@ struct RowScratch {
 }
 
 impl Scratch {
-    pub(super) fn new(width: usize, disparities: usize, paths: usize) -> Self {
+    pub(super) fn new(width: usize, disparities: usize, paths: usize, buffers: &Buffers) -> Self {
         let n = disparities.next_multiple_of(LANES);
         let row = || {
             let mut beyond = Aligned::new(n, 0);
@@ -61,14 +62,14 @@ impl Scratch {
             let mut near = Aligned::new(2 * n + 5, 0u16);
             near[n + 1..n + 4].fill(u16::MAX);
             RowScratch {
-                right: Aligned::zeroed(width * n),
+                right: buffers.take(width * n),
                 state: Aligned::new(n + 2 * PAD, 255),
                 least: 0,
                 sum: Aligned::zeroed(n),
                 near,
                 beyond,
                 found: Found::new(width),
-                keys: RightKeys::new(width, n, group_of(paths)),
+                keys: RightKeys::new(width, n, group_of(paths, disparities)),
             }
         };
         Self { rows: std::array::from_fn(|_| row()) }
@@ -76,14 +77,18 @@ impl Scratch {
 
     /// Its bytes.
     pub(super) fn bytes(width: usize, n: usize, paths: usize) -> u64 {
-        let keys = n / group_of(paths) * (width + 2 * LANES) * 2;
+        let keys = n / group_of(paths, n) * (width + 2 * LANES) * 2;
         (TOGETHER * (width * n + keys + 14 * width + 10 * n)) as u64
     }
 }
 
-/// Disparities whose keys go together: a sum of at most 16 * (89 + 127) and an index fit 16 bits.
-fn group_of(paths: usize) -> usize {
-    if paths > 8 { LANES / 2 } else { LANES }
+/// Disparities whose keys go together: a sum, of at most 89 + 127 a path, and an index fit 16 bits.
+fn group_of(paths: usize, disparities: usize) -> usize {
+    match (paths, disparities) {
+        (9.., _) => LANES / 2,
+        (..=4, 64) => 64,
+        _ => LANES,
+    }
 }
 
 impl RowScratch {
@@ -96,13 +101,13 @@ impl RowScratch {
 /// Computes at most [`TOGETHER`] rows.
 pub(super) type Across = fn(&mut [AcrossRow<'_>], &mut Scratch, &Params, Instructions);
 
-/// The function for so many paths and n bytes a pixel.
-pub(super) fn across_for(paths: usize, n: usize) -> Across {
-    match (paths, n) {
-        (3, 64) => across::<3, 1, 32, 64>,
+/// The function for so many paths and disparities.
+pub(super) fn across_for(paths: usize, disparities: usize) -> Across {
+    match (paths, disparities) {
+        (3, 64) => across::<3, 1, 64, 64>,
         (3, 128) => across::<3, 1, 32, 128>,
         (3, _) => across::<3, 1, 32, 0>,
-        (4, 64) => across::<4, 1, 32, 64>,
+        (4, 64) => across::<4, 1, 64, 64>,
         (4, 128) => across::<4, 1, 32, 128>,
         (4, _) => across::<4, 1, 32, 0>,
         (5, _) => across::<5, 2, 32, 0>,
@@ -113,7 +118,8 @@ pub(super) fn across_for(paths: usize, n: usize) -> Across {
     }
 }
 
-/// P paths, Q planes of those that cross rows, groups of G keys. N: the bytes of a pixel where they are known, else 0.
+/// P paths, Q planes of those that cross rows, groups of G keys. N: the disparities where they are known, and a multiple of
+/// [`LANES`]; else 0.
 fn across<const P: u16, const Q: usize, const G: usize, const N: usize>(
     rows: &mut [AcrossRow<'_>],
     scratch: &mut Scratch,
@@ -170,7 +176,7 @@ impl<const R: usize, const P: u16, const Q: usize, const G: usize, const N: usiz
             for i in (0..rows[0].segments[segment].cost.len() / n).rev() {
                 x -= 1;
                 for r in 0..R {
-                    pixel::<V, P, Q, G>(simd, rows[r], scratch[r], [segment, i, x], n, params);
+                    pixel::<V, P, Q, G, N>(simd, rows[r], scratch[r], [segment, i, x], n, params);
                 }
             }
         }
@@ -183,7 +189,7 @@ impl<const R: usize, const P: u16, const Q: usize, const G: usize, const N: usiz
 
 /// The step to the left into a pixel, its sum and its winner. It is the `i`-th of the segment, in column x.
 #[inline(always)]
-fn pixel<V: Simd, const P: u16, const Q: usize, const G: usize>(
+fn pixel<V: Simd, const P: u16, const Q: usize, const G: usize, const N: usize>(
     simd: V,
     row: &mut AcrossRow<'_>,
     scratch: &mut RowScratch,
@@ -193,14 +199,17 @@ fn pixel<V: Simd, const P: u16, const Q: usize, const G: usize>(
 ) {
     let Segment { cost, planes } = &row.segments[segment];
     let cost = &cost[i * n..][..n];
-    let planes: [&[u8]; Q] = std::array::from_fn(|q| &planes[q][i * n..][..n]);
+    let mut planes_here: [&[u8]; Q] = [&[]; Q];
+    for (here, plane) in planes_here.iter_mut().zip(planes) {
+        *here = &plane[i * n..][..n];
+    }
     let RowScratch { right, state, least, sum, near, beyond, found, keys } = scratch;
     let path = Stepping { state: &mut state[PAD - 1..], least, p2: row.p2[1].at(x) };
     let (right, sums, beyond) = (&right[x * n..][..n], &mut sum[..n], &beyond[..n]);
     let smallest = Smallest { keys: [simd.splat_u16x16(u16::MAX); 2], blocks: 0, first: 0, best: u32::MAX };
-    let mut total = Total::<V, P, Q, G> { simd, cost, planes, right, beyond, sums, keys, x, smallest };
+    let mut total = Total::<V, P, Q, G, N> { simd, cost, planes: planes_here, right, beyond, sums, keys, x, smallest };
     steps(simd, [path], cost, params.p1 as u8, &mut total);
-    let best = total.smallest.winner::<G>(simd);
+    let best = total.smallest.winner::<G, N>(simd);
     let label = (best & 0xffff) as usize;
     let sum = &sum[..n];
     found.best[x] = (best >> 16) as u16;
@@ -259,7 +268,7 @@ impl<V: Simd> Receive<V, 1> for Store<'_> {
 }
 
 /// T of the last path, added to those of all others: the sum, its winner, and the votes for the right view.
-struct Total<'a, V: Simd, const P: u16, const Q: usize, const G: usize> {
+struct Total<'a, V: Simd, const P: u16, const Q: usize, const G: usize, const N: usize> {
     simd: V,
     cost: &'a [u8],
     planes: [&'a [u8]; Q],
@@ -271,8 +280,10 @@ struct Total<'a, V: Simd, const P: u16, const Q: usize, const G: usize> {
     smallest: Smallest<V>,
 }
 
-/// The smallest sums so far at each place in [`LANES`] disparities, by keys: the sum, then the number of the [`LANES`]
-/// disparities.
+/// The smallest sums so far.
+///
+/// Where all disparities are one group, by the keys of the right view, which hold the index. Else at each place in [`LANES`]
+/// disparities, by keys: the sum, then the number of the [`LANES`] disparities.
 struct Smallest<V: Simd> {
     keys: [u16x16<V>; 2],
     /// How many [`LANES`] there have been.
@@ -283,11 +294,11 @@ struct Smallest<V: Simd> {
     best: u32,
 }
 
-/// 0 to 15, and 16 to 31.
-const PLACES: [[u16; LANES / 2]; 2] = {
-    let mut places = [[0; LANES / 2]; 2];
+/// 0 to 63, by sixteen.
+const PLACES: [[u16; LANES / 2]; 4] = {
+    let mut places = [[0; LANES / 2]; 4];
     let mut i = 0;
-    while i < LANES {
+    while i < 2 * LANES {
         places[i / (LANES / 2)][i % (LANES / 2)] = i as u16;
         i += 1;
     }
@@ -297,11 +308,14 @@ const PLACES: [[u16; LANES / 2]; 2] = {
 impl<V: Simd> Smallest<V> {
     /// The smallest sum, and in the lower half its index, of equal ones the smallest.
     #[inline(always)]
-    fn winner<const G: usize>(&self, simd: V) -> u32 {
+    fn winner<const G: usize, const N: usize>(&self, simd: V) -> u32 {
         let least = simd.reduce_min_u16x16(simd.min_u16x16(self.keys[0], self.keys[1]));
+        if G == N {
+            return ((u32::from(least) / G as u32) << 16) | (u32::from(least) % G as u32);
+        }
         let (wanted, none) = (simd.splat_u16x16(least), simd.splat_u16x16(u16::MAX));
         let mut places = none;
-        for (half, of_half) in PLACES.iter().enumerate() {
+        for (half, of_half) in PLACES[..2].iter().enumerate() {
             let found = simd.simd_eq_u16x16(self.keys[half], wanted);
             let found = simd.select_u16x16(found, u16x16::simd_from(simd, *of_half), none);
             places = simd.min_u16x16(places, found);
@@ -312,7 +326,7 @@ impl<V: Simd> Smallest<V> {
     }
 }
 
-impl<V: Simd, const P: u16, const Q: usize, const G: usize> Receive<V, 1> for Total<'_, V, P, Q, G> {
+impl<V: Simd, const P: u16, const Q: usize, const G: usize, const N: usize> Receive<V, 1> for Total<'_, V, P, Q, G, N> {
     #[inline(always)]
     fn receive(&mut self, at: usize, [t]: [u8x32<V>; 1]) {
         let simd = self.simd;
@@ -323,27 +337,29 @@ impl<V: Simd, const P: u16, const Q: usize, const G: usize> Receive<V, 1> for To
         for plane in &self.planes {
             sum = add(simd, sum, load(simd, plane, at));
         }
-        // What lies beyond the disparities never wins and is no rival.
-        let beyond = words(simd, self.beyond, at);
-        let sum = [simd.or_u16x16(sum[0], beyond[0]), simd.or_u16x16(sum[1], beyond[1])];
+        if N == 0 {
+            // What lies beyond the disparities never wins and is no rival.
+            let beyond = words(simd, self.beyond, at);
+            sum = [simd.or_u16x16(sum[0], beyond[0]), simd.or_u16x16(sum[1], beyond[1])];
+        }
         store_words(sum, self.sums, at);
         let bits = G.trailing_zeros();
-        let shifted = [simd.shl_u16x16(sum[0], bits), simd.shl_u16x16(sum[1], bits)];
         let number = simd.splat_u16x16((self.smallest.blocks - self.smallest.first) as u16);
-        for (half, &shifted) in shifted.iter().enumerate() {
-            let keys = &mut self.smallest.keys[half];
-            *keys = simd.min_u16x16(*keys, simd.or_u16x16(shifted, number));
+        for (half, &sum) in sum.iter().enumerate() {
+            let shifted = simd.shl_u16x16(sum, bits);
             let first = at + half * LANES / 2;
-            let seen = self.keys.seen::<G>(self.x, first);
             let places = u16x16::simd_from(simd, PLACES[first % G / (LANES / 2)]);
             let key = simd.or_u16x16(shifted, places);
+            let own = if G == N { key } else { simd.or_u16x16(shifted, number) };
+            self.smallest.keys[half] = simd.min_u16x16(self.smallest.keys[half], own);
+            let seen = self.keys.seen::<G>(self.x, first);
             if let Some(seen) = seen.first_chunk_mut::<{ LANES / 2 }>() {
                 *seen = *simd.min_u16x16(u16x16::simd_from(simd, *seen), key);
             }
         }
         self.smallest.blocks += 1;
-        if self.smallest.blocks - self.smallest.first == G {
-            let (best, next) = (self.smallest.winner::<G>(simd), self.smallest.blocks);
+        if G != N && self.smallest.blocks - self.smallest.first == G {
+            let (best, next) = (self.smallest.winner::<G, N>(simd), self.smallest.blocks);
             self.smallest = Smallest { keys: [simd.splat_u16x16(u16::MAX); 2], blocks: next, first: next, best };
         }
     }

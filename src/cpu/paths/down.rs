@@ -2,7 +2,7 @@
 
 use fearless_simd::{Simd, u8x32};
 
-use super::front::FrontRow;
+use super::front::{FrontRow, Fronts};
 use super::step::{Receive, load, steps, store};
 use crate::cpu::instructions::{Instructions, Kernel};
 
@@ -37,50 +37,74 @@ pub(super) fn down_for(directions: usize, n: usize) -> Down {
 }
 
 /// K directions, S planes. N: the bytes of a pixel where they are known, else 0.
-fn down<const K: usize, const S: usize, const N: usize>(row: DownRow<'_, '_>, instructions: Instructions) {
+fn down<const K: usize, const S: usize, const N: usize>(row: DownRow<'_, '_>, instructions: Instructions)
+where
+    for<'f> [FrontRow<'f>; K]: Fronts<K>,
+{
     instructions.launch(Row::<K, S, N>(row));
 }
 
 struct Row<'a, 'b, const K: usize, const S: usize, const N: usize>(DownRow<'a, 'b>);
 
-impl<const K: usize, const S: usize, const N: usize> Kernel for Row<'_, '_, K, S, N> {
+impl<const K: usize, const S: usize, const N: usize> Kernel for Row<'_, '_, K, S, N>
+where
+    for<'f> [FrontRow<'f>; K]: Fronts<K>,
+{
     type Output = ();
 
     #[inline(always)]
     fn run<V: Simd>(self, simd: V) {
         let DownRow { fronts, cost, n, p1, planes, other } = self.0;
         let n = if N > 0 { N } else { n };
-        let Ok(mut fronts) = <[FrontRow<'_>; K]>::try_from(fronts) else { return };
-        let Ok(mut planes) = <[&mut [u8]; S]>::try_from(planes) else {
-            for (x, cost) in cost.chunks_exact(n).enumerate() {
-                steps(simd, fronts.each_mut().map(|front| front.next(x)), cost, p1, &mut Nothing);
+        let Ok(fronts) = <[FrontRow<'_>; K]>::try_from(fronts) else { return };
+        match (<[&mut [u8]; S]>::try_from(planes), other) {
+            (Err(_), _) => columns(simd, fronts, cost, n, p1, &mut Nothing),
+            (Ok(planes), None) => {
+                columns(simd, fronts, cost, n, p1, &mut Sums::<V, S, false> { simd, planes, other: &[], first: 0 });
             }
-            return;
-        };
-        for (x, cost) in cost.chunks_exact(n).enumerate() {
-            let paths = fronts.each_mut().map(|front| front.next(x));
-            let planes = planes.each_mut().map(|plane| &mut plane[x * n..][..n]);
-            match other {
-                Some(other) => {
-                    let other = &other[x * n..][..n];
-                    steps(simd, paths, cost, p1, &mut Sums::<V, S, true> { simd, planes, other });
-                }
-                None => steps(simd, paths, cost, p1, &mut Sums::<V, S, false> { simd, planes, other: &[] }),
+            (Ok(planes), Some(other)) => {
+                columns(simd, fronts, cost, n, p1, &mut Sums::<V, S, true> { simd, planes, other, first: 0 });
             }
         }
     }
 }
 
-/// T of a pixel to its planes, two in a byte: at most 127 each.
+/// The steps into all columns.
+#[inline(always)]
+fn columns<V: Simd, const K: usize>(
+    simd: V,
+    mut fronts: [FrontRow<'_>; K],
+    cost: &[u8],
+    n: usize,
+    p1: u8,
+    to: &mut impl Columns<V, K>,
+) where
+    for<'f> [FrontRow<'f>; K]: Fronts<K>,
+{
+    for (x, cost) in cost.chunks_exact(n).enumerate() {
+        to.column(x * n);
+        steps(simd, fronts.next(x), cost, p1, to);
+    }
+}
+
+/// Receives the T of one column after the other.
+trait Columns<V: Simd, const K: usize>: Receive<V, K> {
+    /// What comes next is of the column that begins here.
+    fn column(&mut self, first: usize);
+}
+
+/// T of a column to its planes, two in a byte: at most 127 each.
 struct Sums<'a, V, const S: usize, const OTHER: bool> {
     simd: V,
     planes: [&'a mut [u8]; S],
     other: &'a [u8],
+    first: usize,
 }
 
 impl<V: Simd, const K: usize, const S: usize, const OTHER: bool> Receive<V, K> for Sums<'_, V, S, OTHER> {
     #[inline(always)]
     fn receive(&mut self, at: usize, t: [u8x32<V>; K]) {
+        let at = self.first + at;
         for i in 0..S {
             let sum = if OTHER && i == 0 {
                 self.simd.add_u8x32(load(self.simd, self.other, at), t[0])
@@ -93,10 +117,22 @@ impl<V: Simd, const K: usize, const S: usize, const OTHER: bool> Receive<V, K> f
     }
 }
 
+impl<V: Simd, const K: usize, const S: usize, const OTHER: bool> Columns<V, K> for Sums<'_, V, S, OTHER> {
+    #[inline(always)]
+    fn column(&mut self, first: usize) {
+        self.first = first;
+    }
+}
+
 /// T is not wanted.
 struct Nothing;
 
 impl<V: Simd, const K: usize> Receive<V, K> for Nothing {
     #[inline(always)]
     fn receive(&mut self, _: usize, _: [u8x32<V>; K]) {}
+}
+
+impl<V: Simd, const K: usize> Columns<V, K> for Nothing {
+    #[inline(always)]
+    fn column(&mut self, _: usize) {}
 }

@@ -2,9 +2,9 @@
 
 use std::ops::Range;
 
+use super::buffers::{Buffers, Lent};
 use super::penalties::PenaltyRow;
 use super::step::{PAD, Stepping};
-use crate::cpu::aligned::Aligned;
 use crate::reference::Direction;
 
 /// The paths of a direction that leads from row to row, in a window of columns.
@@ -25,7 +25,7 @@ pub(super) struct Front {
 
 #[derive(Clone)]
 struct Set {
-    states: Aligned<u8>,
+    states: Lent,
     leasts: Vec<u8>,
 }
 
@@ -41,8 +41,9 @@ pub(super) struct FrontRow<'a> {
 
 impl Front {
     /// Before the first row: a path starts at every pixel.
-    pub(super) fn new(step: Direction, window: Range<usize>, width: usize, n: usize) -> Self {
-        let mut states = Aligned::new(PAD + window.len() * (n + PAD), 255u8);
+    pub(super) fn new(step: Direction, window: Range<usize>, width: usize, n: usize, buffers: &Buffers) -> Self {
+        let mut states = buffers.take(PAD + window.len() * (n + PAD));
+        states.fill(255);
         states[PAD..].chunks_exact_mut(n + PAD).for_each(|state| state[..n].fill(0));
         let set = Set { states, leasts: vec![0; window.len()] };
         Self { step, window, width, n, sets: vec![set; step.dy.unsigned_abs() as usize] }
@@ -112,6 +113,29 @@ impl Front {
             .map(|(x, steps, set)| (self.slot(x, steps), set))
             .collect()
     }
+}
+
+/// The states of the next column of several fronts, at `x` of the window. (The compiler leaves `map` of an array out of line.)
+pub(super) trait Fronts<const K: usize> {
+    fn next(&mut self, x: usize) -> [Stepping<'_>; K];
+}
+
+macro_rules! fronts {
+    ($($count:literal: $($front:ident)+;)+) => {$(
+        impl Fronts<$count> for [FrontRow<'_>; $count] {
+            #[inline(always)]
+            fn next(&mut self, x: usize) -> [Stepping<'_>; $count] {
+                let [$($front),+] = self;
+                [$($front.next(x)),+]
+            }
+        }
+    )+};
+}
+
+fronts! {
+    1: a;
+    3: a b c;
+    7: a b c d e f g;
 }
 
 impl FrontRow<'_> {

@@ -37,7 +37,7 @@ impl Aggregation<'_> {
         let team = scratch + band + way.state_bytes();
         let maps = 7 * (self.width * self.height) as u64;
         if !way.meets {
-            return maps + team;
+            return maps + way.teams * team;
         }
         let chunks = Chunks::new(self, &way);
         let stored = chunks.rows as u64 * way.row_bytes() * way.planes as u64;

@@ -32,10 +32,9 @@ pub(super) trait Receive<V: Simd, const K: usize> {
 /// The values from `at` on.
 #[inline(always)]
 pub(super) fn load<V: Simd>(simd: V, from: &[u8], at: usize) -> u8x32<V> {
-    match from[at..].first_chunk::<LANES>() {
-        Some(values) => u8x32::simd_from(simd, *values),
-        None => simd.splat_u8x32(0),
-    }
+    let mut values = [0; LANES];
+    values.copy_from_slice(&from[at..at + LANES]);
+    u8x32::simd_from(simd, values)
 }
 
 /// Writes the values from `at` on.
@@ -48,12 +47,16 @@ pub(super) fn store<V: Simd>(vector: u8x32<V>, to: &mut [u8], at: usize) {
 #[inline(always)]
 pub(super) fn steps<V: Simd, const K: usize>(
     simd: V,
-    paths: [Stepping<'_>; K],
+    mut paths: [Stepping<'_>; K],
     cost: &[u8],
     p1: u8,
     to: &mut impl Receive<V, K>,
 ) {
     let p1 = simd.splat_u8x32(p1);
+    for path in &mut paths {
+        // So that no access below is checked.
+        path.state = &mut std::mem::take(&mut path.state)[..cost.len() + PAD + 1];
+    }
     let (mut leasts, mut most, mut before, mut smallest) = ([p1; K], [p1; K], [p1; K], [p1; K]);
     for k in 0..K {
         let path = &paths[k];

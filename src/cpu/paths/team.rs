@@ -11,13 +11,12 @@ use rayon::prelude::*;
 
 use super::across::{Across, AcrossRow, Scratch, Segment, TOGETHER, across_for};
 use super::aggregation::{Aggregation, CostSource, Sources};
-use super::buffers::Buffers;
+use super::buffers::{Buffers, Lent};
 use super::down::{Down, DownRow, down_for};
 use super::front::Front;
 use super::penalties::PenaltyRow;
 
 use crate::Paths;
-use crate::cpu::aligned::Aligned;
 use crate::cpu::winner::RowOfMaps;
 use crate::reference::Direction;
 
@@ -32,6 +31,8 @@ pub(super) struct Target<'a> {
 pub(super) struct Way {
     /// Whether two teams walk towards each other.
     pub(super) meets: bool,
+    /// One or two.
+    pub(super) teams: u64,
     /// The steps of the paths that cross rows; forward ones, for teams that walk downwards.
     pub(super) steps: Vec<Direction>,
     pub(super) parts: Vec<PartColumns>,
@@ -56,7 +57,8 @@ impl Way {
     /// For all threads of the pool.
     pub(super) fn new(job: &Aggregation<'_>, threads: usize) -> Self {
         let meets = job.params.paths.count().is_multiple_of(2);
-        let threads = if meets { threads.div_ceil(2) } else { threads };
+        let teams = if threads == 1 && !meets { 1 } else { 2 };
+        let threads = threads.div_ceil(2);
         let steps = steps_across_rows(job.params.paths);
         let (n, width) = (job.n(), job.width);
         let threads = threads.clamp(1, width.div_ceil(job.least_columns.max(1)));
@@ -72,8 +74,8 @@ impl Way {
         });
         let planes = steps.len().div_ceil(2);
         let down = down_for(steps.len(), n);
-        let across = across_for(job.params.paths.count() as usize, n);
-        Self { meets, parts: parts.collect(), band, n, planes, down, across, steps }
+        let across = across_for(job.params.paths.count() as usize, job.params.disparities as usize);
+        Self { meets, teams, parts: parts.collect(), band, n, planes, down, across, steps }
     }
 
     /// Bytes of a row of the window of all parts.
@@ -96,7 +98,7 @@ fn steps_across_rows(paths: Paths) -> Vec<Direction> {
 
 /// The planes of T of some rows, for each part: `planes[part][plane]`, `[row][column of the window][n]`.
 pub(super) struct Planes {
-    pub(super) parts: Vec<Vec<Aligned<u8>>>,
+    pub(super) parts: Vec<Vec<Lent>>,
     /// The first row.
     pub(super) top: usize,
 }
@@ -107,10 +109,6 @@ impl Planes {
             |part: &PartColumns| (0..way.planes).map(|_| buffers.take(rows * part.window.len() * way.n)).collect();
         Self { parts: way.parts.iter().map(part).collect(), top: 0 }
     }
-
-    pub(super) fn give(self, buffers: &Buffers) {
-        self.parts.into_iter().flatten().for_each(|plane| buffers.give(plane));
-    }
 }
 
 /// A thread's share of a team.
@@ -119,8 +117,8 @@ struct Part<'a> {
     source: Box<dyn CostSource + Send + 'a>,
     fronts: Vec<Front>,
     /// `[row of the band][column of the window][n]`.
-    cost: Aligned<u8>,
-    planes: Vec<Aligned<u8>>,
+    cost: Lent,
+    planes: Vec<Lent>,
     /// The states at its left and its right end, for its neighbours.
     edges: [Vec<u8>; 2],
 }
@@ -153,20 +151,22 @@ impl<'a, 's> Team<'a, 's> {
         let part = |columns: &PartColumns| {
             let window = columns.window.clone();
             let (rows, bytes) = (if across { way.band } else { 1 }, window.len() * way.n);
-            let planes = (0..if across { way.planes } else { 0 }).map(|_| Aligned::zeroed(rows * bytes));
-            let front = |step: &Direction| Front::new(turned(step), window.clone(), job.width, way.n);
+            let planes = (0..if across { way.planes } else { 0 }).map(|_| job.buffers.take(rows * bytes));
+            let front = |step: &Direction| Front::new(turned(step), window.clone(), job.width, way.n, job.buffers);
             Part {
                 columns: columns.clone(),
                 source: sources(),
                 fronts: way.steps.iter().map(front).collect(),
-                cost: Aligned::zeroed(rows * bytes),
+                cost: job.buffers.take(rows * bytes),
                 planes: planes.collect(),
                 edges: Default::default(),
             }
         };
         let paths = job.params.paths.count() as usize;
         let threads = if across { way.parts.len() } else { 0 };
-        let scratch = (0..threads).map(|_| Scratch::new(job.width, job.params.disparities as usize, paths)).collect();
+        let scratch = (0..threads)
+            .map(|_| Scratch::new(job.width, job.params.disparities as usize, paths, job.buffers))
+            .collect();
         Self { job, way, up, parts: way.parts.iter().map(part).collect(), scratch, walked: 0 }
     }
 
@@ -179,10 +179,6 @@ impl<'a, 's> Team<'a, 's> {
     pub(super) fn resume(&mut self, (fronts, walked): (Vec<Vec<Front>>, usize)) {
         self.walked = walked;
         self.parts.iter_mut().zip(fronts).for_each(|(part, fronts)| part.fronts = fronts);
-    }
-
-    pub(super) fn buffers(&self) -> &'a Buffers {
-        self.job.buffers
     }
 
     pub(super) fn way(&self) -> &'a Way {
@@ -317,7 +313,7 @@ struct Walk<'a> {
 enum PartKeep<'p> {
     Nothing,
     /// Planes, and their first row.
-    Store(&'p mut [Aligned<u8>], usize),
+    Store(&'p mut [Lent], usize),
     /// The plane that is added, and its first row.
     Band(Option<(&'p [u8], usize)>),
 }
@@ -330,7 +326,7 @@ impl Part<'_> {
             let at = if matches!(keep, PartKeep::Band(_)) { i } else { 0 };
             let cost = &mut self.cost[at * bytes..][..bytes];
             self.source.row(y, window.clone(), cost);
-            fn slices(planes: &mut [Aligned<u8>], row: usize, bytes: usize) -> Vec<&mut [u8]> {
+            fn slices(planes: &mut [Lent], row: usize, bytes: usize) -> Vec<&mut [u8]> {
                 planes.iter_mut().map(|plane| &mut plane[row * bytes..][..bytes]).collect()
             }
             let (planes, other) = match &mut keep {

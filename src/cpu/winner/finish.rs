@@ -22,13 +22,12 @@ impl Sum for u16 {
         u32::from(self)
     }
 
-    /// Vectorises, and is exact. `a` is below 2^24, so both are exact in f32. If b divides a, so is the quotient. Else a / b is at
-    /// least 1 / b below the next integer k. Margins: b < 2^16 and k <= 255, where neighbouring f32 are at most 2^-16 apart, so
-    /// k - 1 / b lies at or below the largest f32 below k, and rounding does not pass that. Subpixel: b < 2^18 and k <= 17,
-    /// where they are at most 2^-19 apart.
+    /// Vectorises, and is exact: the quotient of f32, rounded to an integer by the addition of 2^23, lies within 1 of a / b, so it is
+    /// the floor or the next integer.
     #[inline(always)]
     fn quotient(a: u32, b: u32) -> u32 {
-        (a as i32 as f32 / b as i32 as f32) as i32 as u32
+        let rounded = (a as i32 as f32 / b as i32 as f32 + 8_388_608.0).to_bits() & 0x1ff;
+        rounded - u32::from(rounded.wrapping_mul(b) as i32 > a as i32)
     }
 }
 
@@ -40,10 +39,11 @@ impl Sum for u32 {
         self
     }
 
-    /// As for 16 bits: a < 2^31 and b < 2^23 are exact in f64, whose values up to 255 are at most 2^-45 apart.
+    /// As for 16 bits, in f64, where a < 2^31 and b < 2^23.
     #[inline(always)]
     fn quotient(a: u32, b: u32) -> u32 {
-        (f64::from(a as i32) / f64::from(b as i32)) as i32 as u32
+        let rounded = (f64::from(a as i32) / f64::from(b as i32) + 4_503_599_627_370_496.0).to_bits() as u32 & 0x1ff;
+        rounded - u32::from(rounded.wrapping_mul(b) > a)
     }
 }
 

@@ -1,3 +1,5 @@
+use rayon::prelude::*;
+
 use crate::{DisparityMap, Error, Image, Pixels};
 
 /// Stage `mirror`: a map with each row reversed. The left view of the pair (mirrored right image, mirrored left image) is
@@ -21,7 +23,16 @@ pub fn mirrored(image: &Image) -> Result<Image, Error> {
     Image::new(width, image.height(), pixels)
 }
 
-fn reversed_rows<T: Copy>(samples: &[T], width: u32, a_pixel: usize) -> Vec<T> {
-    let rows = samples.chunks_exact(width as usize * a_pixel);
-    rows.flat_map(|row| row.chunks_exact(a_pixel).rev().flatten().copied()).collect()
+fn reversed_rows<T: Copy + Default + Send + Sync>(samples: &[T], width: u32, a_pixel: usize) -> Vec<T> {
+    let row = width as usize * a_pixel;
+    let mut reversed = vec![T::default(); samples.len()];
+    reversed.par_chunks_exact_mut(row).zip(samples.par_chunks_exact(row)).with_min_len(16).for_each(|(to, from)| {
+        if a_pixel == 1 {
+            to.iter_mut().zip(from.iter().rev()).for_each(|(to, from)| *to = *from);
+        } else {
+            let pixels = to.chunks_exact_mut(a_pixel).zip(from.chunks_exact(a_pixel).rev());
+            pixels.for_each(|(to, from)| to.copy_from_slice(from));
+        }
+    });
+    reversed
 }
