@@ -7,14 +7,14 @@ pub mod disk;
 mod environment;
 pub mod ffmpeg;
 pub mod images;
-pub mod known;
 pub mod log;
-pub mod output_files;
+pub mod outputs;
 pub mod pair;
 pub mod pairs;
 pub mod pipeline;
-pub mod places;
 pub mod signals;
 pub mod store;
 pub mod stream;
 pub mod trial;
+
+pub use outputs::{files as output_files, known, places};

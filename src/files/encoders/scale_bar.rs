@@ -111,7 +111,7 @@ mod tests {
         let camera = Camera { doffs: 0.0, ..Camera::new(100.0, 0.5) };
         // 63 px are 0.79 m away; half of that is twice as far.
         let found = marks((0, 63), Some(&camera), 8);
-        assert_eq!(texts(found.clone()), "0.8 m 1 m 1.2 m 1.5 m 2 m 3 m 6 m");
+        assert_eq!(texts(found.clone()), "0.8 m 1 m 1.2 m 1.5 m 2 m 3 m 6 m 120 m");
         for (share, text) in found {
             let metres: f64 = text.trim_end_matches(" m").parse().unwrap();
             assert!((50.0 / (share * 63.0) - metres).abs() < 1e-9, "{text}");

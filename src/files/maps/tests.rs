@@ -1,5 +1,8 @@
 use super::*;
 use crate::files::damage::damaged;
+use ::exr::prelude::{
+    AnyChannel, AnyChannels, Compression, FlatSamples, Layer, LayerAttributes, WritableImage as _, f16,
+};
 use rand::{Rng, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 use std::io::Cursor;
@@ -25,7 +28,18 @@ fn seeds() -> Vec<Vec<u8>> {
         .unwrap();
     let pgm = b"P5\n# made by hand\n3 2\n255\n\x00\x01\x02\x03\x04\x05".to_vec();
     let i2 = npy("{'descr': '<i2', 'fortran_order': False, 'shape': (1, 2, 2), }", &i16s(&[-16, 0, 8, 325]));
-    vec![pfm, f4, u1, tiff.into_inner(), png.into_inner(), pgm, i2]
+    let exr = |compression| exr_of(vec![("Y", FlatSamples::F32(vec![1.0, 2.0, 0.5, f32::NAN, 4.0, 3.0]))], compression);
+    vec![
+        pfm,
+        f4,
+        u1,
+        tiff.into_inner(),
+        png.into_inner(),
+        pgm,
+        i2,
+        exr(Compression::Uncompressed),
+        exr(Compression::ZIP16),
+    ]
 }
 
 #[test]
@@ -190,22 +204,19 @@ fn big_tiffs_are_read() {
     assert_eq!(told(&tiff, PLAIN).0, [Some(8.5), None]);
 }
 
+/// An OpenEXR file of 3 x 2 pixels.
+fn exr_of(channels: Vec<(&str, FlatSamples)>, compression: Compression) -> Vec<u8> {
+    let channels = channels.into_iter().map(|(name, samples)| AnyChannel::new(name, samples)).collect();
+    let encoding = ::exr::prelude::Encoding { compression, ..Default::default() };
+    let layer = Layer::new((3, 2), LayerAttributes::named("map"), encoding, AnyChannels::sort(channels));
+    let mut bytes = Cursor::new(Vec::new());
+    ::exr::prelude::Image::from_layer(layer).write().non_parallel().to_buffered(&mut bytes).unwrap();
+    bytes.into_inner()
+}
+
 #[test]
 fn one_channel_of_an_exr_is_read() {
-    use ::exr::prelude::{
-        AnyChannel, AnyChannels, Compression, Encoding, FlatSamples, Image, Layer, LayerAttributes, WritableImage as _,
-        f16,
-    };
     let values = vec![8.0_f32, f32::NAN, 20.25, f32::INFINITY, 0.5, 3.0];
-    let written = |channels: Vec<(&str, FlatSamples)>, compression: Compression| {
-        let channels = channels.into_iter().map(|(name, samples)| AnyChannel::new(name, samples)).collect();
-        let encoding = Encoding { compression, ..Encoding::default() };
-        let channels = AnyChannels::sort(channels);
-        let layer = Layer::new((3, 2), LayerAttributes::named("map"), encoding, channels);
-        let mut bytes = Cursor::new(Vec::new());
-        Image::from_layer(layer).write().non_parallel().to_buffered(&mut bytes).unwrap();
-        bytes.into_inner()
-    };
     let f32s = || FlatSamples::F32(values.clone());
     let halves = FlatSamples::F16(values.iter().map(|&v| f16::from_f32(v)).collect());
     let zeros = || FlatSamples::F32(vec![0.0; 6]);
@@ -217,13 +228,12 @@ fn one_channel_of_an_exr_is_read() {
         (vec![("A", zeros()), ("Z", f32s())], Compression::ZIP1),
         (vec![("R", zeros()), ("disparity", f32s())], Compression::PIZ),
     ] {
-        let file = written(channels, compression);
+        let file = exr_of(channels, compression);
         let (values, size, _) = told(&file, PLAIN);
         assert!(size == (3, 2), "{size:?}");
-        // Infinity and NaN of three channels are not equal to themselves.
         assert_eq!(values, expected, "{compression:?}");
     }
-    let file = written(vec![("U", zeros()), ("W", zeros())], Compression::Uncompressed);
+    let file = exr_of(vec![("U", zeros()), ("W", zeros())], Compression::Uncompressed);
     let error = parse(Path::new("map"), &file, PLAIN, EncodingOptions::TRUTH).unwrap_err().to_string();
     assert!(error.contains("it has the channels U, W"), "{error}");
 }

@@ -1,9 +1,10 @@
 //! The files that the command line asks for: what each holds, and where it is written.
 
 use super::known::KnownFile;
-use super::{images, places};
+use super::places;
 use crate::args::{LookArgs, MapsArgs};
 use crate::engine::compute::Cameras;
+use crate::engine::images;
 use crate::terminal::{message, warnings};
 use anyhow::{Context as _, Result, bail, ensure};
 use gpu_stereo::files::Facts;

@@ -1,8 +1,8 @@
 //! Places: where outputs are written. Before anything is computed, each is checked: it can be written, and it is neither an input
 //! nor another output, even under another name.
 
-use super::pair::Pair;
 use crate::engine::disk::temporary;
+use crate::engine::pair::Pair;
 use anyhow::{Context as _, Result, bail, ensure};
 use std::collections::HashSet;
 use std::fs;
