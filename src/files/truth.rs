@@ -55,6 +55,20 @@ impl TruthFile {
 }
 
 impl Truth {
+    /// The part that begins at column x and row y.
+    ///
+    /// # Errors
+    /// If the part does not lie within the truth.
+    pub fn cropped(self, [x, y, width, height]: [u32; 4]) -> Result<Self> {
+        fn part<T: Copy>(values: &[T], of: u32, [x, y, width, height]: [u32; 4]) -> Vec<T> {
+            let rows = values.chunks_exact(of as usize).skip(y as usize).take(height as usize);
+            rows.flat_map(|row| row.iter().skip(x as usize).take(width as usize)).copied().collect()
+        }
+        let (of, part_of) = (self.map.width(), [x, y, width, height]);
+        let map = FloatMap::new(width, height, part(self.map.data(), of, part_of))?;
+        Ok(Self { map, mask: self.mask.map(|mask| part(&mask, of, part_of)), doubts: self.doubts })
+    }
+
     /// The scores of an estimate.
     ///
     /// # Errors

@@ -360,3 +360,51 @@ fn the_rectified_pair_is_written_as_it_is_matched() {
         refuses(path, &on("left.png", "right.png", args), words);
     }
 }
+
+#[test]
+fn a_part_is_matched_as_if_it_were_all() {
+    let folder = folder();
+    let path = folder.path();
+    let [x, y, width, height] = [7, 3, 33, 20];
+    for name in ["left.png", "right.png"] {
+        picture(path, name).crop_imm(x, y, width, height).save(path.join(format!("part_{name}"))).unwrap();
+    }
+    let crop = ["--crop", "7,3,33,20"];
+    let files = ["-o", "a.npy", "--right", "b.npy", "--color", "c.png", "--points", "d.ply"];
+    let written = || files.iter().skip(1).step_by(2).map(|name| fs::read(path.join(name)).unwrap()).collect::<Vec<_>>();
+    succeeds(path, &on("left.png", "right.png", &[&crop[..], &FOCAL, &files].concat()));
+    let cropped = written();
+    // The principal point of the whole is in its middle, (23.5, 14.5).
+    succeeds(
+        path,
+        &on("part_left.png", "part_right.png", &[&FOCAL[..], &["--cx", "16.5", "--cy", "11.5"], &files].concat()),
+    );
+    assert!(cropped == written());
+    // Of rectified pairs it is a part of the rectified images.
+    let whole = [&RECTIFY[..], &["--rectified", "l.png,r.png"]].concat();
+    succeeds(path, &on("left.png", "right.png", &whole));
+    let part = [&RECTIFY[..], &crop, &["--rectified", "pl.png,pr.png", "--points", "p.ply"]].concat();
+    let output = succeeds(path, &on("left.png", "right.png", &[&part[..], &["--json"]].concat()));
+    for (whole, part) in [("l.png", "pl.png"), ("r.png", "pr.png")] {
+        assert!(picture(path, whole).crop_imm(x, y, width, height) == picture(path, part), "{part}");
+    }
+    let found: Value = serde_json::from_str(&stdout(&output)).unwrap();
+    assert_eq!((&found["width"], &found["height"]), (&33.into(), &20.into()));
+    assert_eq!(
+        (found["camera"]["cx_px"].as_f64(), found["camera"]["cy_px"].as_f64()),
+        (Some(26.0 - 7.0), Some(15.0 - 3.0))
+    );
+    // So it is in other verbs.
+    let points = fs::read(path.join("p.ply")).unwrap();
+    let batch = ["batch", "pairs.csv", "-o", "maps", "--disp", "16", "--backend", "cpu", "--format", "points"];
+    succeeds(path, &[&batch[..], &RECTIFY, &crop].concat());
+    assert!(fs::read(path.join("maps/a_points.ply")).unwrap() == points);
+    is_one_line_error(&run(path, &[&batch[..], &RECTIFY, &["--resume"]].concat()), &["other settings", "cameras"]);
+    for (args, words) in [
+        (&["--crop", "20,0,29,30"][..], &["--crop is 20,0,29,30", "48x30 pixels"][..]),
+        (&["--crop", "0,0,0,30"], &["four whole numbers", "100,50,640,480"]),
+        (&["--crop", "1,2,3"], &["four whole numbers"]),
+    ] {
+        refuses(path, &on("left.png", "right.png", args), words);
+    }
+}

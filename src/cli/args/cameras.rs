@@ -60,6 +60,11 @@ pub struct CameraArgs {
     #[arg(long)]
     pub vertical: bool,
 
+    /// Match only a part of the images, of the rectified ones with --rectify: the column and the row of its upper left pixel, its
+    /// columns and rows. All outputs are of the part. Where the partner lies outside the part, there is no disparity
+    #[arg(long, value_name = "X,Y,W,H", value_parser = numbers::part, allow_negative_numbers = true, help_heading = "Input")]
+    pub crop: Option<[u32; 4]>,
+
     /// What is farther away than so many metres has no depth and is no point
     #[arg(long, value_name = "M", allow_negative_numbers = true)]
     pub max_depth: Option<f64>,

@@ -57,6 +57,18 @@ pub fn two(text: &str) -> Result<[u32; 2], String> {
     two.ok_or_else(|| "two whole numbers are needed, such as 0,1".into())
 }
 
+/// Column and row of the upper left pixel of a part of images, its columns and its rows, such as 100,50,640,480.
+pub fn part(text: &str) -> Result<[u32; 4], String> {
+    let numbers: Vec<u32> = text.split(',').map_while(|number| number.trim().parse().ok()).collect();
+    match numbers[..] {
+        [x, y, width @ (1..), height @ (1..)] if text.matches(',').count() == 3 => Ok([x, y, width, height]),
+        _ => {
+            Err("four whole numbers are needed, the upper left pixel and the size of the part, such as 100,50,640,480"
+                .into())
+        }
+    }
+}
+
 const MAX_REPEAT: u32 = 1_000_000;
 
 /// `--repeat`: the frames after the warm-up.

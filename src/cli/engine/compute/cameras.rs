@@ -5,7 +5,7 @@ use crate::terminal::{message, warnings};
 use anyhow::{Result, bail, ensure};
 use gpu_stereo::files::calibration::{Calibration, Fitted, LensModel, Reading};
 use gpu_stereo::files::hash;
-use gpu_stereo::{Camera, DepthMap, Error, Matched, Params, Rectification};
+use gpu_stereo::{Camera, DepthMap, Distortion, Error, Lens, Matched, Params, Rectification};
 use std::collections::VecDeque;
 use std::path::{Path, PathBuf};
 use std::sync::{Arc, Mutex, PoisonError};
@@ -19,6 +19,8 @@ pub struct Cameras {
     /// Whether the pair is one of an upper and a lower camera, as the options say.
     vertical: bool,
     files: Vec<PathBuf>,
+    /// The part that is matched: its upper left pixel, its columns and rows.
+    part: Option<[u32; 4]>,
     /// The farthest depth in micrometres.
     farthest: Option<u32>,
 }
@@ -27,6 +29,7 @@ impl Cameras {
     /// Reads the calibration, if one is given.
     pub fn resolve(given: &CameraArgs) -> Result<Self> {
         let CameraArgs { calib, rectify, calib_right, optics, .. } = given;
+        let part = given.crop;
         let farthest = given.max_depth.map(farthest).transpose()?;
         let files = [calib, rectify, calib_right].into_iter().flatten().cloned().collect();
         if let Some(path) = calib.as_ref().or(rectify.as_ref()) {
@@ -47,19 +50,21 @@ impl Cameras {
                 rectified_size: given.rectified_size,
             };
             let calibration = Some(Calibration::read(path, calib_right.as_deref(), reading)?);
-            return Ok(Self { calibration, middle: [false; 2], vertical: given.vertical, files, farthest });
+            return Ok(Self { calibration, middle: [false; 2], vertical: given.vertical, files, part, farthest });
         }
         ensure!(
             given.alpha.is_none() && given.rectified_size.is_none(),
             "--alpha and --rectified-size go with --rectify FILE; give the calibration, or drop them"
         );
         let vertical = given.vertical;
-        let Some([focal, baseline]) = optics.both()? else { return Ok(Self { vertical, farthest, ..Self::default() }) };
+        let Some([focal, baseline]) = optics.both()? else {
+            return Ok(Self { vertical, part, farthest, ..Self::default() });
+        };
         let [doffs, cx, cy] = [given.doffs, given.cx, given.cy].map(Option::unwrap_or_default);
         let camera = Camera { focal, baseline, doffs, cx, cy };
         camera.validate().map_err(args::by_option)?;
         let middle = [given.cx, given.cy].map(|given| given.is_none());
-        Ok(Self { calibration: Some(Calibration::typed(camera)), middle, vertical, files, farthest })
+        Ok(Self { calibration: Some(Calibration::typed(camera)), middle, vertical, files, part, farthest })
     }
 
     /// Refuses a depth without cameras (`depth`: the option that asks for one); reports cameras that nothing needs.
@@ -102,46 +107,90 @@ impl Cameras {
 
     /// A digest of all that decides about maps and depths; nothing without cameras.
     pub fn digest(&self) -> Option<String> {
-        let Some(calibration) = &self.calibration else { return self.vertical.then(|| "vertical".into()) };
+        let Some(calibration) = &self.calibration else {
+            let vertical = self.vertical.then(|| "vertical".to_owned());
+            let part = self.part.map(|[x, y, width, height]| format!("crop {x},{y},{width},{height}"));
+            return vertical.into_iter().chain(part).reduce(|a, b| format!("{a}, {b}"));
+        };
         let option = match self.files.is_empty() {
             true => "focal",
             false if calibration.has_lenses() => "rectify",
             false => "calib",
         };
-        let all = format!("{calibration:?} {:?} {} {:?}", self.middle, self.vertical, self.farthest);
+        let all = format!("{calibration:?} {:?} {} {:?} {:?}", self.middle, self.vertical, self.part, self.farthest);
         Some(format!("{option} {}", hash(all.as_bytes())))
     }
 
     /// Fits the settings to images of a size: rectification, and with `depth` the cameras that it is seen by. Returns the
     /// rectified cameras, if they are known.
     pub fn fit(&self, params: &mut Params, [width, height]: [u32; 2], depth: bool) -> Result<Option<Camera>> {
-        let Some(calibration) = &self.calibration else {
-            params.rectify = if self.vertical { Some(Rectification::turn([width, height])?) } else { None };
-            return Ok(None);
+        let given = [width, height];
+        let (mut camera, lenses, size, vertical) = match &self.calibration {
+            Some(calibration) => {
+                let Fitted { camera, lenses, size, vertical, .. } = calibration.fit(width, height)?;
+                if vertical && !self.vertical {
+                    message(
+                        "note: by the calibration the cameras lie one above the other: LEFT is taken for the upper one",
+                    );
+                }
+                if let Some(doubt) = calibration.doubt(&camera) {
+                    warnings::warn(&doubt);
+                }
+                (Some(self.with_middle(camera, given)), lenses, size, vertical || self.vertical)
+            }
+            None => (None, None, given, self.vertical),
         };
-        let Fitted { mut camera, lenses, size, vertical, .. } = calibration.fit(width, height)?;
-        let vertical = vertical || self.vertical;
-        if vertical && !self.vertical {
-            message("note: by the calibration the cameras lie one above the other: LEFT is taken for the upper one");
-        }
-        if let Some(doubt) = calibration.doubt(&camera) {
-            warnings::warn(&doubt);
+        let (mut lenses, mut size) = (lenses, size);
+        if let Some([x, y, width, height]) = self.part_of(size)? {
+            lenses = Some(lenses.unwrap_or([UNCHANGED; 2]).map(|lens| shifted(lens, [x, y])));
+            size = [width, height];
+            if let Some(camera) = &mut camera {
+                (camera.cx, camera.cy) = (camera.cx - f64::from(x), camera.cy - f64::from(y));
+            }
         }
         params.rectify = match (lenses, vertical) {
-            (Some(lenses), false) => Some(Rectification::of_size([width, height], size, lenses)?),
-            (Some(lenses), true) => Some(Rectification::vertical([width, height], size, lenses)?),
-            (None, true) => Some(Rectification::turn([width, height])?),
+            (Some(lenses), false) => Some(Rectification::of_size(given, size, lenses)?),
+            (Some(lenses), true) => Some(Rectification::vertical(given, size, lenses)?),
+            (None, true) => Some(Rectification::turn(given)?),
             (None, false) => None,
         };
+        params.depth = camera.filter(|_| depth);
+        Ok(camera)
+    }
+
+    /// The camera with its principal point in the middle of the images, where none was typed.
+    fn with_middle(&self, mut camera: Camera, [width, height]: [u32; 2]) -> Camera {
         let [x, y] = self.middle;
         for (is_middle, place, side) in [(x, &mut camera.cx, width), (y, &mut camera.cy, height)] {
             if is_middle {
                 *place = f64::from(side - 1) / 2.0;
             }
         }
-        params.depth = depth.then_some(camera);
-        Ok(Some(camera))
+        camera
     }
+
+    /// The part of images of this size, if it lies within them.
+    fn part_of(&self, [width, height]: [u32; 2]) -> Result<Option<[u32; 4]>> {
+        let Some([x, y, w, h]) = self.part else { return Ok(None) };
+        let within = |from: u32, length: u32, side: u32| from.checked_add(length).is_some_and(|end| end <= side);
+        ensure!(
+            within(x, w, width) && within(y, h, height),
+            "--crop is {x},{y},{w},{h}, but the images have {width}x{height} pixels; give a part that lies within them"
+        );
+        Ok(self.part)
+    }
+}
+
+const ONE: [f64; 9] = [1.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 1.0];
+
+/// The lens of images that are rectified.
+const UNCHANGED: Lens = Lens { matrix: ONE, distortion: Distortion::NONE, rotation: ONE, projection: ONE };
+
+/// A lens whose rectified images begin at a column and a row of those that they were.
+fn shifted(mut lens: Lens, [x, y]: [u32; 2]) -> Lens {
+    lens.projection[2] -= f64::from(x);
+    lens.projection[5] -= f64::from(y);
+    lens
 }
 
 /// `--max-depth` in micrometres.
