@@ -107,6 +107,7 @@ pub mod memory;
 pub mod network;
 mod params;
 pub mod reference;
+mod search;
 
 #[cfg(any(feature = "cpu", feature = "gpu"))]
 #[cfg_attr(docsrs, doc(cfg(any(feature = "cpu", feature = "gpu"))))]
@@ -133,6 +134,7 @@ pub use params::{
     Camera, Census, Cost, Distortion, Fill, Lens, Masks, Median, Method, ParamOption, Params, Paths, Prefilter, Preset,
     Rectification, RightView, Schedule, Smoothness, Subpixel, Wls,
 };
+pub use search::RangeSearch;
 #[cfg(feature = "gpu")]
 #[cfg_attr(docsrs, doc(cfg(feature = "gpu")))]
 pub use wgpu;

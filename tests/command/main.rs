@@ -13,6 +13,7 @@ mod masks;
 #[cfg(target_os = "linux")]
 mod memory;
 mod outputs;
+mod range;
 #[cfg(unix)]
 mod resume;
 #[cfg(unix)]

@@ -30,7 +30,7 @@ pub use input::InputArgs;
 pub use names::FOREIGN;
 pub use names::{near, ours, squeezed, value, word};
 pub use numbers::{in_flight, repeat, threads, usual_threads};
-pub use settings::{by_option, ensure_disparities, params, report_unused};
+pub use settings::{Range, by_option, ensure_disparities, params, report_unused};
 pub use single::{HELP as SINGLE_HELP, SingleArgs};
 pub use study::{COMPARE_HELP, CompareArgs, SWEEP_HELP, StudyArgs};
 pub use video::{HELP as VIDEO_HELP, USAGE as VIDEO_USAGE, VideoArgs};

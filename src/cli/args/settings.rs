@@ -10,11 +10,31 @@ use std::ffi::OsStr;
 
 const PRESET: &str = "preset";
 
+/// Where the range of disparities comes from.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Range {
+    /// `--disp` and `--min-disp`.
+    Given,
+    /// The pair: `--disp auto`.
+    Found {
+        /// Whether `--min-disp` is given.
+        min_is_given: bool,
+    },
+}
+
 /// The options of [`Params::OPTIONS`] and `preset` that were given, as they were typed.
 #[derive(Clone, Debug)]
 pub struct Settings(Vec<(&'static str, String)>);
 
 impl Settings {
+    /// Where the range comes from.
+    pub fn range(&self) -> Range {
+        match self.iter().any(is_auto) {
+            true => Range::Found { min_is_given: self.iter().any(|(name, _)| name == "min-disp") },
+            false => Range::Given,
+        }
+    }
+
     /// Name and value of each.
     pub fn iter(&self) -> impl Iterator<Item = (&str, &str)> {
         self.0.iter().map(|(name, value)| (*name, value.as_str()))
@@ -48,7 +68,7 @@ impl clap::Args for Settings {
         let described = Params::OPTIONS.iter().map(|option| {
             let [sgm, bm] = defaults.each_ref().map(|params| params.as_ref().map(|params| option.get(params)));
             let default = match (option.name, sgm, bm) {
-                ("disp", ..) => String::new(),
+                ("disp", ..) => ", or auto: what a coarse match of the pair finds".into(),
                 (name, Some(sgm), Some(bm)) if sgm != bm && name != "method" => {
                     format!(" [default: sgm {sgm}, bm {bm}]")
                 }
@@ -93,13 +113,28 @@ const DISPARITIES: u32 = 64;
 
 /// `--disp` has no default.
 pub fn ensure_disparities(given: &[&str]) -> Result<()> {
-    ensure!(given.contains(&"disp"), "--disp <N> is needed, the number of disparities; see gpu-stereo --help");
+    ensure!(
+        given.contains(&"disp"),
+        "--disp <N> is needed, the number of disparities, or --disp auto for one pair; see gpu-stereo --help"
+    );
     Ok(())
 }
 
-/// The settings that the options make.
-pub fn params<'a>(settings: impl Iterator<Item = (&'a str, &'a str)>) -> Result<Params> {
-    Params::from_options(DISPARITIES, settings).map_err(by_option)
+/// Whether a setting asks for the range that the pair has.
+fn is_auto((name, value): (&str, &str)) -> bool {
+    name == "disp" && value == "auto"
+}
+
+/// The settings that the options make. `auto`: whether `--disp auto` is possible; the range is then to be found.
+pub fn params<'a>(settings: impl Iterator<Item = (&'a str, &'a str)>, auto: bool) -> Result<Params> {
+    let settings: Vec<_> = settings.collect();
+    let is_auto = |setting: &(&str, &str)| is_auto(*setting);
+    ensure!(
+        auto || !settings.iter().any(is_auto),
+        "--disp is auto, which finds the range of a single pair; run gpu-stereo LEFT RIGHT --disp auto for one of them, and give the \
+         range that it prints"
+    );
+    Params::from_options(DISPARITIES, settings.into_iter().filter(|setting| !is_auto(setting))).map_err(by_option)
 }
 
 /// An error of the library, with the names of the options.

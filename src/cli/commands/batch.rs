@@ -43,7 +43,7 @@ pub fn run(args: BatchArgs) -> Result<Outcome> {
 fn resolve(typed: BatchArgs) -> Result<Batch> {
     let given: Vec<_> = typed.settings.iter().map(|(name, _)| name).collect();
     args::ensure_disparities(&given)?;
-    let mut params = args::params(typed.settings.iter())?;
+    let mut params = args::params(typed.settings.iter(), false)?;
     let formats = output_files::formats(&typed.formats.format, &typed.look, &params)?;
     output_files::want(&mut params, &formats);
     let cameras = Cameras::resolve(&typed.cameras)?;

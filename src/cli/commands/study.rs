@@ -88,7 +88,7 @@ fn resolve_sweep(typed: StudyArgs) -> Result<Study> {
     let variants = combinations.into_iter().map(|settings| {
         let on_axes = settings.iter().filter(|(name, _)| axes.is_empty() || axes.iter().any(|(axis, _)| axis == name));
         let label = in_words(on_axes.copied());
-        let params = args::params(settings.iter().copied())?;
+        let params = args::params(settings.iter().copied(), false)?;
         let settings = settings.into_iter().map(|(name, value)| (name.into(), value.into())).collect();
         Ok(Variant { label, settings, params })
     });

@@ -31,7 +31,7 @@ pub fn named(variants: &[String], common: &[(&str, &str)]) -> Result<Vec<Variant
         let label = in_words(own.iter().map(|(name, value)| (*name, value.as_str())));
         let common = common.iter().map(|(name, value)| (*name, (*value).to_owned()));
         let settings: Vec<_> = common.chain(own).map(|(name, value)| (name.to_owned(), value)).collect();
-        let params = args::params(settings.iter().map(|(name, value)| (name.as_str(), value.as_str())));
+        let params = args::params(settings.iter().map(|(name, value)| (name.as_str(), value.as_str())), false);
         Ok(Variant { label, params: params.with_context(context)?, settings })
     });
     variants.collect()

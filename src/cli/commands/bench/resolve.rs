@@ -113,7 +113,7 @@ fn resolve_variants(typed: &BenchArgs) -> Result<Vec<Variant>> {
             text if text.is_empty() => "default".into(),
             text => text,
         };
-        return Ok(vec![Variant { label, settings, params: args::params(common.iter().copied())? }]);
+        return Ok(vec![Variant { label, settings, params: args::params(common.iter().copied(), false)? }]);
     }
     let variants = variants::named(&typed.variants, &common)?;
     for (i, variant) in variants.iter().enumerate() {

@@ -79,7 +79,7 @@ pub fn settings(variant: &Variant, disparities: u32) -> Result<(Vec<(String, Str
     if !settings.iter().any(|(name, _)| name == "disp") {
         settings.push(("disp".into(), disparities.to_string()));
     }
-    let mut params = args::params(settings.iter().map(|(name, value)| (name.as_str(), value.as_str())))?;
+    let mut params = args::params(settings.iter().map(|(name, value)| (name.as_str(), value.as_str())), false)?;
     params.network = network.clone();
     Ok((settings, params))
 }

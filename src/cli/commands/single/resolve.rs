@@ -25,6 +25,8 @@ pub struct Job {
     pub input: InputArgs,
     /// The matcher's settings, validated.
     pub params: Params,
+    /// Where the range of disparities comes from.
+    pub range: args::Range,
     /// Which pixels have content.
     pub masks: MaskFiles,
     /// The cameras.
@@ -57,7 +59,7 @@ pub struct Job {
 pub fn resolve(typed: SingleArgs) -> Result<Job> {
     let given: Vec<_> = typed.settings.iter().map(|(name, _)| name).collect();
     args::ensure_disparities(&given)?;
-    let mut params = args::params(typed.settings.iter())?;
+    let mut params = args::params(typed.settings.iter(), true)?;
     energy::want(&mut params, typed.json || typed.timings);
     args::report_unused(&[(given, &params)]);
     network::give(&typed.network, [&mut params])?;
@@ -100,6 +102,7 @@ pub fn resolve(typed: SingleArgs) -> Result<Job> {
         right,
         input,
         params,
+        range: typed.settings.range(),
         masks,
         cameras,
         depth: formats.iter().any(|format| format.needs_depth()),

@@ -4,7 +4,7 @@ use super::report::Report;
 use super::resolve::Job;
 use super::shaders;
 use crate::commands::energy::{self, EnergyReport};
-use crate::engine::compute::{Computed, Engine};
+use crate::engine::compute::{Computed, Engine, find_range};
 use crate::engine::{diagnosis, images, output_files};
 use crate::terminal::{Evaluation, Share, warnings};
 use anyhow::Result;
@@ -26,7 +26,9 @@ pub fn run(job: &Job) -> Result<Report> {
     let truth = job.truth.as_ref().map(|truth| truth.read((left.width(), left.height()), &job.left)).transpose()?;
 
     truth.iter().flat_map(|truth| &truth.doubts).for_each(|doubt| warnings::warn(doubt));
-    let (params, camera) = &params_for(job, &left)?;
+    let (mut params, camera) = params_for(job, &left)?;
+    find_range(job.range, &job.device, [&left, &right], &mut params)?;
+    let (params, camera) = (&params, &camera);
     let start = Instant::now();
     let open = |params: &Params| Engine::open(&job.device, job.needs_adapter, &left, params);
     let (engine, params) = &energy::opened(params, open)?;

@@ -27,7 +27,7 @@ const OTHER_FILMS: [&str; 9] = ["avi", "mov", "gif", "m4v", "mpg", "mpeg", "wmv"
 pub fn resolve(typed: VideoArgs) -> Result<Video> {
     let given: Vec<_> = typed.settings.iter().map(|(name, _)| name).collect();
     args::ensure_disparities(&given)?;
-    let mut params = args::params(typed.settings.iter())?;
+    let mut params = args::params(typed.settings.iter(), false)?;
     let formats = &typed.look.dressed(&typed.formats.format);
     output_files::want(&mut params, formats);
     let cameras = Cameras::resolve(&typed.cameras)?;

@@ -5,9 +5,11 @@ mod cameras;
 mod engine;
 mod names;
 mod on_cpu;
+mod range;
 
 pub use beforehand::{Beforehand, upright};
 pub use cameras::{Cameras, ParamsBySize};
 pub use engine::{Computed, Engine, FrameMs, OnAdapter};
 pub use names::EngineNames;
 pub use on_cpu::OnCpu;
+pub use range::find as find_range;

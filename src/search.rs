@@ -1,0 +1,151 @@
+//! Which disparities a pair has, from a match of the pair at a lower resolution.
+
+use crate::{DisparityMap, Error, Image, Params, Pixels, Preset};
+
+/// Columns that the coarse pair has at most.
+const COLUMNS: u32 = 400;
+
+/// The search for the range of a pair's disparities: a match of the halved pair over everything that can be, with the strict
+/// preset, whose map says where most disparities lie. It is integer arithmetic from end to end, so every device finds the same
+/// range.
+///
+/// The images are halved until they have at most 400 columns: each pixel is the rounded mean of four, at odd borders of the last
+/// row or column twice. Candidates reach from an eighth of the columns below 0 to half of them above. Of the n valid disparities in
+/// ascending order those at floor(50 n / 10000) and floor(9995 n / 10000) are the ends, moved outwards by 1/32 of their difference and
+/// half a coarse pixel.
+///
+/// ```
+/// use gpu_stereo::{Image, Params, Pixels, RangeSearch, reference};
+///
+/// let texture = |x: u32, y: u32| (x.wrapping_mul(2654435761) ^ y.wrapping_mul(40503)).wrapping_mul(2246822519) >> 24;
+/// let view = |shift| (0..96 * 48).map(|i| texture(i % 96 + shift, i / 96) as u8).collect();
+/// let left = Image::new(96, 48, Pixels::Gray8(view(0)))?;
+/// let right = Image::new(96, 48, Pixels::Gray8(view(9)))?; // shows 9 pixels to the left what the left image shows
+///
+/// let search = RangeSearch::new(&left, &right)?;
+/// let map = reference::compute(&search.left, &search.right, &search.params)?; // or by a matcher
+/// let mut params = Params::sgm(64);
+/// search.found(&map, &mut params)?;
+/// assert!(params.min_disparity >= 7 && params.disparities <= 5);
+/// # Ok::<(), gpu_stereo::Error>(())
+/// ```
+#[derive(Debug)]
+pub struct RangeSearch {
+    /// The halved left image.
+    pub left: Image,
+    /// The halved right image.
+    pub right: Image,
+    /// The settings of the coarse match.
+    pub params: Params,
+    /// How often the pair was halved.
+    halvings: u32,
+    width: u32,
+}
+
+impl RangeSearch {
+    /// For a rectified pair.
+    ///
+    /// # Errors
+    /// [`Error::Image`] if the images differ in size or format.
+    pub fn new(left: &Image, right: &Image) -> Result<Self, Error> {
+        crate::image::check_pair(left, right)?;
+        let halvings = (0..32).find(|&count| columns(left.width(), count) <= COLUMNS).unwrap_or(0);
+        let halved = |image: &Image| (0..halvings).try_fold(image.clone(), |image, _| halve(&image));
+        let (left, right, width) = (halved(left)?, halved(right)?, left.width());
+        let below = (left.width() / 8) as i32;
+        let mut params = Params::preset(Preset::Strict, left.width() / 2 + below as u32 + 1);
+        params.min_disparity = -below;
+        Ok(Self { left, right, params, halvings, width })
+    }
+
+    /// Sets the range of `params` from the coarse map. Call it with the map that the coarse pair and [`RangeSearch::params`] gave.
+    ///
+    /// # Errors
+    /// [`Error::Image`] if less than a hundredth of the coarse map is valid: there is too little to tell a range from.
+    pub fn found(&self, map: &DisparityMap, params: &mut Params) -> Result<(), Error> {
+        let mut valid: Vec<i16> = map.data.iter().copied().filter(|&value| value != DisparityMap::INVALID).collect();
+        if valid.len() * 100 < map.data.len() || valid.is_empty() {
+            return Err(Error::Image(format!(
+                "only {} of {} pixels of the halved pair match, too few to find the range of disparities; check that the images \
+                 are a rectified pair, left image first, or give the range",
+                valid.len(),
+                map.data.len()
+            )));
+        }
+        valid.sort_unstable();
+        let at = |share: usize| i32::from(valid[valid.len() * share / 10_000]);
+        let (low, high) = (at(50), at(9995));
+        let margin = (high - low) / 32 + 8;
+        let most = Params::MAX_ABS_DISPARITY.min(self.width as i32 - 1);
+        let low = (((low - margin) << self.halvings) >> 4).clamp(-most, most);
+        let high = ((((high + margin) << self.halvings) + 15) >> 4).clamp(low, most);
+        params.min_disparity = low;
+        params.disparities = (high - low + 1) as u32;
+        Ok(())
+    }
+}
+
+/// Columns after so many halvings.
+fn columns(width: u32, halvings: u32) -> u32 {
+    (0..halvings).fold(width, |width, _| width.div_ceil(2))
+}
+
+/// An image of half the columns and rows, rounded up.
+fn halve(image: &Image) -> Result<Image, Error> {
+    let [width, height] = [image.width(), image.height()];
+    let pixels = match image.pixels() {
+        Pixels::Gray8(samples) => Pixels::Gray8(halved(samples, [width, height], 1)),
+        Pixels::Gray16(samples) => Pixels::Gray16(halved(samples, [width, height], 1)),
+        Pixels::Rgba8(samples) => Pixels::Rgba8(halved(samples, [width, height], 4)),
+        Pixels::Rgba16(samples) => Pixels::Rgba16(halved(samples, [width, height], 4)),
+    };
+    Image::new(width.div_ceil(2), height.div_ceil(2), pixels)
+}
+
+fn halved<T: Copy + Into<u32> + TryFrom<u32> + Default>(samples: &[T], size: [u32; 2], a_pixel: usize) -> Vec<T> {
+    let [width, height] = size.map(|side| side as usize);
+    let mut out = Vec::with_capacity(width.div_ceil(2) * height.div_ceil(2) * a_pixel);
+    for y in (0..height).step_by(2) {
+        let rows = [y, (y + 1).min(height - 1)].map(|y| &samples[y * width * a_pixel..][..width * a_pixel]);
+        for x in (0..width).step_by(2) {
+            for sample in 0..a_pixel {
+                let columns = [x, (x + 1).min(width - 1)].map(|x| x * a_pixel + sample);
+                let sum: u32 = rows.iter().map(|row| columns.map(|at| row[at].into()).iter().sum::<u32>()).sum();
+                out.push(T::try_from((sum + 2) >> 2).unwrap_or_default());
+            }
+        }
+    }
+    out
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_half_is_the_rounded_mean_of_four() {
+        let image = Image::new(3, 3, Pixels::Gray8(vec![0, 1, 7, 1, 4, 9, 10, 20, 30])).unwrap();
+        let half = halve(&image).unwrap();
+        assert_eq!((half.width(), half.height()), (2, 2));
+        assert_eq!(half.pixels(), &Pixels::Gray8(vec![2, 8, 15, 30]));
+        let color = Image::new(2, 1, Pixels::Rgba16(vec![1, 2, 3, 65535, 4, 65535, 3, 65535])).unwrap();
+        assert_eq!(halve(&color).unwrap().pixels(), &Pixels::Rgba16(vec![3, 32769, 3, 65535]));
+    }
+
+    #[test]
+    fn the_range_reaches_a_little_beyond_the_map() {
+        let image = Image::new(801, 3, Pixels::Gray8(vec![0; 2403])).unwrap();
+        let search = RangeSearch::new(&image, &image).unwrap();
+        assert_eq!((search.left.width(), search.left.height(), search.halvings), (201, 1, 2));
+        assert_eq!((search.params.min_disparity, search.params.disparities), (-25, 126));
+        let map = |data: Vec<i16>| DisparityMap { width: data.len() as u32, height: 1, data };
+        let mut params = Params::sgm(64);
+        // 10 to 20 coarse pixels, 160 / 32 + 8 = 13 sixteenths more: 36.75 to 83.25 px.
+        search.found(&map((160..=320).collect()), &mut params).unwrap();
+        assert_eq!((params.min_disparity, params.disparities), (36, 84 - 36 + 1));
+        let mut few = vec![DisparityMap::INVALID; 1000];
+        few[3] = 5;
+        let error = search.found(&map(few), &mut params).unwrap_err().to_string();
+        assert!(error.contains("only 1 of 1000 pixels"), "{error}");
+    }
+}
