@@ -400,6 +400,15 @@ fn a_part_is_matched_as_if_it_were_all() {
     succeeds(path, &[&batch[..], &RECTIFY, &crop].concat());
     assert!(fs::read(path.join("maps/a_points.ply")).unwrap() == points);
     is_one_line_error(&run(path, &[&batch[..], &RECTIFY, &["--resume"]].concat()), &["other settings", "cameras"]);
+    // A truth is one of the whole.
+    succeeds(path, &on("left.png", "right.png", &["-o", "truth.npy"]));
+    let score = |more: &[&str]| {
+        let output = succeeds(path, &on("left.png", "right.png", &[&["--gt", "truth.npy", "--json"], more].concat()));
+        let found: Value = serde_json::from_str(&stdout(&output)).unwrap();
+        (found["evaluation"]["pixels"].as_u64().unwrap(), found["evaluation"]["average_error"].as_f64().unwrap())
+    };
+    let (all, part) = (score(&[]), score(&crop));
+    assert!(part.0 < all.0 && part.0 <= 33 * 20 && part.1 < 0.3, "{all:?} {part:?}");
     for (args, words) in [
         (&["--crop", "20,0,29,30"][..], &["--crop is 20,0,29,30", "48x30 pixels"][..]),
         (&["--crop", "0,0,0,30"], &["four whole numbers", "100,50,640,480"]),

@@ -201,6 +201,11 @@ impl Bench {
         places::ensure_apart(outputs.iter().map(PathBuf::as_path), inputs)
     }
 
+    /// Whether anything is made from the depth.
+    pub fn needs_depth(&self) -> bool {
+        self.look.scale_bar || self.maps.as_ref().is_some_and(MapFolder::needs_depth)
+    }
+
     /// The name of a map below the folder of `--maps`: [VARIANT/]SET/SCENE.
     pub fn map_name(&self, scene: &Scene, variant: &Variant) -> PathBuf {
         let of_scene = Path::new(&scene.set).join(&scene.name);

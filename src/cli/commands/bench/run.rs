@@ -81,7 +81,7 @@ impl<'a> Run<'a> {
         let mut read = None;
         if !kept.iter().all(Option::is_some) {
             let inputs = log.inputs(scene.files());
-            match load(scene, bench) {
+            match load(scene, &bench.input, &bench.cameras, bench.needs_depth()) {
                 Ok(loaded) => read = Some((inputs, loaded)),
                 Err(error) => {
                     self.failed(&label, None, &error);

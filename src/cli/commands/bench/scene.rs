@@ -1,19 +1,17 @@
 //! A scene: its images and truths, and its results with a variant.
 
 use super::log::{Kept, ToKeep};
-use super::resolve::Bench;
-use crate::args;
+use crate::args::{self, InputArgs};
 use crate::commands::variants::{self, Variant};
-use crate::engine::compute::{EngineNames, FrameMs};
+use crate::engine::compute::{Cameras, EngineNames, FrameMs};
 use crate::engine::diagnosis::{self, Evidence, Finding};
 use crate::engine::images;
-use crate::engine::output_files::MapFolder;
 use crate::terminal::{Evaluation, Progress, percent, warnings};
 use anyhow::Result;
 use gpu_stereo::evaluation::{FloatMap, Scores};
 use gpu_stereo::files::datasets::Scene;
 use gpu_stereo::files::images::ImagePair;
-use gpu_stereo::files::truth::Truth;
+use gpu_stereo::files::truth::{Truth, TruthFile};
 use gpu_stereo::{Camera, Image, Params, Rectification};
 use serde::Serialize;
 
@@ -33,26 +31,25 @@ pub struct Loaded {
     pub noc: Option<Truth>,
 }
 
-/// Reads a scene.
-pub fn load(scene: &Scene, bench: &Bench) -> Result<Loaded> {
+/// Reads a scene; `depth`: whether the cameras of its depth are wanted.
+pub fn load(scene: &Scene, input: &InputArgs, cameras: &Cameras, depth: bool) -> Result<Loaded> {
     let disparities = scene.disparities()?;
-    let ImagePair { left, right, mut doubts, .. } = images::read_pair(&scene.left, &scene.right, &bench.input)?;
+    let ImagePair { left, right, mut doubts, .. } = images::read_pair(&scene.left, &scene.right, input)?;
     let size = (left.width(), left.height());
     let mut fitted = Params::sgm(1); // any: all variants have the cameras in common
-    bench.cameras.fit(
-        &mut fitted,
-        size.into(),
-        bench.look.scale_bar || bench.maps.as_ref().is_some_and(MapFolder::needs_depth),
-    )?;
+    cameras.fit(&mut fitted, size.into(), depth)?;
     let evidence = diagnosis::evidence(&left, &right, &fitted)?;
-    let truth = scene.truth.as_ref().map(|truth| truth.read(size, &scene.left)).transpose()?;
+    let read = |truth: &TruthFile| cameras.truth(size.into(), |size| Ok(truth.read(size, &scene.left)?));
+    let truth = scene.truth.as_ref().map(read).transpose()?;
     doubts.extend(truth.iter().flat_map(|truth| truth.doubts.clone()));
-    let noc = match (&truth, &scene.non_occluded) {
-        (Some(truth), Some(non_occluded)) => {
-            Some(Truth { mask: Some(non_occluded.read(size)?), map: truth.map.clone(), doubts: Vec::new() })
-        }
-        _ => None,
-    };
+    let noc = scene.truth.as_ref().zip(scene.non_occluded.as_ref()).map(|(truth, non_occluded)| {
+        let read = |size| -> Result<Truth> {
+            let mask = Some(non_occluded.read(size)?);
+            Ok(Truth { mask, doubts: Vec::new(), ..truth.read(size, &scene.left)? })
+        };
+        cameras.truth(size.into(), read)
+    });
+    let noc = noc.transpose()?;
     let Params { rectify, depth: camera, .. } = fitted;
     Ok(Loaded { left, right, doubts, evidence, disparities, rectify, camera, truth, noc })
 }

@@ -12,7 +12,7 @@ use gpu_stereo::evaluation::FloatMap;
 use gpu_stereo::files::encoders::{Format, Maps};
 use gpu_stereo::files::images::ImagePair;
 use gpu_stereo::files::outputs;
-use gpu_stereo::files::truth::Truth;
+use gpu_stereo::files::truth::{Truth, TruthFile};
 use gpu_stereo::{Camera, Image, Matched, Params};
 use std::time::Instant;
 
@@ -23,8 +23,9 @@ pub fn run(job: &Job) -> Result<Report> {
     views.doubts.iter().for_each(|doubt| warnings::warn(doubt));
     let ImagePair { left, right, bits, .. } = views;
     outputs::ensure_size(&job.outputs, left.width(), left.height())?;
-    let truth = job.truth.as_ref().map(|truth| truth.read((left.width(), left.height()), &job.left)).transpose()?;
-
+    let given = [left.width(), left.height()];
+    let read = |truth: &TruthFile| job.cameras.truth(given, |size| Ok(truth.read(size, &job.left)?));
+    let truth = job.truth.as_ref().map(read).transpose()?;
     truth.iter().flat_map(|truth| &truth.doubts).for_each(|doubt| warnings::warn(doubt));
     let (mut params, camera) = params_for(job, &left)?;
     find_range(job.range, &job.device, [&left, &right], &mut params)?;

@@ -5,6 +5,7 @@ use crate::terminal::{message, warnings};
 use anyhow::{Result, bail, ensure};
 use gpu_stereo::files::calibration::{Calibration, Fitted, LensModel, Reading};
 use gpu_stereo::files::hash;
+use gpu_stereo::files::truth::Truth;
 use gpu_stereo::{Camera, DepthMap, Distortion, Error, Lens, Matched, Params, Rectification};
 use std::collections::VecDeque;
 use std::path::{Path, PathBuf};
@@ -178,6 +179,19 @@ impl Cameras {
             "--crop is {x},{y},{w},{h}, but the images have {width}x{height} pixels; give a part that lies within them"
         );
         Ok(self.part)
+    }
+
+    /// The truth of given images of a size, as far as it is of the part that is matched. `read`: reads one of a size.
+    pub fn truth(&self, given: [u32; 2], read: impl FnOnce((u32, u32)) -> Result<Truth>) -> Result<Truth> {
+        let size = match &self.calibration {
+            Some(calibration) if calibration.has_lenses() => calibration.fit(given[0], given[1])?.size,
+            _ => given,
+        };
+        let truth = read(size.into())?;
+        Ok(match self.part_of(size)? {
+            Some(part) => truth.cropped(part)?,
+            None => truth,
+        })
     }
 }
 
