@@ -392,7 +392,6 @@ fn malformed_maps_are_one_line() {
         ),
         ("none.npy", npy_with("{'descr': '<f4', 'fortran_order': False, 'shape': (0, 3)}\n"), &["3x0"]),
         ("complex.npy", npy_with("{'descr': '<c8', 'fortran_order': False, 'shape': (1, 3)}\n"), &["<c8", "f4"]),
-        ("half.npy", npy_with("{'descr': '<c8', 'fortran_order': False, 'shape': (1, 3)}\n"), &["<c8", "f4"]),
         ("object.npy", npy_with("{'descr': '|O', 'fortran_order': False, 'shape': (4, 3)}\n"), &["object.npy"]),
         ("fields.npy", npy_with("{'descr': [('a', '<f4')], 'fortran_order': False, 'shape': (2, 3)}\n"), &["records"]),
         ("python.npy", npy_with("import os\n"), &["header"]),
