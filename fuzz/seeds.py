@@ -160,6 +160,28 @@ put(
     zed="\x0c[LEFT_CAM_HD]\nfx=700\nfy=700\ncx=320\ncy=240\nk1=0.1\n[RIGHT_CAM_HD]\nfx=700\nfy=700\ncx=320\ncy=240\n[STEREO]\nBaseline=120\nTY=0\nRX_HD=0.01\n",
     drivingstereo=f"\0S_rect_101: 640 480\nP_rect_101: {LEFT}\nP_rect_103: {RIGHT}\n",
 )
+SIDE = '{"camera_matrix": [[700, 0, 320], [0, 700, 240], [0, 0, 1]], "dist": [[0.1, 0, 0, 0, 0]]}'
+CAMERA = '{"camera_type": "ds", "intrinsics": {"fx": 700, "fy": 700, "cx": 320, "cy": 240, "xi": -0.2, "alpha": 0.6}}'
+POSE = '{"px": %s, "py": 0, "pz": 0, "qx": 0, "qy": 0, "qz": 0, "qw": 1}'
+put(
+    "calibration",
+    foundation_stereo="\0700 0 320 0 700 240 0 0 1\n0.1\n",
+    basalt="\x0c{\"value0\": {\"T_imu_cam\": [%s, %s], \"intrinsics\": [%s, %s], \"resolution\": [[640, 480], [640, 480]]}}"
+    % (POSE % 0, POSE % 0.1, CAMERA, CAMERA),
+    json="\x0c{\"left\": %s, \"right\": %s, \"rvec\": [0, 0.01, 0], \"T\": [-0.1, 0, 0], \"img_shape\": [480, 640]}" % (SIDE, SIDE),
+    names="\x0cleft: &a {fx: 700, fy: 700, cx: 320, cy: 240, k1: 0.1, k2: 0, p1: 0, p2: 0}\nright: *a\nrot: [[1, 0, 0], [0, 1, 0], [0, 0, 1]]\ntrans: [0, -0.1, 0]\n",
+    numpy="\x0cK_l: &a\n  args: [f8]\n  state: [1, [3, 3], f8, false, AAAAAACAgUAAAAAAAAAAAAAAAAAAAHRAAAAAAAAAAAAAAAAAAICBQAAAAAAAAG5AAAAAAAAAAAAAAAAAAAAAAAAAAAAAAPA/]\n"
+    "K_r: *a\nD_l: []\nD_r: []\nR: [0, 0, 0]\nT: [-0.1, 0, 0]\n",
+    zed_all="\x0c" + "".join(
+        f"[{side}_CAM_{name}]\nfx={f}\nfy={f}\ncx={f / 2}\ncy={f / 3}\nk1=0.1\n" for side in ("LEFT", "RIGHT") for name, f in (("HD", 1280), ("VGA", 640))
+    ) + "[STEREO]\nBaseline=120\nTY=0.1\nTZ=-0.2\nCV_HD=0.01\nRX_VGA=0.01\n",
+)
+SENSOR = "T_BS:\n  cols: 4\n  rows: 4\n  data: [1, 0, 0, %s, 0, 1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1]\nresolution: [640, 480]\ncamera_model: pinhole\n" \
+    "intrinsics: [700, 700, 320, 240]\ndistortion_model: radial-tangential\ndistortion_coefficients: [0.1, 0, 0, 0]\n"
+put("camera_info", euroc="\x0c" + SENSOR % 0 + "\0" + SENSOR % 0.1)
+ARRAYS = [("(3, 3)", "700 0 320 0 700 240 0 0 1"), ("(1, 5)", "0.1 0 0 0 0")] * 2 + [("(3, 3)", "1 0 0 0 1 0 0 0 1"), ("(3, 1)", "-0.1 0 0")]
+FILES = [b"\x93NUMPY" + npy("<f8", struct.pack(f"<{len(n.split())}d", *map(float, n.split())), s)[1:] for s, n in ARRAYS]
+put("npz", arrays=b"\x0c" + b"|".join(FILES))
 put("camera_info", pair="\0" + camera_info(LEFT) + "\0" + camera_info(RIGHT), lenses="\x0c" + camera_info(LEFT) + "\0" + camera_info(RIGHT))
 put(
     "csv",

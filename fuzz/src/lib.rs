@@ -108,6 +108,27 @@ pub fn calibration(data: &[u8], two_files: bool) {
     }
 }
 
+/// A calibration in an archive of NumPy's: arrays between which `|` stands, under the names of R and T's calibrations.
+pub fn arrays(data: &[u8]) {
+    let Some((&selector, rest)) = data.split_first() else { return };
+    let names = ["mtx_l", "dist_l", "mtx_r", "dist_r", "R", "T", "imageSize"];
+    let (mut body, mut directory, mut count) = (Vec::new(), Vec::new(), 0u16);
+    for (name, array) in names.iter().zip(rest.split(|byte| *byte == b'|')) {
+        let name = format!("{name}.npy");
+        let place = (body.len() as u32).to_le_bytes();
+        let mut fields = vec![0; 10];
+        fields.extend([array.len() as u32; 2].iter().flat_map(|length| length.to_le_bytes()));
+        fields.extend((name.len() as u16).to_le_bytes());
+        body.extend([&b"PK\x03\x04\0\0\0\0"[..], &fields, &[0, 0], name.as_bytes(), array].concat());
+        directory.extend([&b"PK\x01\x02\0\0\0\0\0\0"[..], &fields, &[0; 12], &place, name.as_bytes()].concat());
+        count += 1;
+    }
+    let (start, length) = ((body.len() as u32).to_le_bytes(), (directory.len() as u32).to_le_bytes());
+    let count = count.to_le_bytes();
+    let end = [&b"PK\x05\x06\0\0\0\0"[..], &count, &count, &length, &start, &[0, 0]].concat();
+    calibration(&[&[selector][..], &body, &directory, &end].concat(), false);
+}
+
 /// Weights of any format.
 pub fn weights(data: &[u8]) {
     let weights = match Weights::parse(Path::new("weights"), data) {

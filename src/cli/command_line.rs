@@ -5,9 +5,10 @@ mod tests;
 mod tips;
 
 use crate::args::{
-    self, BatchArgs, BenchArgs, CompareArgs, DeviceArgs, EvalArgs, SingleArgs, StudyArgs, VideoArgs, WeightsArgs,
+    self, BatchArgs, BenchArgs, CalibArgs, CompareArgs, DeviceArgs, EvalArgs, SingleArgs, StudyArgs, VideoArgs,
+    WeightsArgs,
 };
-use crate::commands::{Outcome, adapters, batch, bench, eval, single, study, video, weights};
+use crate::commands::{Outcome, adapters, batch, bench, calib, eval, single, study, video, weights};
 use crate::engine::adapter;
 use anyhow::{Result, anyhow};
 use clap::{CommandFactory as _, Parser, Subcommand};
@@ -20,6 +21,7 @@ gpu-stereo <LEFT> <RIGHT> --disp <N> [OPTIONS]
        gpu-stereo batch <LIST>|<LEFT> <RIGHT> -o <DIR> --disp <N> [OPTIONS]
        gpu-stereo eval <ESTIMATE> <TRUTH> [OPTIONS]
        gpu-stereo bench <DATASET> --layout <LAYOUT> [OPTIONS]
+       gpu-stereo calib <FILE> [FILE] [OPTIONS]
        gpu-stereo weights <FILE> [--convert <OUT.safetensors>]
        gpu-stereo --list-adapters";
 
@@ -61,6 +63,9 @@ enum Verb {
     /// Maps of all pairs of a data set, or a share of them: a list, two folders or two globs
     #[command(after_help = args::BATCH_HELP, max_term_width = 100, override_usage = args::BATCH_USAGE)]
     Batch(BatchArgs),
+    /// What is understood of a calibration, and both fields of view
+    #[command(after_help = args::CALIB_HELP, max_term_width = 100)]
+    Calib(CalibArgs),
     /// What is in a file of weights, and the same as .safetensors
     #[command(after_help = args::WEIGHTS_HELP, max_term_width = 100)]
     Weights(WeightsArgs),
@@ -101,6 +106,7 @@ impl CommandLine {
             Some(Verb::Bench(args)) => bench::run(args),
             Some(Verb::Video(args)) => video::run(args),
             Some(Verb::Batch(args)) => batch::run(args),
+            Some(Verb::Calib(args)) => calib::run(&args),
             Some(Verb::Weights(args)) => weights::run(args),
         }
     }
@@ -114,7 +120,7 @@ impl Verb {
             Self::Video(video) => Some(&video.device),
             Self::Batch(batch) => Some(&batch.device),
             Self::Bench(bench) => Some(&bench.device),
-            Self::Eval(_) | Self::Weights(_) => None,
+            Self::Calib(_) | Self::Eval(_) | Self::Weights(_) => None,
         }
     }
 }

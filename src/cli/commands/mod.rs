@@ -3,6 +3,7 @@
 pub mod adapters;
 pub mod batch;
 pub mod bench;
+pub mod calib;
 mod energy;
 pub mod eval;
 mod network;

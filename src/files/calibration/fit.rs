@@ -54,7 +54,7 @@ impl Calibration {
         Ok(fitted)
     }
 
-    fn scale(&self) -> Scale {
+    pub(super) fn scale(&self) -> Scale {
         self.reading.scale.unwrap_or(Scale::ONE)
     }
 
@@ -80,7 +80,7 @@ impl Calibration {
 
     /// The cameras of images of this size: by the size that the name of each tells, else the only ones whose principal points
     /// lie in the middle.
-    fn of_size<'a>(&self, sizes: &'a [OfSize], given: [u32; 2]) -> Result<&'a OfSize> {
+    pub(super) fn of_size<'a>(&self, sizes: &'a [OfSize], given: [u32; 2]) -> Result<&'a OfSize> {
         let scale = self.scale();
         let fits = |of: &&OfSize| of.size.is_some_and(|size| ensure_size(size, given, scale).is_ok());
         if let Some(found) = sizes.iter().find(fits) {

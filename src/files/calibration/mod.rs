@@ -13,6 +13,7 @@ mod algebra;
 mod apart;
 mod cameras;
 mod content;
+mod describe;
 mod fit;
 mod kinds;
 mod lenses;
@@ -26,6 +27,7 @@ mod scale;
 mod tests;
 
 pub use cameras::Calibration;
+pub use describe::{DescribedCamera, Description, turn_of};
 pub use fit::Fitted;
 pub use kinds::Source;
 pub use lenses::LensModel;

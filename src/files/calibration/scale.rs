@@ -32,6 +32,11 @@ impl Scale {
         if self == Self::ONE { place } else { (place + 0.5) * self.0 - 0.5 }
     }
 
+    /// The size of the images.
+    pub(super) fn of_size(self, calibrated: [u32; 2]) -> [u32; 2] {
+        calibrated.map(|side| (f64::from(side) * self.0).round().max(1.0) as u32)
+    }
+
     pub(super) fn of_matrix(self, m: Matrix) -> Matrix {
         let row = |i: usize| [m[i] * self.0, m[i + 1] * self.0, self.of_place(m[i + 2])];
         let ([a, b, c], [d, e, f]) = (row(0), row(3));

@@ -492,3 +492,66 @@ fn cases() {
         assert!(code == Some(2) && told.contains(words), "{file}: {told}");
     }
 }
+
+/// What is understood, in words and as JSON, and the picture of both fields of view.
+#[test]
+fn what_is_understood_of_a_calibration() {
+    let folder = scene();
+    let path = folder.path();
+    let write = |name: &str, text: &str| fs::write(path.join(name), text).unwrap();
+    let told = |args: &[&str]| {
+        let output = support::succeeds(path, &[&["calib"], args].concat());
+        let json = support::succeeds(path, &[&["calib"], args, &["--json"]].concat());
+        let json: serde_json::Value = serde_json::from_slice(&json.stdout).unwrap();
+        assert_eq!(support::stderr(&output).lines().count(), json["notes"].as_array().unwrap().len(), "{json}");
+        (support::stdout(&output), support::stderr(&output), json)
+    };
+    // A rectified pair.
+    write("p.yml", &pair(|_, right| right[2] += 1.0));
+    let (text, notes, json) = told(&["p.yml", "--size", "60x40"]);
+    assert!(text.contains("give it with --calib") && text.contains("focal length 50 px") && notes.is_empty(), "{text}");
+    assert_eq!((json["rectified"].as_bool(), json["baseline_m"].as_f64()), (Some(true), Some(0.1)), "{json}");
+    assert_eq!(json["rectified_cameras"]["doffs_px"].as_f64(), Some(1.0));
+    support::refuses(path, &["calib", "p.yml", "--size", "60x40", "-o", "fields.png"], &["drop --output"]);
+    // R and T without a size.
+    write("rt.yml", &unrectified(&LENS));
+    let (text, notes, json) = told(&["rt.yml"]);
+    assert!(text.contains("give it with --rectify") && notes.contains("--size WxH"), "{text}{notes}");
+    assert!(json["rectified_cameras"].is_null() && json["cameras"][1]["numbers"][0].as_f64() == Some(0.1), "{json}");
+    support::refuses(path, &["calib", "rt.yml", "-o", "fields.png"], &["--size WxH"]);
+    support::refuses(path, &["calib", "rt.yml", "--size", "600x400"], &["--calib-scale"]);
+    let (text, notes, json) =
+        told(&["rt.yml", "--size", "60x40", "--alpha", "1", "-o", "fields.png", "--calib-unit", "cm"]);
+    assert!(notes.contains("--calib-unit m makes it 0.1 m") && text.contains("written    fields.png"), "{text}{notes}");
+    let content = json["cameras"][0]["content"].as_f64().unwrap();
+    assert!(content > 0.7 && content < 1.0, "{content}");
+    let picture = image::open(path.join("fields.png")).unwrap().to_rgb8();
+    let count = |color: [u8; 3]| picture.pixels().filter(|pixel| pixel.0 == color).count();
+    // Both outlines, what both see, and nothing around.
+    for color in [[230, 159, 0], [86, 180, 233], [112, 112, 118], [24, 24, 28], [255, 255, 255]] {
+        assert!(count(color) > 100, "{color:?}: {}", count(color));
+    }
+    // One above the other, and of a unit that is doubtful.
+    let upper = unrectified(&LENS).replace("data: [ -0.1, 0.0, 0.0 ]", "data: [ 0.0, -0.1, 0.0 ]");
+    write("upper.yml", &upper);
+    let (text, notes, json) = told(&["upper.yml", "--size", "60x40"]);
+    assert!(
+        text.contains("one above the other") && text.contains("lower") && notes.contains("upper one"),
+        "{text}{notes}"
+    );
+    assert_eq!(json["vertical"].as_bool(), Some(true));
+    // A lens of two models, of a file that has rectified cameras, too.
+    write("both.yml", &(unrectified(&BENT) + pair(|_, _| ()).trim_start_matches("%YAML:1.0\n---\n")));
+    let (_, notes, _) = told(&["both.yml", "--size", "60x40"]);
+    assert!(notes.contains("--lens pinhole or --lens fisheye"), "{notes}");
+    // Two files, and what is refused.
+    write("cam0", &sensor(0.05, "0.1, 0.0, 0.001, 0.0"));
+    write("cam1", &sensor(0.15, "0.1, 0.0, 0.001, 0.0"));
+    let (text, _, json) = told(&["cam0", "cam1"]);
+    assert!(text.contains("EuRoC") && json["size"] == serde_json::json!([60, 40]), "{text}");
+    support::refuses(path, &["calib", "cam0"], &["--calib-right"]);
+    support::refuses(path, &["calib", "none.yml"], &["none.yml", "give a calibration file"]);
+    support::refuses(path, &["calib", "p.yml", "--alpha", "0"], &["--calib"]);
+    support::refuses(path, &["calib", "rt.yml", "--alpha", "2"], &["from 0 to 1"]);
+    support::refuses(path, &["calib", "rt.yml", "-o", "rt.yml"], &[".png"]);
+}

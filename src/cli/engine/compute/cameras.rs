@@ -3,7 +3,7 @@
 use crate::args::{self, CameraArgs};
 use crate::terminal::{message, warnings};
 use anyhow::{Result, bail, ensure};
-use gpu_stereo::files::calibration::{Calibration, Fitted, LensModel, Reading};
+use gpu_stereo::files::calibration::{Calibration, Fitted, LensModel};
 use gpu_stereo::files::hash;
 use gpu_stereo::files::truth::Truth;
 use gpu_stereo::{Camera, DepthMap, Distortion, Error, Lens, Matched, Params, Rectification};
@@ -36,28 +36,25 @@ impl Cameras {
         if let Some(path) = calib.as_ref().or(rectify.as_ref()) {
             // Clap does not require --rectify for --lens if --calib, which excludes it, is given.
             ensure!(
-                given.lens == LensModel::Auto || rectify.is_some(),
+                given.reading.lens == LensModel::Auto || rectify.is_some(),
                 "--lens goes with --rectify, since --calib takes a rectified pair; drop it, or give the file with --rectify"
             );
-            let reading = Reading {
-                unit: given.calib_unit,
-                pair: given.calib_pair,
-                lens: given.lens,
-                scale: given.calib_scale,
-                cameras: given.calib_cams,
-                lenses: rectify.is_some(),
-                alpha: given.alpha,
-                vertical: given.vertical,
-                rectified_size: given.rectified_size,
-            };
+            let reading = given.reading.reading(rectify.is_some());
             let calibration = Some(Calibration::read(path, calib_right.as_deref(), reading)?);
-            return Ok(Self { calibration, middle: [false; 2], vertical: given.vertical, files, part, farthest });
+            return Ok(Self {
+                calibration,
+                middle: [false; 2],
+                vertical: given.reading.vertical,
+                files,
+                part,
+                farthest,
+            });
         }
         ensure!(
-            given.alpha.is_none() && given.rectified_size.is_none(),
+            given.reading.alpha.is_none() && given.reading.rectified_size.is_none(),
             "--alpha and --rectified-size go with --rectify FILE; give the calibration, or drop them"
         );
-        let vertical = given.vertical;
+        let vertical = given.reading.vertical;
         let Some([focal, baseline]) = optics.both()? else {
             return Ok(Self { vertical, part, farthest, ..Self::default() });
         };

@@ -79,6 +79,12 @@ pub fn resolve_sheet(path: &Path, inputs: &[&Path]) -> Result<Vec<Output<SheetFo
     places(vec![(path.into(), format)], inputs)
 }
 
+/// The picture of both fields of view, checked as [`resolve`] does.
+pub fn resolve_fields(path: &Path, inputs: &[&Path]) -> Result<Output<()>> {
+    ensure_png("output", path)?;
+    places(vec![(path.into(), ())], inputs)?.pop().context("there is no output")
+}
+
 /// Where to write the weights of `file`, checked as [`resolve`] does.
 pub fn resolve_weights(path: &Path, file: &Path) -> Result<Output<()>> {
     ensure!(

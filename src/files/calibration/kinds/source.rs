@@ -4,6 +4,7 @@ use super::{basalt, camera_info, euroc, foundation_stereo, kalibr, kitti, middle
 use crate::files::calibration::cameras::Found;
 use crate::files::calibration::content::tree::{Tree, has};
 use crate::files::calibration::content::{self, is_archive};
+use crate::files::calibration::lenses::DISTORTION;
 use crate::files::calibration::reading::Reading;
 use crate::files::error::{Context as _, Result, bail, ensure, error};
 use std::fs;
@@ -157,6 +158,16 @@ impl Source {
         match &self.0 {
             Content::Lines(kind, _) => kind.name,
             Content::Tree(kind, _) => kind.name,
+        }
+    }
+
+    /// Whether it has the numbers of lenses.
+    pub fn has_lenses(&self) -> bool {
+        match &self.0 {
+            Content::Lines(kind, _) => (kind.name).starts_with("ZED"),
+            Content::Tree(_, tree) => {
+                has(tree, DISTORTION.1) || content::canonical(tree).is_ok_and(|tree| has(&tree, DISTORTION.0[0]))
+            }
         }
     }
 
