@@ -348,7 +348,6 @@ fn malformed_maps_are_one_line() {
         bytes
     };
     let floats: Vec<u8> = MAP.iter().flat_map(|v| v.to_le_bytes()).collect();
-    let mut negative = npy("<i2", false, (3, 2), &[0xf0, 0xff].repeat(6));
     let good_npy = npy("<f4", false, (3, 2), &floats);
     let mut endless = good_npy.clone();
     endless[6..12].copy_from_slice(&[3, 0, 0xff, 0xff, 0xff, 0xff]);
@@ -395,7 +394,6 @@ fn malformed_maps_are_one_line() {
         ("object.npy", npy_with("{'descr': '|O', 'fortran_order': False, 'shape': (4, 3)}\n"), &["object.npy"]),
         ("fields.npy", npy_with("{'descr': [('a', '<f4')], 'fortran_order': False, 'shape': (2, 3)}\n"), &["records"]),
         ("python.npy", npy_with("import os\n"), &["header"]),
-        ("negative.npy", std::mem::take(&mut negative), &["-16", "0 (no disparity)"]),
         ("cut.tif", b"II*\0\x08\0\0\0".to_vec(), &["cut.tif", "save it again"]),
         ("cut.png", b"\x89PNG\r\n\x1a\n\0\0\0\rIHDR".to_vec(), &["cut short"]),
         ("most.pgm", b"P5\n3 2\n63\n\x01\x02\x03\x04\x05\x06".to_vec(), &["maximum of 63", "255 or 65535"]),
