@@ -81,9 +81,9 @@ fn understood(args: &CalibArgs) -> Result<Understood> {
     let fitted = match size {
         Some([width, height]) => Some(([width, height], calibration.fit(width, height).with_context(named)?)),
         None => {
-            notes.push(
-                "the file does not say of what size the images are; give --size WxH for the rectified cameras".into(),
-            );
+            if lenses {
+                notes.push("the file has no size of the images; give --size WxH for the rectified cameras".into());
+            }
             None
         }
     };

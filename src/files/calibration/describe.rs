@@ -4,7 +4,7 @@ use super::algebra::{angle, length};
 use super::apart::Apart;
 use super::cameras::{Calibration, Cameras};
 use super::reading::Unit;
-use crate::{Distortion, Lens};
+use crate::{Camera, Distortion, Lens};
 
 /// A camera as it was calibrated.
 #[derive(Clone, Debug, PartialEq)]
@@ -32,6 +32,8 @@ pub struct Description {
     pub resolution: Option<String>,
     /// The unit that lengths were read in: m, cm or mm.
     pub unit: Option<&'static str>,
+    /// The rectified cameras that the file has, in the images that were calibrated.
+    pub rectified: Option<Camera>,
     /// The left camera and the right one as they were calibrated; none of a pair that is rectified.
     pub cameras: Vec<DescribedCamera>,
     /// The right camera sees R x + `translation` where the left one sees x, in metres; `None` where the file tells R1 and R2.
@@ -51,10 +53,14 @@ impl Calibration {
             size: self.size,
             resolution: None,
             unit: self.unit.map(Unit::name),
+            rectified: None,
             cameras: Vec::new(),
             translation: None,
             rotation: None,
         };
+        if let Cameras::Rectified(pair) | Cameras::Lenses(pair, _) = &self.cameras {
+            described.rectified = Some(pair.camera);
+        }
         match &self.cameras {
             Cameras::Rectified(_) => {}
             Cameras::Lenses(_, lenses) => {

@@ -49,7 +49,8 @@ struct CameraRow {
 /// The rectified cameras.
 #[derive(Serialize)]
 struct RectifiedCameras {
-    size: [u32; 2],
+    /// Columns and rows, where the size of the images is known.
+    size: Option<[u32; 2]>,
     focal_px: f64,
     cx_px: f64,
     cy_px: f64,
@@ -74,16 +75,16 @@ impl CalibReport {
             turned_degrees: fit.and_then(|fit| fit.lenses).map(|lenses| turn_of(&lenses[i])),
             content: seen.map(|seen| seen[i]),
         };
-        let rectified =
-            fit.map(|Fitted { camera: Camera { focal, baseline, doffs, cx, cy }, size, .. }| RectifiedCameras {
-                size: *size,
-                focal_px: *focal,
-                cx_px: *cx,
-                cy_px: *cy,
-                doffs_px: *doffs,
-                baseline_m: *baseline,
-                depth_at_1_px_m: focal * baseline / (1.0 + doffs),
-            });
+        let camera = fit.map(|fit| fit.camera).or(description.rectified);
+        let rectified = camera.map(|Camera { focal, baseline, doffs, cx, cy }| RectifiedCameras {
+            size: fit.map(|fit| fit.size),
+            focal_px: focal,
+            cx_px: cx,
+            cy_px: cy,
+            doffs_px: doffs,
+            baseline_m: baseline,
+            depth_at_1_px_m: focal * baseline / (1.0 + doffs),
+        });
         Ok(Self {
             kind: description.kind,
             size: fitted.as_ref().map(|(size, _)| *size).or(description.size),
@@ -91,7 +92,7 @@ impl CalibReport {
             rectified: !lenses,
             vertical: fit.map(|fit| fit.vertical),
             unit: description.unit,
-            baseline_m: fit.map(|fit| fit.camera.baseline).or(description.distance()),
+            baseline_m: camera.map(|camera| camera.baseline).or(description.distance()),
             translation_m: description.translation,
             rotation_degrees: description.rotation,
             cameras: description.cameras.iter().enumerate().map(row).collect(),
@@ -128,12 +129,12 @@ impl CalibReport {
             line("rotation", format!("{} degrees between the cameras", short(degrees)))?;
         }
         if let Some(rectified) = &self.rectified_cameras {
-            let RectifiedCameras { size: [width, height], focal_px, cx_px, cy_px, doffs_px, depth_at_1_px_m, .. } =
-                rectified;
+            let RectifiedCameras { size, focal_px, cx_px, cy_px, doffs_px, depth_at_1_px_m, .. } = rectified;
             line(
                 "rectified",
                 format!(
-                    "{width} x {height}, focal length {} px, principal point {} {}, doffs {} px",
+                    "{}focal length {} px, principal point {} {}, doffs {} px",
+                    size.map(|[width, height]| format!("{width} x {height}, ")).unwrap_or_default(),
                     short(*focal_px),
                     short(*cx_px),
                     short(*cy_px),
