@@ -233,3 +233,43 @@ put(
     legacy=MAGIC + pickled(STATE) + pickled(b"](" + text("0") + text("1") + b"e") + struct.pack("<Q", 6) + FLOATS + struct.pack("<Q", 2) + b"\0\x3c\0\xc0",
     safetensors=struct.pack("<Q", len(HEADER)) + HEADER + FLOATS,
 )
+
+
+def jpeg(*segments):
+    """A JPEG file without pixels, with these segments."""
+    content = b"".join(b"\xff" + bytes([marker]) + struct.pack(">H", len(data) + 2) + data for marker, data in segments)
+    return b"\xff\xd8" + content + b"\xff\xda\0\2\xff\xd9"
+
+
+def mpo(order, kinds):
+    """An MPO file of so many images, 8 bytes each but for the first."""
+    length = 2 + 4 + 4 + 26 + 16 * len(kinds) + 6
+    index = (b"II*\0" if order == "<" else b"MM\0*") + struct.pack(order + "IHHHIII", 8, 1, 0xB002, 7, 16 * len(kinds), 26, 0)
+    for number, kind in enumerate(kinds):
+        index += struct.pack(order + "4I", kind, 8 if number else length, length + 8 * (number - 1) - 10 if number else 0, 0)
+    return jpeg((0xE2, b"MPF\0" + index)) + jpeg()[:2] * (len(kinds) - 1) * 4
+
+
+put(
+    "both",
+    mpo=mpo("<", [0x20002, 0x20002]),
+    mpo_big=mpo(">", [0x30000, 0x10001, 0]),
+    jps=jpeg((0xE0, b"JFIF\0"), (0xE3, b"_JPSJPS_\0\4\0\4\2\1")),
+)
+put(
+    "frames",
+    y4m=b"\0YUV4MPEG2 W3 H2 F30:1 Ip A1:1 C420jpeg XCOLORRANGE=FULL\n" + (b"FRAME\n" + bytes(10)) * 2,
+    mono=b"\0YUV4MPEG2 W3 H2 Cmono12\nFRAME Ip\n" + bytes(12),
+    pam=b"\0P7\nWIDTH 2\nHEIGHT 1\nDEPTH 3\nMAXVAL 255\nTUPLTYPE RGB\nENDHDR\n" + bytes(6),
+    **{f"raw{kind}": bytes([kind]) + bytes(range(36)) for kind in range(1, 8)},
+)
+STAMP = b"\0\1\0\0" + struct.pack("<iII", 1, 2, 4) + b"cam\0"
+CAMERA = struct.pack("<III", 480, 640, 10) + b"plumb_bob\0\0\0" + struct.pack("<II", 1, 0)
+put(
+    "message",
+    header=b"\0" + STAMP,
+    image=b"\1" + STAMP + struct.pack("<III", 2, 3, 6) + b"mono8\0\0\0" + struct.pack("<II", 3, 6) + bytes(6),
+    padded=b"\1" + STAMP + struct.pack("<III", 2, 1, 5) + b"bgr8\0\0\0\0" + struct.pack("<II", 4, 8) + bytes(8),
+    compressed=b"\2" + STAMP + struct.pack("<I", 4) + b"png\0" + struct.pack("<I", 8) + b"\x89PNG\r\n\x1a\n",
+    camera=b"\3" + STAMP + CAMERA + struct.pack("<31d", 0.1, *[0.0] * 18, 500, 0, 320, -60, 0, 500, 240, 0, 0, 0, 1, 0),
+)

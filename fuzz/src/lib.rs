@@ -9,8 +9,11 @@ use gpu_stereo::evaluation::FloatMap;
 use gpu_stereo::files::Error;
 use gpu_stereo::files::calibration::{Calibration, Fitted, KittiPair, LensModel, Reading, Scale, Source, Unit};
 use gpu_stereo::files::encoders;
+use gpu_stereo::files::frames::FrameReader;
+use gpu_stereo::files::images::{self, Stated};
 use gpu_stereo::files::lists::{self, Kind, Listed};
 use gpu_stereo::files::maps::{self, Encoding, EncodingOptions};
+use gpu_stereo::files::ros::{CameraInfo, Header, ImageMessage};
 use gpu_stereo::files::weights::{Weights, encode};
 use gpu_stereo::{Camera, Rectification};
 use std::path::{Component, Path};
@@ -20,6 +23,51 @@ fn told(error: &Error) {
     let text = text::one_line(&format!("{error}"));
     assert!(!text.trim().is_empty());
     assert!(text.chars().count() <= text::MOST && !text.contains(text::must_be_escaped), "{text:?}");
+}
+
+/// A file of both views: what it says of them lies within it.
+pub fn both(data: &[u8]) {
+    match images::stated(Path::new("both.mpo"), data) {
+        Ok(Some(Stated::Files(views))) => {
+            assert!(views.into_iter().all(|view| data[view].starts_with(&[0xff, 0xd8])));
+        }
+        Ok(_) => {}
+        Err(error) => told(&error),
+    }
+}
+
+/// A stream of frames; the first byte selects whether they are raw, and how their bytes hold the pixels.
+pub fn frames(data: &[u8]) {
+    const RAW: [&str; 8] =
+        ["", "3x2:gray", "2x2:gray16le", "1x3:bgr24", "3x3:yuv420p", "3x1:nv12", "3x2:yuyv", "1x1:rgba"];
+    let Some((&selector, bytes)) = data.split_first() else { return };
+    let raw = RAW[usize::from(selector) % RAW.len()].parse().ok();
+    let mut reader = match FrameReader::open(bytes, raw) {
+        Ok(reader) => reader,
+        Err(error) => return told(&error),
+    };
+    assert!(reader.rate().is_none_or(|rate| rate.is_finite() && rate > 0.0));
+    loop {
+        match reader.next_frame() {
+            Ok(Some(frame)) => assert!(frame.width() > 0 && frame.height() > 0),
+            Ok(None) => return,
+            Err(error) => return told(&error),
+        }
+    }
+}
+
+/// A message of ROS 2; the first byte selects its type.
+pub fn message(data: &[u8]) {
+    let Some((&selector, bytes)) = data.split_first() else { return };
+    let read = match selector % 4 {
+        0 => Header::read(bytes).map(drop),
+        1 => ImageMessage::read(bytes).map(|image| assert!(image.picture.width() > 0 && image.picture.height() > 0)),
+        2 => ImageMessage::read_compressed(bytes).map(drop),
+        _ => CameraInfo::read(bytes).and_then(|info| CameraInfo::pair(&info, &info, selector & 4 != 0)).map(drop),
+    };
+    if let Err(error) = read {
+        told(&error);
+    }
 }
 
 /// A file that begins as one of `kinds`, as a map. The first byte selects the kind and what is asked beside the file.

@@ -20,6 +20,7 @@ pub mod lists;
 pub mod maps;
 pub mod masks;
 pub mod outputs;
+pub mod ros;
 pub mod truth;
 pub mod weights;
 mod zip;

@@ -3,7 +3,6 @@
 #![allow(clippy::unwrap_used)]
 
 mod batch;
-mod both;
 mod calibrations;
 mod cli;
 mod depth;
@@ -16,8 +15,7 @@ mod outputs;
 mod range;
 #[cfg(unix)]
 mod resume;
-#[cfg(unix)]
-mod stream;
+mod sources;
 mod support;
 mod terminal;
 mod video;

@@ -24,7 +24,7 @@ LEFT and RIGHT are each
   a printf pattern such as img_%06d.png: from the first number that exists to the first that does not;
   a glob such as 'left/*.png', in quotes, in natural order; or
   a video, decoded by the ffmpeg on the PATH.
-One of these alone has both views in each frame: say by --split where. - alone is stdin: Y4M, PAM, or --raw-frames.
+A record of ROS 2 (.mcap) alone has two topics, --left and --right. One of the others alone has both views in each frame: say by --split where. - alone is stdin: Y4M, PAM, or --raw-frames.
 All pairs have one size. What fails is reported, the rest goes on, and the exit code is 1.
 Without --resume, existing files are replaced, as by a single run.
 
@@ -41,6 +41,8 @@ Examples:
       a map of every pair of frames of two videos
   ffmpeg -f v4l2 -i /dev/video0 -f yuv4mpegpipe -pix_fmt yuv420p - | gpu-stereo video - --split sbs -o maps --disp 64
       a camera that shows both views side by side, until Ctrl-C
+  gpu-stereo video drive.mcap --left /stereo/left/image_rect --right /stereo/right/image_rect -o maps.mcap --disp 128
+      DisparityImage, depths and PointCloud2 of every pair of a ROS 2 record
 
 Exit codes: 0 done, 1 a frame failed, 2 could not run.";
 
@@ -50,6 +52,14 @@ pub struct VideoArgs {
     /// The frames of the left and of the right camera; or of both, with --split
     #[arg(required = true, num_args = 1.., value_names = ["LEFT", "RIGHT"])]
     pub sides: Vec<PathBuf>,
+
+    /// The left images' topic in a record, an .mcap file of ROS 2
+    #[arg(long, value_name = "TOPIC", help_heading = "Input")]
+    pub left: Option<String>,
+
+    /// The right images' topic
+    #[arg(long, value_name = "TOPIC", help_heading = "Input")]
+    pub right: Option<String>,
 
     /// The settings by name
     #[command(flatten)]
@@ -84,7 +94,8 @@ pub struct VideoArgs {
     #[arg(long, value_name = "N", default_value = "3", allow_negative_numbers = true, help_heading = DEVICE)]
     pub in_flight: Whole,
 
-    /// A folder, created if missing; a printf pattern such as map_%04d.png; or a video: .mp4, .mkv, .webm
+    /// A folder, created if missing; a printf pattern such as map_%04d.png; a video: .mp4, .mkv, .webm; or, from a record, .mcap:
+    /// disparities, and depths and points where the cameras are known
     #[arg(short, long, value_name = "OUT", required = true, help_heading = OUTPUT)]
     pub output: PathBuf,
 

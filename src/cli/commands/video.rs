@@ -1,5 +1,6 @@
 //! `video`: the maps of all frames of two cameras.
 
+mod bag;
 mod film;
 mod numbered;
 mod resolve;
@@ -9,11 +10,13 @@ use super::outcome::Outcome;
 use super::summary::Summary;
 use crate::args::{self, DeviceArgs, InputArgs, VideoArgs};
 use crate::engine::compute::ParamsBySize;
-use crate::engine::pipeline::{FailedPair, Ran, Setup, Work};
+use crate::engine::pipeline::{self, FailedPair, Ran, Sequence, Setup, Work};
 use crate::engine::signals::stop_on_signals;
 use crate::engine::store::Store;
+use crate::engine::streams::Stream;
 use crate::engine::trial;
 use anyhow::{Result, bail};
+use bag::{Bag, FromRecord};
 use film::Film;
 use numbered::Numbered;
 use source::Source;
@@ -41,6 +44,7 @@ enum Task {
     Folder(Box<Store>),
     Numbered(Source, Numbered),
     Film(Source, Film),
+    Bag(Box<Stream>, Bag),
 }
 
 /// Matches all frames.
@@ -65,7 +69,7 @@ impl Video {
             keeps_right: self.keeps_right,
             in_flight: self.in_flight,
             readers: threads,
-            writers: if let Task::Film(..) = self.task { 1 } else { threads },
+            writers: if let Task::Film(..) | Task::Bag(..) = self.task { 1 } else { threads },
             mixed: false,
             kind: None,
             alone: false,
@@ -97,6 +101,14 @@ impl Video {
                     }
                     Ok(()) => (whole(ran, source.len(), "were done, and no video was written")?, 0),
                 }
+            }
+            Task::Bag(stream, bag) => {
+                let name = stream.name.clone();
+                let work = FromRecord { stream: &stream, bag: &bag };
+                let ran = pipeline::run(Sequence::Stream(&name), &setup, stop, &work);
+                let ran = whole(ran, None, "were done, and no record was written")?;
+                bag.finish()?;
+                (ran, 0)
             }
         };
         let (size, failures) = (ran.size, std::mem::take(&mut ran.failed));

@@ -5,7 +5,6 @@ pub mod compute;
 pub mod diagnosis;
 pub mod disk;
 mod environment;
-pub mod ffmpeg;
 pub mod images;
 pub mod log;
 pub mod outputs;
@@ -14,7 +13,7 @@ pub mod pairs;
 pub mod pipeline;
 pub mod signals;
 pub mod store;
-pub mod stream;
+pub mod streams;
 pub mod trial;
 
 pub use outputs::{files as output_files, known, places};

@@ -17,5 +17,6 @@ pub use format::{
 };
 pub use map::{Encoded, Maps, encode};
 pub use pictures::{picture, rgba8, truth_picture};
+pub(super) use points::{Point, coloured};
 pub use points::{pcd, ply};
 pub use samples::{jpeg, npy, pfm, png, png8, png16, tiff};

@@ -6,13 +6,15 @@ use crate::{Camera, DepthMap, Image};
 use std::io::Write as _;
 
 /// A point in metres: to the right, down and forward of the left camera; and its colour.
-struct Point {
-    place: [f32; 3],
-    color: [u8; 3],
+pub struct Point {
+    /// Metres.
+    pub place: [f32; 3],
+    /// Red, green, blue.
+    pub color: [u8; 3],
 }
 
 /// The pixels that have a depth, row by row.
-fn points(depth: &DepthMap, camera: &Camera, left: &Image) -> Vec<Point> {
+pub fn coloured(depth: &DepthMap, camera: &Camera, left: &Image) -> Vec<Point> {
     let width = depth.width.max(1) as usize;
     let with_depth = depth.data.iter().enumerate().filter(|(_, value)| **value != DepthMap::NONE);
     let colors = rgba8(left);
@@ -28,7 +30,7 @@ fn points(depth: &DepthMap, camera: &Camera, left: &Image) -> Vec<Point> {
 /// # Errors
 /// If the bytes cannot be written.
 pub fn ply(depth: &DepthMap, camera: &Camera, left: &Image) -> Result<Vec<u8>> {
-    let points = points(depth, camera, left);
+    let points = coloured(depth, camera, left);
     let mut bytes = Vec::with_capacity(300 + 15 * points.len());
     write!(
         bytes,
@@ -49,7 +51,7 @@ pub fn ply(depth: &DepthMap, camera: &Camera, left: &Image) -> Result<Vec<u8>> {
 /// # Errors
 /// If the bytes cannot be written.
 pub fn pcd(depth: &DepthMap, camera: &Camera, left: &Image) -> Result<Vec<u8>> {
-    let points = points(depth, camera, left);
+    let points = coloured(depth, camera, left);
     let mut bytes = Vec::with_capacity(300 + 16 * points.len());
     write!(
         bytes,

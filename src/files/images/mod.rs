@@ -11,5 +11,6 @@ pub use bits::Bits;
 pub use decoder::has_image_ending;
 pub(super) use decoder::{MAX_PIXELS, decode, decoder};
 pub use kinds::is_video;
+pub use one_file::{Stated, stated};
 pub use pair::{ImagePair, read_both, read_pair, split_frame};
 pub use split::{Arrangement, Split};

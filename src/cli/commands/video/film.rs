@@ -1,7 +1,7 @@
 //! The film: left images beside their colour maps, as a video encoded by the `ffmpeg` on the PATH.
 
-use crate::engine::ffmpeg::{self, Ffmpeg};
 use crate::engine::pipeline::{MatchedPair, Refused, Work};
+use crate::engine::streams::ffmpeg::{self, Ffmpeg};
 use crate::engine::{disk, images, places};
 use anyhow::{Context as _, Result, ensure};
 use gpu_stereo::Colors;

@@ -1,5 +1,6 @@
 //! Resolve: the options become a task.
 
+use super::bag::Bag;
 use super::film::{self, Film};
 use super::numbered::{Naming, Numbered};
 use super::source::Source;
@@ -30,10 +31,14 @@ pub fn resolve(typed: VideoArgs) -> Result<Video> {
     let mut params = args::params(typed.settings.iter(), false)?;
     let formats = &typed.look.dressed(&typed.formats.format);
     output_files::want(&mut params, formats);
-    let cameras = Cameras::resolve(&typed.cameras)?;
-    cameras.ensure_fit(output_files::asks_for_depth(formats), typed.look.scale_bar)?;
+    let source = Source::find(&typed)?;
+    let cameras = Cameras::resolve(&typed.cameras)?.or(source.calibration());
+    let to_record = encoders::ending(&typed.output) == "mcap";
+    let in_record = (to_record && cameras.are_known()).then_some("a record");
+    let asks = output_files::asks_for_depth(formats).or(in_record);
+    cameras.ensure_fit(asks, typed.look.scale_bar || source.calibration().is_some())?;
     output_files::ensure_rectified(formats, &cameras)?;
-    let depth = formats.iter().any(|format| format.needs_depth()) || (typed.look.scale_bar && cameras.are_known());
+    let depth = asks.is_some() || (typed.look.scale_bar && cameras.are_known());
     let keeps_right = output_files::keeps_right(formats);
     network::give(&typed.network, [&mut params])?;
     let masks = MaskFiles::resolve(typed.masks.mask_in.as_deref())?;
@@ -46,7 +51,6 @@ pub fn resolve(typed: VideoArgs) -> Result<Video> {
         disk::leave_to_the_system();
     }
 
-    let source = Source::find(&typed)?;
     let input = source.as_first(&typed.input);
     let inputs: Vec<PathBuf> =
         masks.paths().chain(cameras.files()).chain(typed.network.weights.as_deref()).map(Into::into).collect();
@@ -57,6 +61,8 @@ pub fn resolve(typed: VideoArgs) -> Result<Video> {
             typed.output
         );
         film(&typed, source, &params, &inputs)?
+    } else if to_record {
+        bag(&typed, source, &inputs)?
     } else {
         output_files::note_look(typed.look.look(), formats);
         ensure!(
@@ -107,6 +113,24 @@ fn film(args: &VideoArgs, source: Source, params: &Params, inputs: &[PathBuf]) -
     );
     let film = Film::new(&args.output, fps, encoders::searched(params), args.look.colors)?;
     Ok(Task::Film(source, film))
+}
+
+fn bag(args: &VideoArgs, source: Source, inputs: &[PathBuf]) -> Result<Task> {
+    let out = &args.output;
+    places::ensure_apart([out.as_path()], source.files().chain(inputs.iter().map(PathBuf::as_path)))?;
+    let Source::Stream(stream) = source else {
+        bail!("output {out:?} is a record, which is made of another record (.mcap) alone; give one, or another output")
+    };
+    ensure!(
+        stream.is_record(),
+        "output {out:?} is a record, which is made of another record (.mcap) alone; give one, or another output"
+    );
+    ensure!(
+        args.formats.format.is_empty() && !args.bulk.resume && args.fps.is_none(),
+        "--format, --fps and --resume are not for a record, but output {out:?} is one; drop them"
+    );
+    let topics = [args.left.as_deref(), args.right.as_deref()].map(Option::unwrap_or_default);
+    Ok(Task::Bag(stream, Bag::new(out, topics)?))
 }
 
 fn numbered(args: &VideoArgs, source: Source, inputs: &[PathBuf], pattern: Pattern) -> Result<Task> {

@@ -5,8 +5,9 @@ use crate::engine::images;
 use crate::engine::pair::Pair;
 use crate::engine::pairs;
 use crate::engine::pipeline::{self, MatchedPair, Ran, Refused, Sequence, Setup, Work};
-use crate::engine::stream::Stream;
+use crate::engine::streams::{Stream, is_record};
 use anyhow::{Result, bail, ensure};
+use gpu_stereo::files::calibration::Calibration;
 use gpu_stereo::files::images::{ImagePair, is_video};
 use std::path::Path;
 use std::sync::atomic::AtomicBool;
@@ -28,6 +29,15 @@ impl Source {
         ensure!(
             args.raw_frames.is_none() || (stdin == 1 && names.len() == 1),
             "--raw-frames says what the frames on stdin are, but the frames are not read from there; drop it, or give - alone"
+        );
+        let topics = [args.left.as_deref(), args.right.as_deref()];
+        let records = names.iter().map(|name| is_record(name)).collect::<Result<Vec<_>>>()?;
+        if let ([path], [true]) = (names, &records[..]) {
+            return Ok(Self::Stream(Box::new(Stream::record(path, topics, &args.input)?)));
+        }
+        ensure!(
+            !records.contains(&true) && topics == [None, None],
+            "--left and --right are topics of one record, an .mcap file that is given alone; drop the other names, or the options"
         );
         let pairs = match names {
             [_] if stdin == 1 => return Ok(Self::Stream(Box::new(Stream::stdin(&args.input, args.raw_frames)?))),
@@ -55,6 +65,11 @@ impl Source {
             Self::Files(_, pairs) => images::as_first(&input.of_many(), &pairs[..pairs.len().min(images::FIRST)]),
             Self::Stream(_) => input.clone(),
         }
+    }
+
+    /// The cameras, where a record says them.
+    pub fn calibration(&self) -> Option<&Calibration> {
+        if let Self::Stream(stream) = self { stream.calibration.as_ref() } else { None }
     }
 
     /// The number of the first frame.

@@ -65,6 +65,12 @@ impl Cameras {
         Ok(Self { calibration: Some(Calibration::typed(camera)), middle, vertical, files, part, farthest })
     }
 
+    /// The same, or else those that the images come with.
+    pub fn or(mut self, others: Option<&Calibration>) -> Self {
+        self.calibration = self.calibration.or_else(|| others.cloned());
+        self
+    }
+
     /// Refuses a depth without cameras (`depth`: the option that asks for one); reports cameras that nothing needs.
     pub fn ensure_fit(&self, depth: Option<&str>, needed_otherwise: bool) -> Result<()> {
         match (&self.calibration, depth) {

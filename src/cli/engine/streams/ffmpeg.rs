@@ -61,9 +61,14 @@ impl Ffmpeg {
         Ok(BufReader::with_capacity(1 << 20, stdout))
     }
 
-    /// Gives it bytes; false if it has ended.
+    /// Gives it bytes; false if it takes no more, once it has ended and said why.
     pub fn take(&mut self, bytes: &[u8]) -> bool {
-        self.stdin.as_mut().is_some_and(|stdin| stdin.write_all(bytes).is_ok())
+        let taken = self.stdin.as_mut().is_some_and(|stdin| stdin.write_all(bytes).is_ok());
+        if !taken {
+            self.stdin = None;
+            let _ = self.child.wait();
+        }
+        taken
     }
 
     /// Waits for its end, or stops it. Returns whether it succeeded, how it ended, and what it said in one line.

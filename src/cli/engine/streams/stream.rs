@@ -1,13 +1,16 @@
-//! Streams: pair after pair from videos, which ffmpeg decodes, or from frames on stdin.
+//! Streams: pair after pair from videos, which ffmpeg decodes, from frames on stdin, or from a record.
 
 use super::ffmpeg::{self, Ffmpeg};
-use super::pipeline::Refused;
+use super::record::{Record, Taken};
 use crate::args::InputArgs;
+use crate::engine::pipeline::Refused;
 use crate::terminal::{name, warnings};
 use anyhow::{Error, Result, anyhow, bail, ensure};
+use gpu_stereo::files::calibration::Calibration;
 use gpu_stereo::files::frames::{FrameReader, RawFrames};
 use gpu_stereo::files::images::{Bits, ImagePair, Split, split_frame};
 use image::DynamicImage;
+use std::collections::HashMap;
 use std::io::{BufRead, BufReader};
 use std::path::{Path, PathBuf};
 use std::sync::{Mutex, PoisonError};
@@ -20,6 +23,8 @@ pub struct Stream {
     pub files: Vec<PathBuf>,
     /// Frames a second, if they are known.
     pub rate: Option<f64>,
+    /// The cameras, where a record says them.
+    pub calibration: Option<Calibration>,
     input: InputArgs,
     state: Mutex<State>,
 }
@@ -29,12 +34,33 @@ struct State {
     /// Once a pair was read.
     bits: Option<u32>,
     ended: bool,
+    /// The number of the next pair.
+    next: usize,
+    /// When pairs of a record were taken, until they are asked for.
+    taken: HashMap<usize, Taken>,
 }
 
 enum Sides {
     /// Each frame shows both views.
     Both(Frames, Split),
     Two(Box<[Frames; 2]>),
+    Record(Box<Record>),
+}
+
+/// Why there are no views.
+enum Missing {
+    /// The stream has ended.
+    End,
+    /// This pair cannot be read; the next one may.
+    Pair(Error),
+    /// Nor can those that follow.
+    Rest(Error),
+}
+
+impl From<Error> for Missing {
+    fn from(error: Error) -> Self {
+        Self::Rest(error)
+    }
 }
 
 /// The frames of one source.
@@ -84,9 +110,21 @@ impl Stream {
         Ok(Self::new(files[0].clone(), files.to_vec(), rates.first().copied(), input, sides))
     }
 
+    /// Looks through a record for the pairs of two topics.
+    pub fn record(path: &Path, topics: [Option<&str>; 2], input: &InputArgs) -> Result<Self> {
+        ensure!(
+            input.split.is_none(),
+            "--split is for frames that show both views, but those of a record are of two topics; drop it"
+        );
+        let mut record = Record::open(path, topics)?;
+        let calibration = record.calibration.take();
+        let found = Self::new(path.into(), vec![path.into()], None, input, Sides::Record(Box::new(record)));
+        Ok(Self { calibration, ..found })
+    }
+
     fn new(name: PathBuf, files: Vec<PathBuf>, rate: Option<f64>, input: &InputArgs, sides: Sides) -> Self {
-        let state = Mutex::new(State { sides, bits: None, ended: false });
-        Self { name, files, rate, input: input.clone(), state }
+        let state = Mutex::new(State { sides, bits: None, ended: false, next: 0, taken: HashMap::new() });
+        Self { name, files, rate, calibration: None, input: input.clone(), state }
     }
 
     /// The next pair. A frame that is damaged is the last one.
@@ -96,15 +134,20 @@ impl Stream {
             return Err(Refused::End);
         }
         let is_first = state.bits.is_none();
-        let images = match state.sides.next_views() {
-            Ok(Some(images)) => images,
-            Ok(None) => {
+        let place = state.next;
+        state.next += 1;
+        let read = state.next_views(place);
+        let images = match read {
+            Ok(images) => images,
+            Err(Missing::Pair(error)) if !is_first => return Err(Refused::Pair(error)),
+            Err(missing) => {
                 state.ended = true;
-                return Err(if is_first { Refused::All(self.empty()) } else { Refused::End });
-            }
-            Err(error) => {
-                state.ended = true;
-                return Err(if is_first { Refused::All(error) } else { Refused::Pair(error) });
+                return Err(match missing {
+                    Missing::End if is_first => Refused::All(self.empty()),
+                    Missing::End => Refused::End,
+                    Missing::Pair(error) | Missing::Rest(error) if is_first => Refused::All(error),
+                    Missing::Pair(error) | Missing::Rest(error) => Refused::Pair(error),
+                });
             }
         };
         let images = if self.input.swap {
@@ -122,14 +165,37 @@ impl Stream {
         Ok(pair)
     }
 
+    /// When a pair of a record was taken; it is forgotten then.
+    pub fn taken(&self, place: usize) -> Option<Taken> {
+        self.state.lock().unwrap_or_else(PoisonError::into_inner).taken.remove(&place)
+    }
+
+    /// Whether it is a record.
+    pub fn is_record(&self) -> bool {
+        matches!(self.state.lock().unwrap_or_else(PoisonError::into_inner).sides, Sides::Record(_))
+    }
+
     fn empty(&self) -> Error {
         anyhow!("{} has no frame; give a video that has one", name(&self.name))
+    }
+}
+
+impl State {
+    /// The views of the next pair, which has this number.
+    fn next_views(&mut self, place: usize) -> Result<[DynamicImage; 2], Missing> {
+        if let Sides::Record(record) = &mut self.sides {
+            let (images, taken) = record.next_pair()?.ok_or(Missing::End)?;
+            self.taken.insert(place, taken);
+            return images.map_err(Missing::Pair);
+        }
+        self.sides.next_views()?.ok_or(Missing::End)
     }
 }
 
 impl Sides {
     fn names(&self) -> [&Path; 2] {
         match self {
+            Self::Record(record) => [record.path(); 2],
             Self::Both(frames, _) => [&frames.name; 2],
             Self::Two(sides) => sides.each_ref().map(|side| side.name.as_path()),
         }
@@ -138,6 +204,7 @@ impl Sides {
     /// The views of the next pair; `None` at the end of a side.
     fn next_views(&mut self) -> Result<Option<[DynamicImage; 2]>> {
         match self {
+            Self::Record(_) => Ok(None), // its pairs come with their stamps
             Self::Both(frames, split) => {
                 let Some(frame) = frames.next_frame()? else { return Ok(None) };
                 Ok(Some(split_frame(&frame, *split, &format!("a frame of {}", name(&frames.name)))?))

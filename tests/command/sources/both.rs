@@ -36,7 +36,7 @@ fn pictures([left, right]: &[GrayImage; 2]) -> [(&'static str, GrayImage); 6] {
         both
     };
     let woven = |first: &GrayImage, second: &GrayImage| {
-        let pixel = |x, y: u32| *if y % 2 == 0 { first } else { second }.get_pixel(x, y / 2);
+        let pixel = |x, y: u32| *if y.is_multiple_of(2) { first } else { second }.get_pixel(x, y / 2);
         GrayImage::from_fn(width, 2 * height, pixel)
     };
     [
@@ -236,19 +236,21 @@ fn a_jps_tells_how_it_shows_both_views() {
     refuses(folder.path(), &alone("a.jps", &[]), &["a.jps", "anaglyph"]);
 }
 
-/// `sbs.png` of the reproducers, whose background has a disparity of 8 px.
+/// `sbs.png` and `lfs_pointer.png` of the reproducers.
 #[test]
-fn the_reproducer() {
+fn the_reproducers() {
     let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("../shared/cases");
     if !folder.is_dir() {
         use std::io::Write as _;
-        let _ = writeln!(std::io::stderr(), "NOT TESTED: sbs.png, since ../shared/cases is missing");
+        let _ =
+            writeln!(std::io::stderr(), "NOT TESTED: sbs.png and lfs_pointer.png, since ../shared/cases is missing");
         return;
     }
     let work = scene();
-    for name in ["sbs.png", "l.png", "r.png"] {
+    for name in ["sbs.png", "l.png", "r.png", "lfs_pointer.png"] {
         fs::copy(folder.join(name), work.path().join(name)).unwrap();
     }
+    refuses(work.path(), &alone("lfs_pointer.png", &["--split", "sbs"]), &["Git LFS pointer", "git lfs pull"]);
     refuses(work.path(), &alone("sbs.png", &[]), &["--split sbs"]);
     let both = map(&work, &["sbs.png", "--split", "sbs", "--disp", "32", "--backend", "cpu", "-q"]);
     assert!(both == map(&work, &["l.png", "r.png", "--disp", "32", "--backend", "cpu", "-q"]));
