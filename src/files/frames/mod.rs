@@ -1,5 +1,6 @@
 //! Frames: streams of pictures without a file each, as `ffmpeg` and cameras write them into a pipe, and the pixels of messages.
 
+mod lines;
 mod packing;
 mod pam;
 mod raw;

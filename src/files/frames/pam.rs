@@ -1,7 +1,7 @@
 //! PAM: a header of text before the pixels of each frame, as `ffmpeg -f image2pipe -c:v pam` writes them.
 
+use super::lines::line;
 use super::packing::{Packing, RGB8, RGBA8};
-use super::reader::line;
 use crate::files::error::{Result, bail, ensure};
 use std::io::BufRead;
 

@@ -1,7 +1,7 @@
 //! Y4M (YUV4MPEG2): one header of text, then frames of planes.
 
+use super::lines::line;
 use super::packing::Packing;
-use super::reader::line;
 use crate::files::error::{Context as _, Result, bail, ensure};
 use std::io::BufRead;
 

@@ -1,6 +1,6 @@
 //! CDR, the encoding of ROS 2: four bytes that tell the order of bytes, then numbers aligned to their size.
 
-use super::Header;
+use super::header::Header;
 use crate::files::error::{Context as _, Result, bail, ensure};
 
 /// Reads a message from its start.

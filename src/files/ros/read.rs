@@ -1,13 +1,23 @@
 //! Messages that are read: images, compressed images, and what a camera says of itself.
 
-use super::Header;
 use super::cdr::Reader;
 use super::encodings::{packing, row_bytes};
+use super::header::Header;
 use crate::files::calibration::{Calibration, Reading, Source};
 use crate::files::error::{Context as _, Result, bail, ensure};
 use crate::files::images;
 use image::DynamicImage;
 use std::path::Path;
+
+impl Header {
+    /// The header that a message begins with.
+    ///
+    /// # Errors
+    /// If the message is cut short or not in CDR.
+    pub fn read(message: &[u8]) -> Result<Self> {
+        Reader::new(message)?.header()
+    }
+}
 
 /// An image, decoded.
 #[derive(Clone, Debug)]

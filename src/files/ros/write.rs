@@ -1,7 +1,7 @@
 //! Messages that are written: disparities, depths and points.
 
-use super::Header;
 use super::cdr::Writer;
+use super::header::Header;
 use crate::files::encoders::{Point, coloured, metres};
 use crate::{Camera, DepthMap, DisparityMap, Image};
 

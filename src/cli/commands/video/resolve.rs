@@ -4,7 +4,7 @@ use super::bag::Bag;
 use super::film::{self, Film};
 use super::numbered::{Naming, Numbered};
 use super::source::Source;
-use super::{Task, Video};
+use super::task::{Task, Video};
 use crate::args::{self, InputArgs, VideoArgs};
 use crate::commands::network;
 use crate::engine::compute::{Cameras, ParamsBySize};
