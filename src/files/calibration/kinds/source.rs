@@ -13,6 +13,9 @@ use std::path::Path;
 /// The largest file that is read.
 const MAX_BYTES: u64 = 1 << 20;
 
+/// The calibration in two files.
+type OfTwo<T> = fn(&T, &T, Reading) -> Result<Found>;
+
 /// A kind of calibration file; `T` is what its text is parsed into.
 struct Kind<T: ?Sized + 'static> {
     name: &'static str,
@@ -21,7 +24,7 @@ struct Kind<T: ?Sized + 'static> {
     /// The calibration in a file.
     read: fn(&T, Reading) -> Result<Found>,
     /// The same of the left camera's file and the right one's, or of two files of one calibration.
-    pair: Option<fn(&T, &T, Reading) -> Result<Found>>,
+    pair: Option<OfTwo<T>>,
     /// Whether a file may have several cameras, of which `--calib-cams` takes two.
     several: bool,
 }

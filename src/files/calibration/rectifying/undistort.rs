@@ -70,7 +70,7 @@ fn of_fisheye([x, y]: [f64; 2], [k1, k2, k3, k4]: &[f64; 4]) -> Option<[f64; 3]>
         scale = angle.tan() / bent;
     }
     let ahead = found && (0.0..std::f64::consts::FRAC_PI_2).contains(&angle);
-    ahead.then(|| [x * scale, y * scale, 1.0])
+    ahead.then_some([x * scale, y * scale, 1.0])
 }
 
 /// V. Usenko et al., "The Double Sphere Camera Model", equations 46 to 51.
