@@ -69,7 +69,7 @@ pub fn picture(given: [u32; 2], fitted: &Fitted, lenses: [Lens; 2]) -> Result<Ve
 fn outline(picture: &mut RgbImage, margin: [f64; 2], frame: [f64; 2]) {
     let [left, top] = margin.map(|side| side as u32);
     let [right, bottom] = [0, 1].map(|axis| (margin[axis] + frame[axis]) as u32 - 1);
-    let dashed = |at: u32| at / 6 % 2 == 0;
+    let dashed = |at: u32| (at / 6).is_multiple_of(2);
     for x in (left..=right).filter(|&x| dashed(x)) {
         [top, bottom].into_iter().for_each(|y| picture.put_pixel(x, y, Rgb(WHITE)));
     }

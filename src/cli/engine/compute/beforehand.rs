@@ -59,13 +59,11 @@ impl Beforehand {
         let Some(rectification) = self.rectification.as_ref().filter(|rectification| rectification.is_turned()) else {
             return matched;
         };
-        let map = |map: &DisparityMap| DisparityMap {
-            width: map.height,
-            height: map.width,
-            data: rectification.upright(&map.data),
+        let map = |map: &DisparityMap| {
+            let data = rectification.upright(&map.data);
+            DisparityMap { width: map.height, height: map.width, data }
         };
-        matched.map = map(&matched.map);
-        matched.right = matched.right.as_ref().map(map);
+        (matched.map, matched.right) = (map(&matched.map), matched.right.as_ref().map(map));
         let [height, width] = rectification.rectified_size();
         matched.confidence =
             matched.confidence.map(|all| ConfidenceMap { width, height, data: rectification.upright(&all.data) });
