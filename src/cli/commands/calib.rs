@@ -2,27 +2,17 @@
 
 mod fields;
 mod report;
+mod understood;
 
 use super::outcome::Outcome;
 use crate::args::CalibArgs;
 use crate::engine::output_files;
 use crate::terminal::{self, message};
 use anyhow::{Context as _, Result};
-use gpu_stereo::files::calibration::{Calibration, Description, Fitted, Source};
+use gpu_stereo::files::calibration::{Calibration, Source};
 use gpu_stereo::files::outputs;
 use report::CalibReport;
-
-/// A calibration, and what it is for images of a size.
-pub struct Understood {
-    /// What it says.
-    pub description: Description,
-    /// Whether the pairs must be rectified.
-    pub lenses: bool,
-    /// Columns and rows of the images, and the rectified cameras, where the size is known.
-    pub fitted: Option<([u32; 2], Fitted)>,
-    /// What is doubtful or missing.
-    pub notes: Vec<String>,
-}
+use understood::Understood;
 
 /// Prints what is understood, and draws the fields of view.
 pub fn run(args: &CalibArgs) -> Result<Outcome> {

@@ -1,6 +1,6 @@
 //! The report of `calib`, as a table and as JSON.
 
-use super::Understood;
+use super::understood::Understood;
 use crate::terminal::{self, table};
 use anyhow::Result;
 use gpu_stereo::files::calibration::{DescribedCamera, Fitted, turn_of};

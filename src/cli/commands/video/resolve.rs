@@ -130,7 +130,7 @@ fn bag(args: &VideoArgs, source: Source, inputs: &[PathBuf]) -> Result<Task> {
         "--format, --fps and --resume are not for a record, but output {out:?} is one; drop them"
     );
     let topics = [args.left.as_deref(), args.right.as_deref()].map(Option::unwrap_or_default);
-    Ok(Task::Bag(stream, Bag::new(out, topics)?))
+    Ok(Task::Bag(stream, Box::new(Bag::new(out, topics)?)))
 }
 
 fn numbered(args: &VideoArgs, source: Source, inputs: &[PathBuf], pattern: Pattern) -> Result<Task> {

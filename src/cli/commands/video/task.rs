@@ -37,7 +37,7 @@ pub enum Task {
     Folder(Box<Store>),
     Numbered(Source, Numbered),
     Film(Source, Film),
-    Bag(Box<Stream>, Bag),
+    Bag(Box<Stream>, Box<Bag>),
 }
 
 impl Video {
