@@ -191,7 +191,7 @@ fn what_is_no_calibration_is_refused() {
         (b"a: [1, 2".to_vec(), "YAML"),
         ("[".repeat(100_000).into_bytes(), "YAML"),
         ("- ".repeat(100_000).into_bytes(), "deep"),
-        (b"a: &x [1]\nb: *x\n".to_vec(), "alias"),
+        (b"a: &x [1]\nb: *x\n".to_vec(), "no known kind"),
         (b"a: 1\n".to_vec(), "no known kind"),
         (b"<opencv_storage><P1>".to_vec(), "XML"),
         (b"<opencv_storage></opencv_storage>".to_vec(), "no named value"),

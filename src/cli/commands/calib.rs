@@ -19,7 +19,7 @@ pub fn run(args: &CalibArgs) -> Result<Outcome> {
     let inputs: Vec<_> =
         [Some(&args.file), args.right.as_ref()].into_iter().flatten().map(|path| path.as_path()).collect();
     let output = args.output.as_deref().map(|path| output_files::resolve_fields(path, &inputs)).transpose()?;
-    let understood = understood(args)?;
+    let understood = understand(args)?;
     let mut report = CalibReport::of(&understood)?;
     if let Some(output) = &output {
         let (size, fitted) = understood
@@ -42,7 +42,7 @@ pub fn run(args: &CalibArgs) -> Result<Outcome> {
 }
 
 /// Reads it as of cameras that are to be rectified, or else as of a rectified pair.
-fn understood(args: &CalibArgs) -> Result<Understood> {
+fn understand(args: &CalibArgs) -> Result<Understood> {
     let source = Source::read(&args.file)?;
     let right = args.right.as_deref().map(Source::read).transpose()?;
     let read = |lenses| Calibration::of(&source, right.as_ref(), args.reading.reading(lenses));

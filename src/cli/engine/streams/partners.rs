@@ -41,11 +41,11 @@ pub fn partners(stamps: [&[i64]; 2]) -> Partners {
     Partners { pairs, apart }
 }
 
-/// Half of the usual time between two images: the median. Of a single image it is not known, and any is near enough.
+/// Half of the usual time between two images: the lower median. Of a single image it is not known, and any is near enough.
 fn half_a_period(sorted: &[(i64, usize)]) -> i64 {
     let mut periods: Vec<_> = sorted.windows(2).map(|pair| pair[1].0.saturating_sub(pair[0].0)).collect();
     periods.sort_unstable();
-    periods.get(periods.len() / 2).map_or(i64::MAX, |period| period / 2)
+    periods.get(periods.len().saturating_sub(1) / 2).map_or(i64::MAX, |period| period / 2)
 }
 
 #[cfg(test)]
