@@ -216,7 +216,7 @@ fn what_is_no_calibration_is_refused() {
         (before(KITTI, "-45.5", "inf"), "not finite"),
         (before(OPENCV, "P2", "P3"), "no P2"),
         (before(OPENCV, "cols: 4", "cols: 5"), "3 x 5"),
-        (before(OPENCV, "-50., 0., 100., 15.5, 0.", "0., 0., 100., 15.5, -50."), "side by side"),
+        (before(OPENCV, "-50., 0., 100., 15.5, 0.", "0., 0., 100., 15.5, -50."), "lie in the columns"),
         (before(OPENCV, "-50.", ".Nan"), "Nan"),
         (before(OPENCV, "67, 31", "640, 480"), "640x480"),
         (before(Q, "2., 3.", "0., 3."), "Q"),
