@@ -2,7 +2,9 @@
 //!
 //! On the CPU, so that no adapter is needed, but for one test of mixed pairs.
 
-use crate::support::{SHIFT, command, contents, is_one_line_error, refuses, run, stderr, stdout, succeeds, texture};
+use crate::support::{
+    SHIFT, command, contents, is_one_line_error, not_tested, refuses, run, stderr, stdout, succeeds, texture,
+};
 use image::{DynamicImage, GrayImage, Luma};
 use serde_json::{Value, json};
 use std::collections::{BTreeMap, BTreeSet};
@@ -180,7 +182,7 @@ fn sizes_and_samples_are_mixed() {
     fs::write(folder.path().join("other.csv"), rows.join("\n")).unwrap();
     let adapter = std::env::var_os("GPU_STEREO_NO_ADAPTER").is_none();
     if !adapter {
-        let _ = writeln!(std::io::stderr(), "NOT TESTED: there is no adapter, and GPU_STEREO_NO_ADAPTER is set");
+        not_tested("there is no adapter, and GPU_STEREO_NO_ADAPTER is set");
     }
     for backend in if adapter { &["cpu", "gpu"][..] } else { &["cpu"] } {
         for list in ["pairs.csv", "other.csv"] {

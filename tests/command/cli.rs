@@ -3,7 +3,8 @@
 //! Everything runs on the CPU, so that no adapter is needed; where adapters matter the tests say so.
 
 use crate::support::{
-    SHIFT, command, contents, is_one_line_error, on, pair, refuses, run, scene, stderr, stdout, succeeds, texture,
+    SHIFT, command, contents, is_one_line_error, not_tested, on, pair, refuses, run, scene, stderr, stdout, succeeds,
+    texture,
 };
 use gpu_stereo::{Params, Preset};
 use image::{DynamicImage, GrayImage, ImageBuffer, ImageFormat, Luma, Rgb, Rgba};
@@ -1082,7 +1083,7 @@ fn shaders_are_written_into_a_folder_of_their_own() {
     let folder = scene();
     if succeeds(folder.path(), &["--list-adapters", "--json"]).stdout.starts_with(b"[]") {
         assert!(std::env::var_os("GPU_STEREO_NO_ADAPTER").is_some(), "no adapter was found");
-        eprintln!("NOT TESTED: there is no adapter, and GPU_STEREO_NO_ADAPTER is set");
+        not_tested("there is no adapter, and GPU_STEREO_NO_ADAPTER is set");
         return;
     }
     let pair =

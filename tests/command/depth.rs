@@ -3,6 +3,7 @@
 //!
 //! Everything runs on the CPU, so that no adapter is needed.
 
+use crate::support::{command, not_tested, stderr};
 use image::RgbImage;
 use std::fs;
 use std::io::Write as _;
@@ -12,14 +13,9 @@ use std::process::{Command, Output};
 const FILES: [&str; 6] = ["depth.png", "depth.pfm", "depth.npy", "depth.tif", "scene.ply", "scene.pcd"];
 
 fn run(folder: &Path, args: &[&str]) -> Output {
-    let mut command = Command::new(env!("CARGO_BIN_EXE_gpu-stereo"));
-    command.current_dir(folder).env("RUST_BACKTRACE", "1");
     let disparities = if args.contains(&"--disp") { &[][..] } else { &["--disp", "16"] };
+    let mut command = command(folder);
     command.args(["left.png", "right.png", "--backend", "cpu"]).args(disparities).args(args).output().unwrap()
-}
-
-fn stderr(output: &Output) -> String {
-    String::from_utf8(output.stderr.clone()).unwrap()
 }
 
 /// What tests/command/depth.py says of a folder; `None` where there is no Python, and then says so.
@@ -33,8 +29,7 @@ fn read_again(folder: &Path, camera: [f64; 5], truth: Option<&Path>) -> Option<S
             Some(String::from_utf8(output.stdout).unwrap())
         }
         Err(error) => {
-            // Not eprintln!, which the test harness holds back when a test passes.
-            let _ = writeln!(std::io::stderr(), "NOT TESTED: the files of a depth, python3 does not start: {error}");
+            not_tested(&format!("the files of a depth, python3 does not start: {error}"));
             None
         }
     }

@@ -1,23 +1,17 @@
 //! Figures against a truth: tests/command/evaluation.py, which follows docs/EVALUATION.md alone, finds the same; every file
 //! format is read, and what is no map is refused.
 
-use crate::support::{contents, refuses, run, stderr, stdout, succeeds};
+use crate::support::{contents, not_tested, refuses, run, shared, stderr, stdout, succeeds};
 use image::{DynamicImage, GrayImage, ImageBuffer, Luma};
 use rand::{Rng, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 use serde_json::Value;
 use std::fs;
-use std::io::Write as _;
 use std::path::{Path, PathBuf};
 use std::process::Command;
 
 const SCRIPT: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/tests/command/evaluation.py");
 const NAN: f32 = f32::NAN;
-
-fn not_tested(what: &str) {
-    // Past libtest's capture, which hides what a passing test prints.
-    let _ = writeln!(std::io::stderr(), "NOT TESTED: {what}");
-}
 
 /// What the script finds for each case; `None` where there is no Python, and then says so.
 fn python(folder: &Path, cases: &[Vec<String>]) -> Option<Vec<Value>> {
@@ -207,12 +201,7 @@ fn figures_equal_those_of_the_page() {
 
 /// The collection beside the checkout, if there is one.
 fn collection() -> Option<PathBuf> {
-    let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("../shared/data");
-    let found = folder.join("MANIFEST.json").is_file();
-    if !found {
-        not_tested("real maps against docs/EVALUATION.md, since there is no ../shared/data");
-    }
-    found.then(|| folder.canonicalize().unwrap())
+    shared("data", "real maps against docs/EVALUATION.md")
 }
 
 #[test]
@@ -758,11 +747,7 @@ fn a_manifest_and_scenes_that_fail() {
 
 #[test]
 fn truths_of_other_programs_are_read_or_doubted() {
-    let cases = Path::new(env!("CARGO_MANIFEST_DIR")).join("../shared/cases");
-    if !cases.is_dir() {
-        not_tested("truths of other programs, since there is no ../shared/cases");
-        return;
-    }
+    let Some(cases) = shared("cases", "truths of other programs") else { return };
     let told = |args: &[&str]| -> (Value, String) {
         let output = succeeds(&cases, &[&["eval", "--json"], args].concat());
         (serde_json::from_str(&stdout(&output)).unwrap(), stderr(&output))

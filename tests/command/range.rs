@@ -1,6 +1,6 @@
 //! `--disp auto` as a user meets it: the range that it finds, on small pairs and on real ones with a truth.
 
-use crate::support::{SHIFT, is_one_line_error, pair, run, stderr, succeeds};
+use crate::support::{SHIFT, is_one_line_error, pair, run, shared, stderr, succeeds};
 use serde_json::Value;
 use std::path::Path;
 
@@ -57,11 +57,7 @@ fn what_has_no_range_is_refused() {
 /// At least 99.5 % of the true disparities, in a range that is at most 1.5 times as wide as theirs.
 #[test]
 fn the_range_of_real_pairs_is_theirs() {
-    let data = Path::new(env!("CARGO_MANIFEST_DIR")).join("../shared/data");
-    if !data.is_dir() {
-        eprintln!("NOT TESTED: ../shared/data is absent");
-        return;
-    }
+    let Some(data) = shared("data", "the range of real pairs") else { return };
     let of = [
         ("middlebury2001/tsukuba", 16),
         ("middlebury2001/venus", 8),

@@ -3,7 +3,9 @@
 //!
 //! On the CPU, so that no adapter is needed.
 
-use crate::support::{SHIFT, command, contents, is_one_line_error, refuses, run, stderr, succeeds, texture};
+use crate::support::{
+    SHIFT, command, contents, is_one_line_error, not_tested, refuses, run, stderr, succeeds, texture,
+};
 use image::{GrayImage, Luma};
 use rand::{Rng as _, SeedableRng as _};
 use rand_chacha::ChaCha8Rng;
@@ -11,7 +13,6 @@ use serde_json::Value;
 use std::collections::BTreeMap;
 use std::ffi::{OsStr, OsString};
 use std::fs::{self, File};
-use std::io::Write as _;
 use std::os::unix::ffi::OsStrExt as _;
 use std::os::unix::fs::symlink;
 use std::path::{Path, PathBuf};
@@ -80,10 +81,6 @@ fn limited(folder: &Path, limit: &str, args: &[&str]) -> Output {
     let mut sh = Command::new("sh");
     sh.current_dir(folder).args(["-c", &format!("{limit}; exec \"$@\""), "sh", env!("CARGO_BIN_EXE_gpu-stereo")]);
     sh.args(args).output().unwrap()
-}
-
-fn not_tested(why: &str) {
-    let _ = writeln!(std::io::stderr(), "NOT TESTED: {why}");
 }
 
 // Changed images.

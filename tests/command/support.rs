@@ -5,6 +5,7 @@ use image::{GrayImage, Luma};
 use std::collections::BTreeMap;
 use std::ffi::OsStr;
 use std::fs;
+use std::io::Write as _;
 use std::path::{Path, PathBuf};
 use std::process::{Command, Output};
 use tempfile::TempDir;
@@ -20,6 +21,20 @@ pub fn command(folder: &Path) -> Command {
 
 pub fn run<A: AsRef<OsStr>>(folder: &Path, args: &[A]) -> Output {
     command(folder).args(args).output().unwrap()
+}
+
+/// Says what is not tested: past libtest's capture, which hides what a passing test prints.
+pub fn not_tested(what: &str) {
+    let _ = writeln!(std::io::stderr(), "NOT TESTED: {what}");
+}
+
+/// A folder of ../shared beside the checkout; where it is missing, says that `what` is not tested.
+pub fn shared(folder: &str, what: &str) -> Option<PathBuf> {
+    let found = Path::new(env!("CARGO_MANIFEST_DIR")).join("../shared").join(folder).canonicalize().ok();
+    if found.is_none() {
+        not_tested(&format!("{what}, since there is no ../shared/{folder}"));
+    }
+    found
 }
 
 pub fn stdout(output: &Output) -> String {

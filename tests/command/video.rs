@@ -2,12 +2,13 @@
 //!
 //! On the CPU, so that no adapter is needed, but for one test of the stream.
 
-use crate::support::{SHIFT, command, contents, is_one_line_error, refuses, run, stderr, stdout, succeeds, texture};
+use crate::support::{
+    SHIFT, command, contents, is_one_line_error, not_tested, refuses, run, stderr, stdout, succeeds, texture,
+};
 use image::{GrayImage, Luma};
 use serde_json::Value;
 use std::collections::BTreeSet;
 use std::fs;
-use std::io::Write as _;
 use std::path::Path;
 use std::process::Output;
 use tempfile::TempDir;
@@ -113,7 +114,7 @@ fn folders_give_what_single_runs_give() {
 #[test]
 fn a_stream_on_an_adapter_gives_the_same_bits_in_the_same_order() {
     if std::env::var_os("GPU_STEREO_NO_ADAPTER").is_some() {
-        let _ = writeln!(std::io::stderr(), "NOT TESTED: there is no adapter, and GPU_STEREO_NO_ADAPTER is set");
+        not_tested("there is no adapter, and GPU_STEREO_NO_ADAPTER is set");
         return;
     }
     let numbers: Vec<String> = (0..9).map(|number| format!("{number:03}")).collect();

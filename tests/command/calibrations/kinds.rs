@@ -6,7 +6,6 @@ use crate::support;
 use std::fmt::Write as _;
 use std::fs;
 use std::io::Write as _;
-use std::path::Path;
 
 const RECTIFY: [&str; 2] = ["--rectify", "calib"];
 const LENS: [f64; 5] = [0.1, 0.0, 0.001, 0.0, 0.0];
@@ -458,11 +457,7 @@ fn the_images_tell_the_resolution() {
 /// The kinds of ../shared/cases.
 #[test]
 fn cases() {
-    let cases = Path::new(env!("CARGO_MANIFEST_DIR")).join("../shared/cases");
-    if !cases.is_dir() {
-        eprintln!("NOT TESTED: calibrations of ../shared/cases, which is not there");
-        return;
-    }
+    let Some(cases) = support::shared("cases", "calibrations that people bring") else { return };
     let run = |file: &str, options: &[&str]| {
         let mut command = support::command(&cases);
         command.args(["l.png", "r.png", "--disp", "32", "--backend", "cpu", "--json", "-o"]);

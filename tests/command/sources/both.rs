@@ -2,12 +2,11 @@
 //!
 //! On the CPU, so that no adapter is needed.
 
-use crate::support::{pair, refuses, scene, stderr, succeeds};
+use crate::support::{pair, refuses, scene, shared, stderr, succeeds};
 use image::codecs::jpeg::JpegEncoder;
 use image::{DynamicImage, GenericImage as _, GrayImage, Luma};
 use serde_json::Value;
 use std::fs;
-use std::path::Path;
 use tempfile::TempDir;
 
 /// A run of one file.
@@ -239,13 +238,7 @@ fn a_jps_tells_how_it_shows_both_views() {
 /// `sbs.png` and `lfs_pointer.png` of the reproducers.
 #[test]
 fn the_reproducers() {
-    let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("../shared/cases");
-    if !folder.is_dir() {
-        use std::io::Write as _;
-        let _ =
-            writeln!(std::io::stderr(), "NOT TESTED: sbs.png and lfs_pointer.png, since ../shared/cases is missing");
-        return;
-    }
+    let Some(folder) = shared("cases", "sbs.png and lfs_pointer.png") else { return };
     let work = scene();
     for name in ["sbs.png", "l.png", "r.png", "lfs_pointer.png"] {
         fs::copy(folder.join(name), work.path().join(name)).unwrap();

@@ -2,7 +2,7 @@
 //!
 //! On the CPU, so that no adapter is needed.
 
-use crate::support::{SHIFT, contents, is_one_line_error, pair, refuses, run, stderr, succeeds, texture};
+use crate::support::{SHIFT, contents, is_one_line_error, not_tested, pair, refuses, run, stderr, succeeds, texture};
 use image::codecs::jpeg::JpegEncoder;
 use image::codecs::png::PngEncoder;
 use image::{DynamicImage, ExtendedColorType, GrayImage, ImageEncoder as _, Luma};
@@ -11,7 +11,6 @@ use mcap::{Compression, WriteOptions, Writer};
 use serde_json::Value;
 use std::collections::BTreeMap;
 use std::fs::{self, File};
-use std::io::Write as _;
 use std::path::Path;
 use std::process::Command;
 use tempfile::TempDir;
@@ -382,7 +381,7 @@ fn other_readers_read_the_same() {
     let there = Command::new(&python).args(["-c", "import rosbags, mcap_ros2, numpy"]).output();
     if !there.is_ok_and(|output| output.status.success()) {
         let why = "the packages rosbags, mcap-ros2-support and numpy are missing (GPU_STEREO_PYTHON names a Python that has them)";
-        let _ = writeln!(std::io::stderr(), "NOT TESTED: other readers of records, since {why}");
+        not_tested(&format!("other readers of records, since {why}"));
         return;
     }
     let folder = tempfile::tempdir().unwrap();

@@ -2,7 +2,9 @@
 //!
 //! On the CPU, so that no adapter is needed.
 
-use crate::support::{SHIFT, command, contents, is_one_line_error, refuses, stderr, stdout, succeeds, texture};
+use crate::support::{
+    SHIFT, command, contents, is_one_line_error, not_tested, refuses, stderr, stdout, succeeds, texture,
+};
 use image::{GrayImage, Luma};
 use serde_json::Value;
 use std::fs;
@@ -57,7 +59,7 @@ fn started(folder: &Path, args: &[&str]) -> Child {
 fn has_ffmpeg() -> bool {
     let there = Command::new("ffmpeg").arg("-version").stdout(Stdio::null()).status().is_ok_and(|s| s.success());
     if !there {
-        let _ = writeln!(std::io::stderr(), "NOT TESTED: videos, since ffmpeg is missing");
+        not_tested("videos, since ffmpeg is missing");
     }
     there
 }
