@@ -3,9 +3,26 @@
 
 use anyhow::Result;
 use gpu_stereo::{
-    ConfidenceMap, DepthMap, DisparityMap, Error, Image, Masks, Matched, Params, Pixels, Rectification, reference,
+    ConfidenceMap, DepthMap, DisparityMap, Error, Image, Masks, Matched, Params, PixelFormat, Pixels, Rectification,
+    reference,
 };
 use std::borrow::Cow;
+
+/// What a matcher is made for.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Shape {
+    /// Columns and rows.
+    pub size: [u32; 2],
+    /// The samples.
+    pub format: PixelFormat,
+}
+
+impl Shape {
+    /// That of an image.
+    pub fn of(image: &Image) -> Self {
+        Self { size: [image.width(), image.height()], format: image.format() }
+    }
+}
 
 /// What is done before and after, and the settings between.
 pub struct Beforehand {
@@ -39,19 +56,10 @@ impl Beforehand {
         })
     }
 
-    /// An image of the size and format that the matcher takes.
-    pub fn like<'a>(&self, image: &'a Image) -> Result<Cow<'a, Image>, Error> {
-        let Some(rectification) = &self.rectification else { return Ok(Cow::Borrowed(image)) };
-        let [width, height] = rectification.rectified_size();
-        let pixels = width as usize * height as usize;
-        let blank = match image.pixels() {
-            Pixels::Gray8(_) => Pixels::Gray8(vec![0; pixels]),
-            Pixels::Gray16(_) => Pixels::Gray16(vec![0; pixels]),
-            Pixels::Rgba8(_) => Pixels::Rgba8(vec![0; 4 * pixels]),
-            Pixels::Rgba16(_) => Pixels::Rgba16(vec![0; 4 * pixels]),
-            other => return Err(Error::Image(format!("pixels of the kind {other:?} cannot be rectified"))),
-        };
-        Image::new(width, height, blank).map(Cow::Owned)
+    /// The shape of the images that the matcher takes, where such are given.
+    pub fn shape(&self, image: &Image) -> Shape {
+        let given = Shape::of(image);
+        Shape { size: self.rectification.as_ref().map_or(given.size, Rectification::rectified_size), ..given }
     }
 
     /// What a matcher made, as it lies in the rectified images before they were turned.

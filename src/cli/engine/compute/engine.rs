@@ -1,6 +1,6 @@
 //! The engine computes the maps of pairs of one size and format: on an adapter, by the native schedule or by the reference.
 
-use super::beforehand::Beforehand;
+use super::beforehand::{Beforehand, Shape};
 use super::names::EngineNames;
 use super::on_cpu::{self, OnCpu};
 use crate::args::{Backend, DeviceArgs};
@@ -52,11 +52,11 @@ impl Engine {
     /// only an adapter can do.
     pub fn open(device: &DeviceArgs, needed_for: Option<&str>, image: &Image, params: &Params) -> Result<Self> {
         let before = Beforehand::of(params)?;
-        let (image, params) = (&*before.like(image)?, &before.params);
+        let (shape, params) = (before.shape(image), &before.params);
         let (backend, wanted) = (device.backend, device.adapter.as_deref());
         match backend {
-            Backend::Cpu => return Ok(Self::Cpu(OnCpu::native(image, params, None)?)),
-            Backend::Reference => return Ok(Self::Cpu(OnCpu::reference(image, params)?)),
+            Backend::Cpu => return Ok(Self::Cpu(OnCpu::native(shape, params, None)?)),
+            Backend::Reference => return Ok(Self::Cpu(OnCpu::reference(shape, params)?)),
             Backend::Auto | Backend::Gpu => {}
         }
         let mut adapters = adapter::ranked()?;
@@ -73,7 +73,7 @@ impl Engine {
                 passed.get_or_insert(info.name);
                 continue;
             }
-            let opened = adapter::open(adapter).and_then(|opened| Self::on(opened, image, params));
+            let opened = adapter::open(adapter).and_then(|opened| Self::on(opened, shape, params));
             match opened {
                 Ok(engine) => return Ok(engine),
                 // An adapter that cannot run the kernels is skipped, and that is reported.
@@ -93,7 +93,7 @@ impl Engine {
         if adapters.is_empty() && !why.is_empty() {
             message(&format!("note: there is no adapter{why}; computing on the CPU"));
         }
-        Ok(Self::Cpu(OnCpu::native(image, params, passed)?))
+        Ok(Self::Cpu(OnCpu::native(shape, params, passed)?))
     }
 
     /// The engine in `kept` with other settings, or a new one if there is none or another one computes faster with these; it
@@ -105,7 +105,7 @@ impl Engine {
         params: &Params,
     ) -> Result<&'a Self> {
         let before = Beforehand::of(params)?;
-        let (like, matched) = (&*before.like(image)?, &before.params);
+        let (shape, matched) = (before.shape(image), &before.params);
         let by_method = device.backend == Backend::Auto && device.adapter.is_none();
         let fits = |kept: &Self| match kept {
             Self::Adapter(on) => on.opened.info.device_type != DeviceType::Cpu || on_cpu_adapters(params.method),
@@ -117,16 +117,16 @@ impl Engine {
             Some(Self::Adapter(on)) => {
                 let OnAdapter { opened, matcher } = *on;
                 drop(matcher); // its memory goes to the next one
-                Self::on(opened, like, matched)?
+                Self::on(opened, shape, matched)?
             }
-            Some(Self::Cpu(on)) => Self::Cpu(on.again(like, matched)?),
+            Some(Self::Cpu(on)) => Self::Cpu(on.again(shape, matched)?),
         };
         Ok(kept.insert(engine))
     }
 
-    fn on(opened: Opened, image: &Image, params: &Params) -> Result<Self, Error> {
-        let (width, height) = (image.width(), image.height());
-        let matcher = StereoMatcher::new(&opened.device, &opened.queue, width, height, image.format(), params);
+    fn on(opened: Opened, shape: Shape, params: &Params) -> Result<Self, Error> {
+        let Shape { size: [width, height], format } = shape;
+        let matcher = StereoMatcher::new(&opened.device, &opened.queue, width, height, format, params);
         opened.fault()?;
         let matcher = matcher?;
         Ok(Self::Adapter(Box::new(OnAdapter { opened, matcher })))

@@ -7,7 +7,7 @@ mod names;
 mod on_cpu;
 mod range;
 
-pub use beforehand::{Beforehand, upright};
+pub use beforehand::{Beforehand, Shape, upright};
 pub use cameras::{Cameras, ParamsBySize};
 pub use engine::{Computed, Engine, FrameMs, OnAdapter};
 pub use names::EngineNames;

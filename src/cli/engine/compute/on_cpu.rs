@@ -1,5 +1,6 @@
 //! What computes without an adapter: the native schedule, or the reference.
 
+use super::beforehand::Shape;
 use super::names::EngineNames;
 use anyhow::Result;
 use gpu_stereo::cpu::{CpuMatcher, has_own_stages};
@@ -22,34 +23,35 @@ pub enum OnCpu {
 }
 
 impl OnCpu {
-    /// The native schedule for pairs that are as `image` is, if the memory that is left holds them.
-    pub fn native(image: &Image, params: &Params, adapter: Option<String>) -> Result<Self, Error> {
-        let matcher = CpuMatcher::new(image.width(), image.height(), image.format(), params)?;
+    /// The native schedule for pairs of this shape, if the memory that is left holds them.
+    pub fn native(shape: Shape, params: &Params, adapter: Option<String>) -> Result<Self, Error> {
+        let Shape { size: [width, height], format } = shape;
+        let matcher = CpuMatcher::new(width, height, format, params)?;
         Ok(Self::Native { matcher: Box::new(matcher), adapter })
     }
 
-    /// The reference for pairs that are as `image` is, if the memory that is left holds them.
-    pub fn reference(image: &Image, params: &Params) -> Result<Self, Error> {
-        params.accepts(image.width(), image.height())?;
-        reference::ensure_memory("the CPU reference", [image.width(), image.height()], params, 0)?;
+    /// The reference for pairs of this shape, if the memory that is left holds them.
+    pub fn reference(shape: Shape, params: &Params) -> Result<Self, Error> {
+        params.accepts(shape.size[0], shape.size[1])?;
+        reference::ensure_memory("the CPU reference", shape.size, params, 0)?;
         Ok(Self::Reference(Box::new(params.clone())))
     }
 
-    /// The same for pairs that are as `image` is, with other settings.
-    pub fn again(&self, image: &Image, params: &Params) -> Result<Self, Error> {
+    /// The same for pairs of this shape, with other settings.
+    pub fn again(&self, shape: Shape, params: &Params) -> Result<Self, Error> {
         match self {
-            Self::Native { adapter, .. } => Self::native(image, params, adapter.clone()),
-            Self::Reference(_) => Self::reference(image, params),
+            Self::Native { adapter, .. } => Self::native(shape, params, adapter.clone()),
+            Self::Reference(_) => Self::reference(shape, params),
         }
     }
 
-    /// Makes it fit for pairs that are as `image` is, with these settings.
-    pub fn fit(&mut self, image: &Image, params: &Params) -> Result<(), Error> {
+    /// Makes it fit for pairs of this shape, with these settings.
+    pub fn fit(&mut self, shape: Shape, params: &Params) -> Result<(), Error> {
         match self {
-            Self::Native { matcher, .. } if matcher.format() == image.format() && matcher.params() == params => {
-                return matcher.resize(image.width(), image.height());
+            Self::Native { matcher, .. } if matcher.format() == shape.format && matcher.params() == params => {
+                return matcher.resize(shape.size[0], shape.size[1]);
             }
-            _ => *self = self.again(image, params)?,
+            _ => *self = self.again(shape, params)?,
         }
         Ok(())
     }

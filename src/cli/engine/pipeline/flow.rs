@@ -2,7 +2,7 @@
 
 use super::work::{MatchedPair, PairKind, Setup};
 use crate::engine::adapter::Opened;
-use crate::engine::compute::{Beforehand, Engine, EngineNames, OnAdapter, OnCpu};
+use crate::engine::compute::{Beforehand, Engine, EngineNames, OnAdapter, OnCpu, Shape};
 use anyhow::{Result, anyhow};
 use gpu_stereo::{Error, Image, Matched, Params, PixelFormat, StereoMatcher, StereoStream};
 use std::collections::VecDeque;
@@ -46,15 +46,15 @@ impl Streams {
         self.all.last_mut().ok_or_else(|| anyhow!("there is no stream"))
     }
 
-    /// Prepares for pairs of the size and format of `left`. If `idle`, other streams may be dropped for it.
-    fn fit(&mut self, left: &Image, params: &Params, idle: bool) -> Result<()> {
-        let mut turned = self.turn(left, params);
+    /// Prepares for pairs of this shape. If `idle`, other streams may be dropped for it.
+    fn fit(&mut self, shape: Shape, params: &Params, idle: bool) -> Result<()> {
+        let mut turned = self.turn(shape, params);
         if idle && matches!(turned, Err(Error::TooLarge { .. } | Error::Image(_))) {
-            turned = self.renew(left, params); // a wide pair and a high one need less room one after the other
+            turned = self.renew(shape, params); // a wide pair and a high one need less room one after the other
         }
         if idle && matches!(turned, Err(Error::OutOfMemory | Error::Memory { .. })) {
             self.all.clear();
-            turned = self.renew(left, params);
+            turned = self.renew(shape, params);
         }
         self.opened.fault()?;
         turned?;
@@ -63,23 +63,22 @@ impl Streams {
     }
 
     /// Uses the stream for this format.
-    fn turn(&mut self, left: &Image, params: &Params) -> Result<(), Error> {
-        let (width, height) = (left.width(), left.height());
-        let Some(place) = self.all.iter().position(|stream| stream.matcher().format() == left.format()) else {
-            return self.renew(left, params);
+    fn turn(&mut self, shape: Shape, params: &Params) -> Result<(), Error> {
+        let Shape { size: [width, height], format } = shape;
+        let Some(place) = self.all.iter().position(|stream| stream.matcher().format() == format) else {
+            return self.renew(shape, params);
         };
         self.all[place..].rotate_left(1);
         match self.all.last_mut() {
             // A rectification is of one size.
-            Some(stream) if stream.matcher().params() != params => self.renew(left, params),
+            Some(stream) if stream.matcher().params() != params => self.renew(shape, params),
             Some(stream) if stream.matcher().size() != (width, height) => stream.resize(width, height),
             _ => Ok(()),
         }
     }
 
     /// Replaces the stream for this format by a new one.
-    fn renew(&mut self, left: &Image, params: &Params) -> Result<(), Error> {
-        let (width, height, format) = (left.width(), left.height(), left.format());
+    fn renew(&mut self, Shape { size: [width, height], format }: Shape, params: &Params) -> Result<(), Error> {
         let Opened { device, queue, .. } = &self.opened;
         // What another one has compiled is not compiled again.
         let matcher = match self.all.first() {
@@ -128,10 +127,10 @@ impl Flow {
         if !Arc::ptr_eq(&params, &self.params) {
             self.before = Beforehand::of(&params)?;
         }
-        let left = self.before.like(left)?;
+        let shape = self.before.shape(left);
         match &mut self.engine {
-            FlowEngine::Streams(on) => on.fit(&left, &self.before.params, self.waiting.is_empty())?,
-            FlowEngine::Cpu(on, _) => on.fit(&left, &self.before.params)?,
+            FlowEngine::Streams(on) => on.fit(shape, &self.before.params, self.waiting.is_empty())?,
+            FlowEngine::Cpu(on, _) => on.fit(shape, &self.before.params)?,
         }
         (self.format, self.params) = (format, params);
         Ok(())
