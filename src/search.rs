@@ -1,5 +1,6 @@
 //! Which disparities a pair has, from a match of the pair at a lower resolution.
 
+use crate::reference::halved;
 use crate::{DisparityMap, Error, Image, Params, Pixels, Preset};
 
 /// Columns that the coarse pair has at most.
@@ -92,30 +93,15 @@ fn columns(width: u32, halvings: u32) -> u32 {
 
 /// An image of half the columns and rows, rounded up.
 fn halve(image: &Image) -> Result<Image, Error> {
-    let [width, height] = [image.width(), image.height()];
+    let (width, height) = (image.width(), image.height());
+    let size = [width as usize, height as usize];
     let pixels = match image.pixels() {
-        Pixels::Gray8(samples) => Pixels::Gray8(halved(samples, [width, height], 1)),
-        Pixels::Gray16(samples) => Pixels::Gray16(halved(samples, [width, height], 1)),
-        Pixels::Rgba8(samples) => Pixels::Rgba8(halved(samples, [width, height], 4)),
-        Pixels::Rgba16(samples) => Pixels::Rgba16(halved(samples, [width, height], 4)),
+        Pixels::Gray8(samples) => Pixels::Gray8(halved(samples, size, 1)),
+        Pixels::Gray16(samples) => Pixels::Gray16(halved(samples, size, 1)),
+        Pixels::Rgba8(samples) => Pixels::Rgba8(halved(samples, size, 4)),
+        Pixels::Rgba16(samples) => Pixels::Rgba16(halved(samples, size, 4)),
     };
     Image::new(width.div_ceil(2), height.div_ceil(2), pixels)
-}
-
-fn halved<T: Copy + Into<u32> + TryFrom<u32> + Default>(samples: &[T], size: [u32; 2], a_pixel: usize) -> Vec<T> {
-    let [width, height] = size.map(|side| side as usize);
-    let mut out = Vec::with_capacity(width.div_ceil(2) * height.div_ceil(2) * a_pixel);
-    for y in (0..height).step_by(2) {
-        let rows = [y, (y + 1).min(height - 1)].map(|y| &samples[y * width * a_pixel..][..width * a_pixel]);
-        for x in (0..width).step_by(2) {
-            for sample in 0..a_pixel {
-                let columns = [x, (x + 1).min(width - 1)].map(|x| x * a_pixel + sample);
-                let sum: u32 = rows.iter().map(|row| columns.map(|at| row[at].into()).iter().sum::<u32>()).sum();
-                out.push(T::try_from((sum + 2) >> 2).unwrap_or_default());
-            }
-        }
-    }
-    out
 }
 
 #[cfg(test)]

@@ -54,7 +54,7 @@ struct RowScratch {
 }
 
 impl Scratch {
-    pub(super) fn new(width: usize, disparities: usize, paths: usize, buffers: &Buffers) -> Self {
+    pub(super) fn new(width: usize, disparities: usize, group: usize, buffers: &Buffers) -> Self {
         let n = disparities.next_multiple_of(LANES);
         let row = || {
             let mut beyond = Aligned::new(n, 0);
@@ -69,25 +69,16 @@ impl Scratch {
                 near,
                 beyond,
                 found: Found::new(width),
-                keys: RightKeys::new(width, n, group_of(paths, disparities)),
+                keys: RightKeys::new(width, n, group),
             }
         };
         Self { rows: std::array::from_fn(|_| row()) }
     }
 
     /// Its bytes.
-    pub(super) fn bytes(width: usize, n: usize, paths: usize) -> u64 {
-        let keys = n / group_of(paths, n) * (width + 2 * LANES) * 2;
+    pub(super) fn bytes(width: usize, n: usize, group: usize) -> u64 {
+        let keys = n / group * (width + 2 * LANES) * 2;
         (TOGETHER * (width * n + keys + 14 * width + 10 * n)) as u64
-    }
-}
-
-/// Disparities whose keys go together: a sum, of at most 89 + 127 a path, and an index fit 16 bits.
-fn group_of(paths: usize, disparities: usize) -> usize {
-    match (paths, disparities) {
-        (9.., _) => LANES / 2,
-        (..=4, 64) => 64,
-        _ => LANES,
     }
 }
 
@@ -98,23 +89,34 @@ impl RowScratch {
     }
 }
 
-/// Computes at most [`TOGETHER`] rows.
-pub(super) type Across = fn(&mut [AcrossRow<'_>], &mut Scratch, &Params, Instructions);
+/// How rows are computed.
+pub(super) struct Across {
+    /// Computes at most [`TOGETHER`] rows.
+    pub(super) rows: fn(&mut [AcrossRow<'_>], &mut Scratch, &Params, Instructions),
+    /// Disparities whose keys go together: a sum, of at most 89 + 127 a path, and an index fit 16 bits.
+    pub(super) group: usize,
+}
 
-/// The function for so many paths and disparities.
-pub(super) fn across_for(paths: usize, disparities: usize) -> Across {
-    match (paths, disparities) {
-        (3, 64) => across::<3, 1, 64, 64>,
-        (3, 128) => across::<3, 1, 32, 128>,
-        (3, _) => across::<3, 1, 32, 0>,
-        (4, 64) => across::<4, 1, 64, 64>,
-        (4, 128) => across::<4, 1, 32, 128>,
-        (4, _) => across::<4, 1, 32, 0>,
-        (5, _) => across::<5, 2, 32, 0>,
-        (8, 64) => across::<8, 3, 32, 64>,
-        (8, 128) => across::<8, 3, 32, 128>,
-        (8, _) => across::<8, 3, 32, 0>,
-        _ => across::<16, 7, 16, 0>,
+impl Across {
+    /// Of so many paths and disparities.
+    pub(super) fn new(paths: usize, disparities: usize) -> Self {
+        match (paths, disparities) {
+            (3, 64) => Self::of::<3, 1, 64, 64>(),
+            (3, 128) => Self::of::<3, 1, 32, 128>(),
+            (3, _) => Self::of::<3, 1, 32, 0>(),
+            (4, 64) => Self::of::<4, 1, 64, 64>(),
+            (4, 128) => Self::of::<4, 1, 32, 128>(),
+            (4, _) => Self::of::<4, 1, 32, 0>(),
+            (5, _) => Self::of::<5, 2, 32, 0>(),
+            (8, 64) => Self::of::<8, 3, 32, 64>(),
+            (8, 128) => Self::of::<8, 3, 32, 128>(),
+            (8, _) => Self::of::<8, 3, 32, 0>(),
+            _ => Self::of::<16, 7, 16, 0>(),
+        }
+    }
+
+    fn of<const P: u16, const Q: usize, const G: usize, const N: usize>() -> Self {
+        Self { rows: across::<P, Q, G, N>, group: G }
     }
 }
 

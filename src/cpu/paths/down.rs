@@ -77,7 +77,7 @@ fn columns<V: Simd, const K: usize>(
     cost: &[u8],
     n: usize,
     p1: u8,
-    to: &mut impl Columns<V, K>,
+    to: &mut impl Receive<V, K>,
 ) where
     for<'f> [FrontRow<'f>; K]: Fronts<K>,
 {
@@ -85,12 +85,6 @@ fn columns<V: Simd, const K: usize>(
         to.column(x * n);
         steps(simd, fronts.next(x), cost, p1, to);
     }
-}
-
-/// Receives the T of one column after the other.
-trait Columns<V: Simd, const K: usize>: Receive<V, K> {
-    /// What comes next is of the column that begins here.
-    fn column(&mut self, first: usize);
 }
 
 /// T of a column to its planes, two in a byte: at most 127 each.
@@ -102,6 +96,11 @@ struct Sums<'a, V, const S: usize, const OTHER: bool> {
 }
 
 impl<V: Simd, const K: usize, const S: usize, const OTHER: bool> Receive<V, K> for Sums<'_, V, S, OTHER> {
+    #[inline(always)]
+    fn column(&mut self, first: usize) {
+        self.first = first;
+    }
+
     #[inline(always)]
     fn receive(&mut self, at: usize, t: [u8x32<V>; K]) {
         let at = self.first + at;
@@ -117,22 +116,10 @@ impl<V: Simd, const K: usize, const S: usize, const OTHER: bool> Receive<V, K> f
     }
 }
 
-impl<V: Simd, const K: usize, const S: usize, const OTHER: bool> Columns<V, K> for Sums<'_, V, S, OTHER> {
-    #[inline(always)]
-    fn column(&mut self, first: usize) {
-        self.first = first;
-    }
-}
-
 /// T is not wanted.
 struct Nothing;
 
 impl<V: Simd, const K: usize> Receive<V, K> for Nothing {
     #[inline(always)]
     fn receive(&mut self, _: usize, _: [u8x32<V>; K]) {}
-}
-
-impl<V: Simd, const K: usize> Columns<V, K> for Nothing {
-    #[inline(always)]
-    fn column(&mut self, _: usize) {}
 }

@@ -32,7 +32,7 @@ impl Aggregation<'_> {
     pub(crate) fn bytes(&self, threads: usize) -> u64 {
         let way = Way::new(self, threads);
         let parts = way.parts.len() as u64;
-        let scratch = parts * Scratch::bytes(self.width, way.n, self.params.paths.count() as usize);
+        let scratch = parts * Scratch::bytes(self.width, way.n, way.across.group);
         let band = way.band as u64 * way.row_bytes() * (1 + way.planes as u64);
         let team = scratch + band + way.state_bytes();
         let maps = 7 * (self.width * self.height) as u64;

@@ -25,6 +25,10 @@ pub(super) struct Stepping<'a> {
 
 /// Receives the T of a pixel along several paths.
 pub(super) trait Receive<V: Simd, const K: usize> {
+    /// What comes next is of the pixel that begins here, in a row.
+    #[inline(always)]
+    fn column(&mut self, _first: usize) {}
+
     /// Those of the disparities from `at` on.
     fn receive(&mut self, at: usize, t: [u8x32<V>; K]);
 }

@@ -9,7 +9,7 @@ use std::ops::Range;
 
 use rayon::prelude::*;
 
-use super::across::{Across, AcrossRow, Scratch, Segment, TOGETHER, across_for};
+use super::across::{Across, AcrossRow, Scratch, Segment, TOGETHER};
 use super::aggregation::{Aggregation, CostSource, Sources};
 use super::buffers::{Buffers, Lent};
 use super::down::{Down, DownRow, down_for};
@@ -42,7 +42,7 @@ pub(super) struct Way {
     /// Planes of T that a band has, half the directions rounded up.
     pub(super) planes: usize,
     down: Down,
-    across: Across,
+    pub(super) across: Across,
 }
 
 /// The columns of a thread.
@@ -74,7 +74,7 @@ impl Way {
         });
         let planes = steps.len().div_ceil(2);
         let down = down_for(steps.len(), n);
-        let across = across_for(job.params.paths.count() as usize, job.params.disparities as usize);
+        let across = Across::new(job.params.paths.count() as usize, job.params.disparities as usize);
         Self { meets, teams, parts: parts.collect(), band, n, planes, down, across, steps }
     }
 
@@ -162,10 +162,9 @@ impl<'a, 's> Team<'a, 's> {
                 edges: Default::default(),
             }
         };
-        let paths = job.params.paths.count() as usize;
         let threads = if across { way.parts.len() } else { 0 };
         let scratch = (0..threads)
-            .map(|_| Scratch::new(job.width, job.params.disparities as usize, paths, job.buffers))
+            .map(|_| Scratch::new(job.width, job.params.disparities as usize, way.across.group, job.buffers))
             .collect();
         Self { job, way, up, parts: way.parts.iter().map(part).collect(), scratch, walked: 0 }
     }
@@ -274,7 +273,7 @@ impl<'a, 's> Team<'a, 's> {
         let mut rows: Vec<AcrossRow<'_>> = targets.take(count).enumerate().map(row).collect();
         let share = count.div_ceil(scratch.len()).next_multiple_of(TOGETHER);
         scratch.par_iter_mut().zip(rows.par_chunks_mut(share)).for_each(|(scratch, rows)| {
-            rows.chunks_mut(TOGETHER).for_each(|rows| (way.across)(rows, scratch, job.params, job.instructions));
+            rows.chunks_mut(TOGETHER).for_each(|rows| (way.across.rows)(rows, scratch, job.params, job.instructions));
         });
         drop(rows);
         self.scratch = scratch;

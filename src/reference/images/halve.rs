@@ -41,11 +41,27 @@ pub(crate) fn largest_with_fewer_rounds(width: u32, height: u32, params: &Params
 /// Stage `halve`: an image at half the size, rounded up: of the four pixels (2x, 2y) to (2x + 1, 2y + 1), the image
 /// continued by its border, floor((their sum + 2) / 4).
 pub fn halve(values: &Descriptors) -> Descriptors {
-    let (width, height) = (values.width.div_ceil(2), values.height.div_ceil(2));
-    let mean = |x: i64, y: i64| {
-        let four = [(0, 0), (1, 0), (0, 1), (1, 1)].map(|(i, j)| u32::from(values.clamped(2 * x + i, 2 * y + j)[0]));
-        ((four.iter().sum::<u32>() + 2) >> 2) as u8
-    };
-    let data = (0..width * height).map(|i| mean((i % width) as i64, (i / width) as i64)).collect();
-    Descriptors { width, height, planes: 1, data }
+    let Descriptors { width, height, .. } = *values;
+    let data = halved(&values.data, [width, height], 1);
+    Descriptors { width: width.div_ceil(2), height: height.div_ceil(2), planes: 1, data }
+}
+
+/// The same of `a_pixel` samples a pixel, each by itself; row by row.
+pub(crate) fn halved<T: Copy + Into<u32> + TryFrom<u32> + Default>(
+    samples: &[T],
+    [width, height]: [usize; 2],
+    a_pixel: usize,
+) -> Vec<T> {
+    let mut out = Vec::with_capacity(width.div_ceil(2) * height.div_ceil(2) * a_pixel);
+    for y in (0..height).step_by(2) {
+        let rows = [y, (y + 1).min(height - 1)].map(|y| &samples[y * width * a_pixel..][..width * a_pixel]);
+        for x in (0..width).step_by(2) {
+            for sample in 0..a_pixel {
+                let columns = [x, (x + 1).min(width - 1)].map(|x| x * a_pixel + sample);
+                let sum: u32 = rows.iter().map(|row| columns.map(|at| row[at].into()).iter().sum::<u32>()).sum();
+                out.push(T::try_from((sum + 2) >> 2).unwrap_or_default());
+            }
+        }
+    }
+    out
 }
