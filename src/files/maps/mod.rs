@@ -1,7 +1,7 @@
 //! Files become disparity maps in px and masks. The content tells the format, whatever the name says.
 
 mod exr;
-mod npy;
+pub(in crate::files) mod npy;
 mod pfm;
 mod samples;
 #[cfg(test)]

@@ -2,15 +2,12 @@
 
 use super::samples::{MAX_DIGITS, MAX_HEADER, Samples, ensure_length};
 use crate::files::error::{Context as _, Result, bail, ensure};
+use half::f16;
 
 /// NumPy's array of rows and columns, between sides of 1: floats or whole numbers.
 pub fn npy(bytes: &[u8]) -> Result<(u32, u32, Samples)> {
     // The library allocates as much as the header declares and multiplies the sides, so both are limited before.
-    let length = match bytes {
-        [_, _, _, _, _, _, 1, _, a, b, ..] => 10 + usize::from(u16::from_le_bytes([*a, *b])),
-        [_, _, _, _, _, _, _, _, a, b, c, d, ..] => 12 + u32::from_le_bytes([*a, *b, *c, *d]) as usize,
-        _ => bail!("its header is cut short; save it again"),
-    };
+    let Some(length) = header_length(bytes) else { bail!("its header is cut short; save it again") };
     let header = bytes.get(..length).filter(|_| length <= MAX_HEADER).with_context(|| {
         format!("its header declares {length} bytes, more than the file or a header of two sides has; save it again")
     })?;
@@ -19,11 +16,9 @@ pub fn npy(bytes: &[u8]) -> Result<(u32, u32, Samples)> {
         digits <= MAX_DIGITS,
         "its header has {digits} digits, but two sides need fewer; save an array of rows and columns"
     );
-    // The library's time doubles with each level of nested brackets.
-    let text = &header[if bytes[6] == 1 { 10 } else { 12 }..];
-    let brackets = text.iter().filter(|b| b"[({".contains(b)).count();
+    let brackets = brackets(&header[if bytes[6] == 1 { 10 } else { 12 }..]);
     ensure!(
-        brackets <= 2,
+        brackets <= MAX_BRACKETS,
         "its header opens {brackets} brackets, as for an array of records, but at most 2 are allowed; save one field as numbers"
     );
     let file = npyz::NpyFile::new(bytes).context("its header is not NumPy's; save it again")?;
@@ -60,16 +55,32 @@ pub fn npy(bytes: &[u8]) -> Result<(u32, u32, Samples)> {
     };
     if by_columns {
         match &mut samples {
-            Samples::Float(values) => *values = transposed(values, sides),
-            Samples::Whole { values, .. } => *values = transposed(values, sides),
+            Samples::Float(values) => *values = transposed(values, [width as usize, height as usize]),
+            Samples::Whole { values, .. } => *values = transposed(values, [width as usize, height as usize]),
         }
     }
     Ok((sides.0, sides.1, samples))
 }
 
+/// Where the samples of an array begin, by its header; nothing if that is cut short.
+pub fn header_length(bytes: &[u8]) -> Option<usize> {
+    match bytes {
+        [_, _, _, _, _, _, 1, _, a, b, ..] => Some(10 + usize::from(u16::from_le_bytes([*a, *b]))),
+        [_, _, _, _, _, _, _, _, a, b, c, d, ..] => Some(12 + u32::from_le_bytes([*a, *b, *c, *d]) as usize),
+        _ => None,
+    }
+}
+
+/// The most brackets that a header may open: the library's time doubles with each level of nested ones.
+pub const MAX_BRACKETS: usize = 2;
+
+/// The brackets that a header opens.
+pub fn brackets(header: &[u8]) -> usize {
+    header.iter().filter(|b| b"[({".contains(b)).count()
+}
+
 /// Samples that are stored column by column, reordered row by row.
-fn transposed<T: Copy>(values: &[T], (width, height): (u32, u32)) -> Vec<T> {
-    let (width, height) = (width as usize, height as usize);
+pub fn transposed<T: Copy>(values: &[T], [width, height]: [usize; 2]) -> Vec<T> {
     (0..width * height).map(|i| values[i % width * height + i / width]).collect()
 }
 
@@ -91,20 +102,8 @@ fn widened<T: Into<i64>>(values: Vec<T>) -> Vec<i64> {
 
 /// Floats of 16 bits, which the library does not read.
 fn halves(bytes: &[u8], big_endian: bool) -> Vec<f64> {
-    let (values, _) = bytes.as_chunks::<2>();
-    values.iter().map(|b| half(if big_endian { u16::from_be_bytes(*b) } else { u16::from_le_bytes(*b) })).collect()
-}
-
-/// A float of 16 bits: a sign, an exponent of 5 bits and a fraction of 10.
-pub(super) fn half(bits: u16) -> f64 {
-    let (exponent, fraction) = (i32::from(bits >> 10 & 31), f64::from(bits & 1023));
-    let amount = match exponent {
-        0 => fraction * 2f64.powi(-24),
-        31 if fraction == 0.0 => f64::INFINITY,
-        31 => f64::NAN,
-        _ => (1024.0 + fraction) * 2f64.powi(exponent - 25),
-    };
-    if bits >> 15 == 1 { -amount } else { amount }
+    let half = if big_endian { f16::from_be_bytes } else { f16::from_le_bytes };
+    bytes.as_chunks::<2>().0.iter().map(|b| half(*b).to_f64()).collect()
 }
 
 #[cfg(test)]
@@ -113,6 +112,11 @@ mod tests {
 
     #[test]
     fn halves_are_those_of_ieee_754() {
+        let half = |bits: u16| {
+            let [little, big] = [halves(&bits.to_le_bytes(), false), halves(&bits.to_be_bytes(), true)];
+            assert!(little[0].to_bits() == big[0].to_bits(), "{bits:x}");
+            little[0]
+        };
         for (bits, value) in [
             (0x3c00, 1.0),
             (0xc000, -2.0),

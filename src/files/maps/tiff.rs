@@ -1,6 +1,5 @@
 //! TIFF and BigTIFF.
 
-use super::npy::half;
 use super::samples::{Samples, ensure_pixels};
 use crate::files::contents::MAX_BYTES;
 use crate::files::error::{Result, bail, ensure, error};
@@ -27,7 +26,7 @@ pub fn tiff(bytes: &[u8]) -> Result<(u32, u32, Samples)> {
     );
     let whole = Samples::whole;
     let samples = match decoder.read_image().map_err(damaged)? {
-        DecodingResult::F16(values) => Samples::Float(values.into_iter().map(|v| half(v.to_bits())).collect()),
+        DecodingResult::F16(values) => Samples::Float(values.into_iter().map(f64::from).collect()),
         DecodingResult::F32(values) => Samples::Float(values.into_iter().map(f64::from).collect()),
         DecodingResult::F64(values) => Samples::Float(values),
         DecodingResult::U8(values) if kind == tiff::ColorType::Gray(8) => {

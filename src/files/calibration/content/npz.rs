@@ -2,6 +2,7 @@
 
 use super::tree::Tree;
 use crate::files::error::{Context as _, Result, bail, ensure};
+use crate::files::maps::npy::{MAX_BRACKETS, brackets, header_length, transposed};
 use crate::files::zip;
 use flate2::read::DeflateDecoder;
 use std::io::Read as _;
@@ -53,18 +54,12 @@ pub fn npz(bytes: &[u8]) -> Result<Tree> {
 
 /// The sides and the numbers of an array, row by row; `None` of those that are no matrix of numbers.
 fn numbers(bytes: &[u8]) -> Result<Option<(Vec<u64>, Vec<f64>)>> {
-    // The library allocates what the header declares, and its time doubles with each nested bracket.
-    let length = match bytes {
-        [0x93, b'N', b'U', b'M', b'P', b'Y', 1, _, a, b, ..] => 10 + usize::from(u16::from_le_bytes([*a, *b])),
-        [0x93, b'N', b'U', b'M', b'P', b'Y', _, _, a, b, c, d, ..] => {
-            12 + u32::from_le_bytes([*a, *b, *c, *d]) as usize
-        }
-        _ => bail!("is no array; save it again by np.savez"),
-    };
+    // The library allocates what the header declares.
+    let length = Some(bytes).filter(|bytes| bytes.starts_with(b"\x93NUMPY")).and_then(header_length);
+    let length = length.context("is no array; save it again by np.savez")?;
     let header =
         bytes.get(10..length).filter(|_| length <= MAX_HEADER).context("has a damaged header; save it again")?;
-    let brackets = header.iter().filter(|byte| b"[({".contains(byte)).count();
-    if brackets > 2 {
+    if brackets(header) > MAX_BRACKETS {
         return Ok(None);
     }
     let file = npyz::NpyFile::new(bytes).context("has a header that is not NumPy's; save it again")?;
@@ -90,10 +85,7 @@ fn numbers(bytes: &[u8]) -> Result<Option<(Vec<u64>, Vec<f64>)>> {
         _ => return Ok(None),
     }?;
     let numbers = match shape[..] {
-        [rows, cols] if by_columns => {
-            let (rows, cols) = (rows as usize, cols as usize);
-            (0..numbers.len()).map(|i| numbers[i % cols * rows + i / cols]).collect()
-        }
+        [rows, cols] if by_columns => transposed(&numbers, [cols as usize, rows as usize]),
         _ => numbers,
     };
     Ok(Some((shape, numbers)))

@@ -1,6 +1,7 @@
 //! NumPy's arrays in YAML as PyYAML dumps them when they are not turned into lists: their bytes, in base 64.
 
 use super::node::Node;
+use crate::files::maps::npy::transposed;
 
 /// The most numbers of an array that is read.
 const MAX_NUMBERS: usize = 1024;
@@ -26,9 +27,9 @@ pub fn array(call: &Node) -> Option<Node> {
     let count = rows.checked_mul(cols).filter(|count| *count <= MAX_NUMBERS)?;
     let bytes = base64(bytes)?;
     let numbers = numbers(&scalars(kind), &bytes).filter(|numbers| numbers.len() == count)?;
-    let at = |i: usize| if by_columns == "true" { numbers[i % cols * rows + i / cols] } else { numbers[i] };
+    let numbers = if by_columns == "true" { transposed(&numbers, [cols, rows]) } else { numbers };
     let scalar = |text: String| Node::Scalar(text);
-    let data = Node::List((0..count).map(|i| scalar(format!("{:?}", at(i)))).collect());
+    let data = Node::List(numbers.iter().map(|number| scalar(format!("{number:?}"))).collect());
     let mut items = vec![("data".to_string(), data)];
     if shape.len() == 2 {
         items.push(("rows".into(), scalar(rows.to_string())));
