@@ -9,6 +9,7 @@ use std::io::{self, ErrorKind};
 use std::path::{Component, Path};
 use std::thread;
 use std::time::{Duration, Instant};
+use tempfile::TempPath;
 
 /// A lock that is waited for longer is reported.
 const PATIENCE: Duration = Duration::from_secs(1);
@@ -19,6 +20,13 @@ pub fn is_lasting(error: &anyhow::Error) -> bool {
         Some(error) => error.is_lasting(),
         None => cause.downcast_ref::<io::Error>().is_some_and(|error| files::Error::of_io(error).is_lasting()),
     })
+}
+
+/// Gives a file that was written under another name its own, once its contents are on the disk.
+pub fn publish(contents: &File, written: TempPath, place: &Path) -> io::Result<()> {
+    sync(contents)?;
+    written.persist(place).map_err(|error| error.error)?;
+    sync_folder(place.parent().unwrap_or(Path::new("/")))
 }
 
 /// A file that is written beside maps is a regular one, if it is there: a link leads elsewhere, and a FIFO would never open.

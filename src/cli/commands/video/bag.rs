@@ -11,11 +11,11 @@ use gpu_stereo::files::images::ImagePair;
 use gpu_stereo::files::ros::{self, DisparityRange, Schema};
 use mcap::records::MessageHeader;
 use mcap::{Compression, WriteOptions, Writer};
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, HashMap};
 use std::fs::File;
 use std::io::BufWriter;
 use std::path::{Path, PathBuf};
-use std::sync::{Mutex, PoisonError};
+use std::sync::{Mutex, MutexGuard, PoisonError};
 use tempfile::TempPath;
 
 /// A record to write, whole or not at all.
@@ -84,13 +84,9 @@ impl Bag {
             return Ok(());
         };
         writing.writer.finish().with_context(|| cannot.clone())?;
-        let written = || -> std::io::Result<()> {
-            let file = writing.writer.into_inner().into_inner().map_err(|error| error.into_error())?;
-            disk::sync(&file)?;
-            writing.file.persist(&self.place).map_err(|error| error.error)?;
-            disk::sync_folder(self.place.parent().unwrap_or(Path::new("/")))
-        };
-        written().context(cannot)
+        let contents = writing.writer.into_inner().into_inner().map_err(|error| error.into_error());
+        let published = contents.and_then(|contents| disk::publish(&contents, writing.file, &self.place));
+        published.context(cannot)
     }
 }
 
@@ -125,16 +121,31 @@ pub struct FromRecord<'a> {
     pub stream: &'a Stream,
     /// The one that is written.
     pub bag: &'a Bag,
+    /// When the pairs were taken that are not written yet.
+    pub taken: Mutex<HashMap<usize, Taken>>,
+}
+
+impl FromRecord<'_> {
+    fn taken(&self) -> MutexGuard<'_, HashMap<usize, Taken>> {
+        self.taken.lock().unwrap_or_else(PoisonError::into_inner)
+    }
 }
 
 impl Work for FromRecord<'_> {
-    fn read(&self, _place: usize, _pair: &Pair, _options: &InputArgs) -> Result<ImagePair, Refused> {
-        self.stream.next_pair()
+    fn read(&self, place: usize, _pair: &Pair, _options: &InputArgs) -> Result<ImagePair, Refused> {
+        let (pair, taken) = self.stream.next_pair()?;
+        self.taken().extend(taken.map(|taken| (place, taken)));
+        Ok(pair)
     }
 
     fn write(&self, pair: &MatchedPair) -> Result<(), Refused> {
-        let taken = self.stream.taken(pair.place).context("the pair has no stamp").map_err(Refused::All)?;
+        let taken = self.taken().remove(&pair.place).context("the pair has no stamp").map_err(Refused::All)?;
         self.bag.add(pair, &taken).with_context(|| self.bag.cannot()).map_err(Refused::All)
+    }
+
+    fn failed(&self, place: usize, _error: &str) -> Result<()> {
+        self.taken().remove(&place);
+        Ok(())
     }
 }
 

@@ -93,12 +93,8 @@ impl Film {
             self.path,
             if told.is_empty() { "it does not say why" } else { &told }
         );
-        let written = || -> std::io::Result<()> {
-            disk::sync(&File::open(&file)?)?;
-            file.persist(&self.place).map_err(|error| error.error)?;
-            disk::sync_folder(self.place.parent().unwrap_or(Path::new("/")))
-        };
-        written().with_context(|| format!("output {:?} cannot be written", self.path))
+        let published = File::open(&file).and_then(|contents| disk::publish(&contents, file, &self.place));
+        published.with_context(|| format!("output {:?} cannot be written", self.path))
     }
 }
 

@@ -110,7 +110,7 @@ struct Streamed<'a> {
 
 impl Work for Streamed<'_> {
     fn read(&self, _place: usize, _pair: &Pair, _options: &InputArgs) -> Result<ImagePair, Refused> {
-        self.stream.next_pair()
+        self.stream.next_pair().map(|(pair, _)| pair)
     }
 
     fn write(&self, pair: &MatchedPair) -> Result<(), Refused> {

@@ -14,6 +14,7 @@ use crate::engine::streams::Stream;
 use crate::engine::trial;
 use anyhow::{Result, bail};
 use std::path::PathBuf;
+use std::sync::Mutex;
 
 /// One of so many frames is diagnosed: what is wrong with the cameras is wrong in all frames.
 const DIAGNOSED: usize = 16;
@@ -88,7 +89,7 @@ impl Video {
             }
             Task::Bag(stream, bag) => {
                 let name = stream.name.clone();
-                let work = FromRecord { stream: &stream, bag: &bag };
+                let work = FromRecord { stream: &stream, bag: &bag, taken: Mutex::default() };
                 let ran = pipeline::run(Sequence::Stream(&name), &setup, stop, &work);
                 let ran = whole(ran, None, "were done, and no record was written")?;
                 bag.finish()?;

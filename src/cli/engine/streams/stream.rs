@@ -10,7 +10,6 @@ use gpu_stereo::files::calibration::Calibration;
 use gpu_stereo::files::frames::{FrameReader, RawFrames};
 use gpu_stereo::files::images::{Bits, ImagePair, Split, split_frame};
 use image::DynamicImage;
-use std::collections::HashMap;
 use std::io::{BufRead, BufReader};
 use std::path::{Path, PathBuf};
 use std::sync::{Mutex, PoisonError};
@@ -34,10 +33,6 @@ struct State {
     /// Once a pair was read.
     bits: Option<u32>,
     ended: bool,
-    /// The number of the next pair.
-    next: usize,
-    /// When pairs of a record were taken, until they are asked for.
-    taken: HashMap<usize, Taken>,
 }
 
 enum Sides {
@@ -123,22 +118,19 @@ impl Stream {
     }
 
     fn new(name: PathBuf, files: Vec<PathBuf>, rate: Option<f64>, input: &InputArgs, sides: Sides) -> Self {
-        let state = Mutex::new(State { sides, bits: None, ended: false, next: 0, taken: HashMap::new() });
+        let state = Mutex::new(State { sides, bits: None, ended: false });
         Self { name, files, rate, calibration: None, input: input.clone(), state }
     }
 
-    /// The next pair. A frame that is damaged is the last one.
-    pub fn next_pair(&self) -> Result<ImagePair, Refused> {
+    /// The next pair, of a record with when it was taken. A frame that is damaged is the last one.
+    pub fn next_pair(&self) -> Result<(ImagePair, Option<Taken>), Refused> {
         let mut state = self.state.lock().unwrap_or_else(PoisonError::into_inner);
         if state.ended {
             return Err(Refused::End);
         }
         let is_first = state.bits.is_none();
-        let place = state.next;
-        state.next += 1;
-        let read = state.next_views(place);
-        let images = match read {
-            Ok(images) => images,
+        let (images, taken) = match state.sides.next_views() {
+            Ok(read) => read,
             Err(Missing::Pair(error)) if !is_first => return Err(Refused::Pair(error)),
             Err(missing) => {
                 state.ended = true;
@@ -162,12 +154,7 @@ impl Stream {
         };
         let pair = ImagePair::of(images, state.sides.names(), bits).map_err(|error| Refused::Pair(error.into()))?;
         state.bits = Some(pair.bits);
-        Ok(pair)
-    }
-
-    /// When a pair of a record was taken; it is forgotten then.
-    pub fn taken(&self, place: usize) -> Option<Taken> {
-        self.state.lock().unwrap_or_else(PoisonError::into_inner).taken.remove(&place)
+        Ok((pair, taken))
     }
 
     /// Whether it is a record.
@@ -180,18 +167,6 @@ impl Stream {
     }
 }
 
-impl State {
-    /// The views of the next pair, which has this number.
-    fn next_views(&mut self, place: usize) -> Result<[DynamicImage; 2], Missing> {
-        if let Sides::Record(record) = &mut self.sides {
-            let (images, taken) = record.next_pair()?.ok_or(Missing::End)?;
-            self.taken.insert(place, taken);
-            return images.map_err(Missing::Pair);
-        }
-        self.sides.next_views()?.ok_or(Missing::End)
-    }
-}
-
 impl Sides {
     fn names(&self) -> [&Path; 2] {
         match self {
@@ -201,19 +176,23 @@ impl Sides {
         }
     }
 
-    /// The views of the next pair; `None` at the end of a side.
-    fn next_views(&mut self) -> Result<Option<[DynamicImage; 2]>> {
-        match self {
-            Self::Record(_) => Ok(None), // its pairs come with their stamps
+    /// The views of the next pair, and of a record when they were taken.
+    fn next_views(&mut self) -> Result<([DynamicImage; 2], Option<Taken>), Missing> {
+        let views = match self {
+            Self::Record(record) => {
+                let (images, taken) = record.next_pair()?.ok_or(Missing::End)?;
+                return Ok((images.map_err(Missing::Pair)?, Some(taken)));
+            }
             Self::Both(frames, split) => {
-                let Some(frame) = frames.next_frame()? else { return Ok(None) };
-                Ok(Some(split_frame(&frame, *split, &format!("a frame of {}", name(&frames.name)))?))
+                let frame = frames.next_frame()?.ok_or(Missing::End)?;
+                let what = format!("a frame of {}", name(&frames.name));
+                split_frame(&frame, *split, &what).map_err(Error::from)?
             }
             Self::Two(sides) => {
                 let [left, right] = &mut **sides;
                 match (left.next_frame()?, right.next_frame()?) {
-                    (Some(left), Some(right)) => Ok(Some([left, right])),
-                    (None, None) => Ok(None),
+                    (Some(left), Some(right)) => [left, right],
+                    (None, None) => return Err(Missing::End),
                     (one, _) => {
                         let (short, long) = if one.is_none() { (left, right) } else { (right, left) };
                         warnings::warn(&format!(
@@ -221,11 +200,12 @@ impl Sides {
                             name(&short.name),
                             name(&long.name)
                         ));
-                        Ok(None)
+                        return Err(Missing::End);
                     }
                 }
             }
-        }
+        };
+        Ok((views, None))
     }
 }
 
