@@ -134,6 +134,8 @@ class Chain:
         self.largest_total = self.block**2 * self.largest_pixel_cost()
         self.narrowing = 0 if case["cost"] == "ncc" else max(0, self.largest_total.bit_length() - 20)
 
+        self.rules = case["opencv_rules"] == "on"
+
     def inside(self, x):
         return 0 <= x <= self.width - 1
 
@@ -198,6 +200,13 @@ class Chain:
 
         return self.over_pixels(rectified)
 
+    def in_rectangle(self, x, y):
+        """Where OpenCV gives disparities."""
+        w, r, m = self.width, self.radius, self.smallest
+        if self.case["method"] != "bm":
+            return max(0, m + self.count) <= x <= w - 1 + min(0, m)
+        return max(0, m + self.count - 1) + r <= x <= w - 1 - r + min(0, m) and r <= y <= self.height - 1 - r
+
     def halved_content(self, content):
         four = [(0, 0), (1, 0), (0, 1), (1, 1)]
         half = Chain(dict(self.case, width=(self.width + 1) // 2, height=(self.height + 1) // 2))
@@ -245,12 +254,22 @@ class Chain:
         rows = self.over_pixels(lambda x, y: sum(self.at(image, x + i, y) for i in reach))
         return self.over_pixels(lambda x, y: sum(self.at(rows, x, y + j) for j in reach))
 
-    def derivatives(self, image, u, x, y):
-        """Gx and Gy."""
+    def derivatives(self, image, u, x, y, rules_border=False):
+        """Gx and Gy; Gx alone where `opencv_rules` may change it at the border."""
+
+        bottom = self.height - 1
 
         def at(i, j):
             return self.at(image, x + i, y + j)
 
+        def across(i, j):
+            row = abs(y + j)
+            return self.at(image, x + i, 2 * bottom - row if row > bottom else row)
+
+        if rules_border and self.rules:
+            if x in (0, self.width - 1) or (y == bottom and self.height % 2 == 1):
+                return 0, 0
+            return level(sum(w * (across(1, j) - across(-1, j)) for j, w in ((-1, 1), (0, 2), (1, 1))), u), 0
         gx = at(1, -1) - at(-1, -1) + 2 * (at(1, 0) - at(-1, 0)) + at(1, 1) - at(-1, 1)
         gy = at(-1, 1) - at(-1, -1) + 2 * (at(0, 1) - at(0, -1)) + at(1, 1) - at(1, -1)
         return level(gx, u), level(gy, u)
@@ -268,8 +287,13 @@ class Chain:
                 return g[y][x]
             if kind == "normalized":
                 beside = sum(self.at(g, x + i, y + j) for i, j in ((-1, 0), (1, 0), (0, -1), (0, 1)))
-                return self.clipped((n * (4 * g[y][x] + beside) - 8 * sums[y][x]) // (2 * n * u))
-            gx, gy = self.derivatives(g, u, x, y)
+                t = 4 * g[y][x] + beside
+                if self.rules:
+                    e = n // 8
+                    k = (1024 + e) // (2 * e)
+                    return self.clipped((e * t - sums[y][x]) * k // (1024 * u))
+                return self.clipped((n * t - 8 * sums[y][x]) // (2 * n * u))
+            gx, gy = self.derivatives(g, u, x, y, kind == "xsobel")
             return self.clipped(gx) if kind == "xsobel" else min(math.isqrt(gx * gx + gy * gy), 2 * self.cap)
 
         return self.over_pixels(value)
@@ -299,7 +323,7 @@ class Chain:
             if cost == "zsad":
                 z = (2 * (n * f[y][x] - sums[y][x]) + n * u) // (2 * n * u)
                 return [clamp(z, -127, 127) + 127]
-            if cost == "bt":
+            if cost in ("bt", "bt-gray"):
                 a, b = ((v + level(self.at(f, x + i, y), u)) // 2 for i in (-1, 1))
                 return [v, min(v, a, b), max(v, a, b)]
             found = self.census(f, x, y) if self.census_bytes else []
@@ -324,6 +348,7 @@ class Chain:
             "mi": 255,
             "zsad": min(2 * v, 254),
             "bt": v,
+            "bt-gray": min(v + 63, 255),
             "sad-xy": 4 * self.cap,
             "census": self.census_bits,
             "census-sobel": 2 * self.census_bits + 4 * self.cap,
@@ -334,7 +359,7 @@ class Chain:
         cost, i = self.case["cost"], self.census_bytes
         if cost == "mi":
             return self.table[l[0]][p[0]]
-        if cost == "bt":
+        if cost in ("bt", "bt-gray"):
 
             def between(i):
                 def outside(v, low, high):
@@ -342,6 +367,8 @@ class Chain:
 
                 return min(outside(l[i], p[i + 1], p[i + 2]), outside(p[i], l[i + 1], l[i + 2]))
 
+            if cost == "bt-gray":
+                return min(255, between(0) + (between(3) >> 2))
             return three(*map(between, (0, 3, 6))) if self.case["color_cost"] == "on" else between(0)
         difference = [abs(a - b) for a, b in zip(l, p)]
         bits = sum(bin(a ^ b).count("1") for a, b in zip(l[:i], p[:i]))
@@ -585,16 +612,27 @@ class Chain:
     def winner(self, cost):
         last, ratio = self.count - 1, self.case["uniqueness"]
 
+        as_stereo_bm = self.rules and self.case["method"] == "bm"
+
+        def best_of(s):
+            return max(d for d in range(self.count) if s[d] == min(s)) if as_stereo_bm else s.index(min(s))
+
         def left(x, y):
             s = cost[y][x]
-            best = s.index(min(s))
-            if ratio > 0:
-                for d in range(self.count):
-                    if abs(d - best) > 1 and not s[d] * (100 - ratio) > s[best] * 100:
-                        return INVALID
+            best = best_of(s)
+            rivals = [s[d] for d in range(self.count) if abs(d - best) > 1]
+            if as_stereo_bm:
+                if ratio > 0 and any(a <= s[best] + s[best] * ratio // 100 for a in rivals):
+                    return INVALID
+            elif ratio > 0 and not all(a * (100 - ratio) > s[best] * 100 for a in rivals):
+                return INVALID
             v = 16 * (self.smallest + best)
             if self.case["subpixel"] != "off" and 0 < best < last:
                 a, b, c = s[best - 1 : best + 2]
+                if as_stereo_bm:
+                    z = 128 * abs(a - c) // max(1, max(a, c) - b)
+                    v += (z + 15) // 16 if a > c else -(z // 16)
+                    return v if self.points_inside(x, v) else INVALID
                 k = max(a, c) - b if self.case["subpixel"] == "equiangular" else a + c - 2 * b
                 v += (16 * (a - c) + k - 1) // (2 * k)
             return v if self.points_inside(x, v) else INVALID
@@ -609,7 +647,7 @@ class Chain:
 
         def margin(x, y):
             s = cost[y][x]
-            best = s.index(min(s))
+            best = best_of(s)
             rivals = [s[d] for d in range(self.count) if abs(d - best) > 1]
             if not rivals:
                 return 255
@@ -636,7 +674,7 @@ class Chain:
         least = self.case["texture"]
         if least == 0:
             return disparities
-        e = self.over_pixels(lambda x, y: min(abs(self.derivatives(g, 1, x, y)[0]), self.case["prefilter_cap"]))
+        e = self.over_pixels(lambda x, y: min(abs(self.derivatives(g, 1, x, y, True)[0]), self.case["prefilter_cap"]))
         block = range(-self.radius, self.radius + 1)
 
         def kept(x, y):
@@ -861,6 +899,9 @@ class Chain:
             yield "window_sums", [("I", self.window_sums(f, self.block)) for side in channels for f in side]
         units = units if case["prefilter"] == "none" else [1, 1]
         sides = [self.descriptors(side, unit) for side, unit in zip(channels, units)]
+        if case["cost"] == "bt-gray":
+            grays = [self.descriptors([self.gray(*image)], 1) for image in (left, right)]
+            sides = [self.over_pixels(lambda x, y: f[y][x] + g[y][x]) for f, g in zip(sides, grays)]
         yield "descriptors", [("B", side) for side in sides]
         if case["cost"] == "mi":
             self.table = yield from self.last_table(*sides)
@@ -916,6 +957,8 @@ class Chain:
             pair = zip(lenses, (left, right))
             left, right = [(kind, self.rectify(lens, kind, samples)) for lens, (kind, samples) in pair]
             yield "rectify", [(SAMPLES[kind][0], list(samples)) for kind, samples in (left, right)]
+        if self.rules:
+            contents[0] = [[has and self.in_rectangle(x, y) for x, has in enumerate(row)] for y, row in enumerate(contents[0])]
         if not all(has for content in contents for row in content for has in row):
             self.contents = contents
             yield "content", [("B", [[int(has) for has in row] for row in content]) for content in contents]
@@ -1056,7 +1099,7 @@ EXAMPLE = dict(
     census_weight=32, paths=4, min_disparity=0, disparities=3, block=3, prefilter="none", prefilter_cap=31,
     prefilter_window=9, p1=2, p2=6, adaptive_p2="off", texture=0, uniqueness=0, lr_check=0, right_view="diagonal",
     speckle_window=0, speckle_range=2, median=3, fill="none", subpixel="parabola", weighted_median="off", wls="off",
-    right_map="off", confidence="off", depth="off",
+    opencv_rules="off", right_map="off", confidence="off", depth="off",
 )
 EXAMPLE_PAIR = [10, 40, 70, 60, 200, 90], [40, 66, 190, 210, 90, 90]
 

@@ -1,7 +1,8 @@
 // texture_columns: of the `block` pixels above each other around a pixel, the sum of min(|gx|, prefilter_cap).
 // gray (u8, in a texture) -> columns (u16, in rows like a map's)
 // One invocation: sixteen columns of SEGMENT rows, downwards; a row enters the sums as another leaves them.
-// Border: rows are clamped into the image, before gx is taken and within it; the gray image is continued.
+// Border: rows are clamped into the image, before gx is taken and within it; the gray image is continued. With OPENCV_RULES
+//   gx is that of OpenCV's StereoBM.
 // With: common
 // Reference: src/reference/filters/texture.rs
 
@@ -42,13 +43,37 @@ fn clipped(a: vec4<u32>, b: vec4<u32>) -> vec4<u32> {
     return min(vec4<u32>(low), cap) | (min(vec4<u32>(high), cap) << vec4(16u));
 }
 
+// Halves of words, of the columns `low` and `high`, that are neither the first nor the last column.
+fn between_borders(low: vec4<u32>, high: vec4<u32>) -> vec4<u32> {
+    let last = vec4(frame.width - 1u);
+    return select(vec4(0u), vec4(0xffffu), (low != vec4(0u)) & (low != last))
+        | select(vec4(0u), vec4(0xffff0000u), (high != vec4(0u)) & (high != last));
+}
+
 // min(|gx|, prefilter_cap) of the row nearest to y.
 fn derivatives(group: u32, y: i32) -> Columns {
-    let row = clamp(y, 0, i32(frame.height) - 1);
+    let last = i32(frame.height) - 1;
+    let row = clamp(y, 0, last);
     var s: Smoothed;
+    if OPENCV_RULES == 1u {
+        if row == last && (last & 1) == 0 {
+            return Columns();
+        }
+        add_row(&s, group, abs(row - 1), 1u);
+        add_row(&s, group, row, 2u);
+        add_row(&s, group, last - abs(last - row - 1), 1u);
+        let first = vec4(16u * group) + vec4(0u, 4u, 8u, 12u);
+        let kept = Columns(between_borders(first, first + vec4(2u)), between_borders(first + vec4(1u), first + vec4(3u)));
+        let all = clipped_columns(s);
+        return Columns(all.even & kept.even, all.odd & kept.odd);
+    }
     add_row(&s, group, row - 1, 1u);
     add_row(&s, group, row, 2u);
     add_row(&s, group, row + 1, 1u);
+    return clipped_columns(s);
+}
+
+fn clipped_columns(s: Smoothed) -> Columns {
     let before = (s.odd << vec4(16u)) | (vec4(s.before, s.odd.xyz) >> vec4(16u));
     let after = (s.even >> vec4(16u)) | (vec4(s.even.yzw, s.after) << vec4(16u));
     return Columns(clipped(s.odd, before), clipped(after, s.even));

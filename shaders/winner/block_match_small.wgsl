@@ -26,9 +26,11 @@ const ROWS: u32 = STRIP + BLOCK - 1u;
 const OWN: u32 = STRIP / PARTS;
 
 // Block sums are at most 15 * 15 * 127 < 2^15. A candidate is the key sum << 16 | d: the smallest key is the smallest
-// sum, and of those the smallest disparity. Disparities beyond the range, and pixels beyond the row, have SUM_NONE.
+// sum, and of those the smallest disparity; by the rules of StereoBM the largest one of the left view, whose bits REVERSED
+// turns. Disparities beyond the range, and pixels beyond the row, have SUM_NONE.
 const SUM_NONE: u32 = 0x7fffu;
 const KEY_NONE: u32 = 0x7fff0000u;
+const REVERSED: u32 = 0xffffu * STEREO_BM;
 const TOP_BITS: u32 = 0x80808080u;
 const EVEN_BYTES: u32 = 0xff00ffu;
 
@@ -85,7 +87,7 @@ fn least_of_row(pairs: ptr<function, array<u32, HALF>>, low: ptr<function, Pairs
         let pair = (*pairs)[p];
         let low_key = (pair << 16u) | p;
         let high_key = (pair & 0xffff0000u) | (p + HALF);
-        least = min(least, min(low_key, high_key));
+        least = min(least, min(low_key ^ REVERSED, high_key ^ REVERSED));
         (*low)[k][p] = min(select((*low)[k][min(p + 1u, HALF - 1u)], middle, p + 1u == HALF), low_key);
         (*high)[k][p] = min(select((*high)[k][min(p + 1u, HALF - 1u)], beyond, p + 1u == HALF), high_key);
     }
@@ -118,11 +120,6 @@ fn any_of_slices(value: u32) -> u32 {
         bits |= subgroupShuffleXor(bits, 4u);
     }
     return bits;
-}
-
-// The largest sum that fails the uniqueness test sum * (100 - UNIQUENESS) > best * 100.
-fn largest_rival(best: u32) -> u32 {
-    return min(best * 100u / (100u - UNIQUENESS), SUM_NONE - 1u);
 }
 
 // Bits d - 1, d and d + 1, as far as they are within 0 .. 15.
@@ -297,8 +294,9 @@ fn main(@builtin(global_invocation_id) id: vec3<u32>, @builtin(subgroup_invocati
                         }
                     }
                     let least = least_of_row(&pairs, &low, &high, k, slice + 1u == PARTS);
-                    let key = least_of_slices(least + u32(base));
-                    let limit = largest_rival(key >> 16u);
+                    let own_first = select(u32(base), 0u - u32(base), STEREO_BM == 1u);
+                    let key = least_of_slices(least + own_first) ^ REVERSED;
+                    let limit = min(largest_rival(key >> 16u), SUM_NONE - 1u);
                     let known = any_of_slices(neighbours(&pairs, i32(key & 0xffffu) - base, limit));
                     let right_key = subgroupShuffle(low[k][0], first_lane);
                     let own = slice == k % PARTS;

@@ -23,6 +23,8 @@ pub(crate) struct CostRow {
     pub(crate) blocks: RangeInclusive<u32>,
     /// Whether it may compare red, green and blue rather than luma.
     pub(crate) color: bool,
+    /// Whether the gray image, which is not prefiltered, is described, too, after the prefiltered one.
+    pub(crate) beside_gray: bool,
     /// Whether it weights its descriptors by `ad-weight` and `census-weight`.
     pub(crate) weighted: bool,
     /// What it compares of a pixel, one after the other: at most one besides a census string.
@@ -170,7 +172,7 @@ costs! {
     /// Absolute differences.
     Sad {
         name: "sad", help: "absolute differences",
-        prefilter: Prefilter::XSobel, block: 5, methods: ALL, blocks: ANY_BLOCK, color: true, weighted: false,
+        prefilter: Prefilter::XSobel, block: 5, methods: ALL, blocks: ANY_BLOCK, color: true, beside_gray: false, weighted: false,
         descriptors: &[Descriptor::Value], kind: Kind::Difference,
         pixel_max: |of| of.value, largest_cap: ANY_CAP, top: |_| TOP,
         fragments: wgsl!("pixel_sad"), small_match: true,
@@ -178,7 +180,7 @@ costs! {
     /// Squared differences.
     Ssd {
         name: "ssd", help: "squared differences",
-        prefilter: Prefilter::XSobel, block: 5, methods: ALL, blocks: ANY_BLOCK, color: false, weighted: false,
+        prefilter: Prefilter::XSobel, block: 5, methods: ALL, blocks: ANY_BLOCK, color: false, beside_gray: false, weighted: false,
         descriptors: &[Descriptor::Value], kind: Kind::Product,
         pixel_max: |of| of.value * of.value, largest_cap: ANY_CAP, top: |_| TOP,
         fragments: wgsl!("pixel_ssd"), small_match: false,
@@ -186,7 +188,7 @@ costs! {
     /// Absolute differences after the mean of the block around each pixel is subtracted from it.
     ZeroMeanSad {
         name: "zsad", help: "absolute differences less the block's mean",
-        prefilter: Prefilter::None, block: 5, methods: ALL, blocks: ANY_BLOCK, color: false, weighted: false,
+        prefilter: Prefilter::None, block: 5, methods: ALL, blocks: ANY_BLOCK, color: false, beside_gray: false, weighted: false,
         descriptors: &[Descriptor::Excess], kind: Kind::Difference,
         pixel_max: |of| (2 * of.value).min(254), largest_cap: ANY_CAP, top: |_| TOP,
         fragments: wgsl!("pixel_sad"), small_match: false,
@@ -195,15 +197,23 @@ costs! {
     /// Insensitive to Image Sampling", IEEE TPAMI 20(4), 1998.
     BirchfieldTomasi {
         name: "bt", help: "Birchfield-Tomasi: the same between two pixels as on them",
-        prefilter: Prefilter::XSobel, block: 5, methods: ALL, blocks: ANY_BLOCK, color: true, weighted: false,
+        prefilter: Prefilter::XSobel, block: 5, methods: ALL, blocks: ANY_BLOCK, color: true, beside_gray: false, weighted: false,
         descriptors: &[Descriptor::Interval], kind: Kind::Difference,
         pixel_max: |of| of.value, largest_cap: ANY_CAP, top: |_| TOP,
+        fragments: wgsl!("pixel_bt"), small_match: false,
+    }
+    /// [`Cost::BirchfieldTomasi`] of the prefiltered image, and a quarter of it of the gray one: that of OpenCV's StereoSGBM.
+    BirchfieldTomasiGray {
+        name: "bt-gray", help: "bt, and a quarter of it on the gray image: that of StereoSGBM",
+        prefilter: Prefilter::XSobel, block: 5, methods: ALL, blocks: ANY_BLOCK, color: false, beside_gray: true, weighted: false,
+        descriptors: &[Descriptor::Interval], kind: Kind::Difference,
+        pixel_max: |of| (of.value + 63).min(255), largest_cap: |_| (255 - 63) / 2, top: |_| TOP,
         fragments: wgsl!("pixel_bt"), small_match: false,
     }
     /// Absolute differences of the horizontal and of the vertical Sobel derivative.
     SadXy {
         name: "sad-xy", help: "absolute differences of both Sobel derivatives",
-        prefilter: Prefilter::None, block: 5, methods: ALL, blocks: ANY_BLOCK, color: false, weighted: false,
+        prefilter: Prefilter::None, block: 5, methods: ALL, blocks: ANY_BLOCK, color: false, beside_gray: false, weighted: false,
         descriptors: &[Descriptor::Gradients], kind: Kind::Difference,
         pixel_max: |of| 4 * of.cap, largest_cap: |_| 255 / 4, top: |_| TOP,
         fragments: wgsl!("pixel_sad"), small_match: false,
@@ -212,7 +222,7 @@ costs! {
     /// Computing Visual Correspondence", ECCV 1994.
     Census {
         name: "census", help: "differing bits of census strings",
-        prefilter: Prefilter::None, block: 1, methods: ALL, blocks: ANY_BLOCK, color: false, weighted: false,
+        prefilter: Prefilter::None, block: 1, methods: ALL, blocks: ANY_BLOCK, color: false, beside_gray: false, weighted: false,
         descriptors: &[Descriptor::Census], kind: Kind::Difference,
         pixel_max: |of| of.census_bits, largest_cap: ANY_CAP, top: |_| TOP,
         fragments: wgsl!("pixel_census", "pixel_bits"), small_match: false,
@@ -220,7 +230,7 @@ costs! {
     /// Twice the Hamming distance of census strings, and the absolute differences of both Sobel derivatives.
     CensusSobel {
         name: "census-sobel", help: "census and sad-xy together",
-        prefilter: Prefilter::None, block: 1, methods: ALL, blocks: ANY_BLOCK, color: false, weighted: false,
+        prefilter: Prefilter::None, block: 1, methods: ALL, blocks: ANY_BLOCK, color: false, beside_gray: false, weighted: false,
         descriptors: &[Descriptor::Census, Descriptor::Gradients], kind: Kind::Difference,
         pixel_max: |of| 2 * of.census_bits + 4 * of.cap, largest_cap: |of| (255 - 2 * of.census_bits) / 4,
         top: |pixel_max| 128 * pixel_max,
@@ -229,7 +239,7 @@ costs! {
     /// Absolute differences and the Hamming distance of census strings, each with a weight.
     AdCensus {
         name: "ad-census", help: "absolute differences and census, each with a weight",
-        prefilter: Prefilter::None, block: 1, methods: ALL, blocks: ANY_BLOCK, color: false, weighted: true,
+        prefilter: Prefilter::None, block: 1, methods: ALL, blocks: ANY_BLOCK, color: false, beside_gray: false, weighted: true,
         descriptors: &[Descriptor::Census, Descriptor::Value], kind: Kind::Difference,
         pixel_max: |of| ((of.ad_weight * of.value + of.census_weight * of.census_bits + 8) >> 4).clamp(1, 255),
         largest_cap: ANY_CAP, top: |_| TOP,
@@ -238,7 +248,7 @@ costs! {
     /// Normalised cross correlation; for [`Method::Bm`].
     Ncc {
         name: "ncc", help: "normalised cross correlation, for bm",
-        prefilter: Prefilter::None, block: 5, methods: &[Method::Bm], blocks: 3..=19, color: false, weighted: false,
+        prefilter: Prefilter::None, block: 5, methods: &[Method::Bm], blocks: 3..=19, color: false, beside_gray: false, weighted: false,
         descriptors: &[Descriptor::Value], kind: Kind::Correlation,
         pixel_max: |of| of.value * of.value, largest_cap: ANY_CAP, top: |_| TOP,
         fragments: wgsl!("pixel_ncc"), small_match: false,
@@ -247,7 +257,7 @@ costs! {
     /// Information", CVPR 2005.
     MutualInformation {
         name: "mi", help: "mutual information",
-        prefilter: Prefilter::None, block: 1, methods: ALL, blocks: ANY_BLOCK, color: false, weighted: false,
+        prefilter: Prefilter::None, block: 1, methods: ALL, blocks: ANY_BLOCK, color: false, beside_gray: false, weighted: false,
         descriptors: &[Descriptor::Value], kind: Kind::Table,
         pixel_max: |_| 255, largest_cap: ANY_CAP, top: |_| 64 * 1024,
         fragments: wgsl!("pixel_mi"), small_match: false,

@@ -90,6 +90,18 @@ impl Params {
         }
     }
 
+    /// Whether winners are chosen and refined as OpenCV's StereoBM does.
+    pub(crate) fn chooses_as_stereo_bm(&self) -> bool {
+        self.opencv_rules && self.method == Method::Bm
+    }
+
+    /// The factors of [`Prefilter::Normalized`] by the rules of OpenCV's StereoBM: of the smoothed pixel, and of the
+    /// difference in 1024ths.
+    pub(crate) fn normalized_scales(&self) -> [u32; 2] {
+        let eighth = self.prefilter_window * self.prefilter_window / 8;
+        [eighth, (1024 + eighth) / (2 * eighth)]
+    }
+
     /// Rows and columns by which a block reaches beyond its centre.
     pub(crate) fn radius(&self) -> u32 {
         self.block / 2
@@ -116,6 +128,11 @@ impl Params {
     /// Images that are prefiltered: luma, or three colours.
     pub(crate) fn channels(&self) -> u32 {
         if self.color_cost { 3 } else { 1 }
+    }
+
+    /// Images whose descriptors the cost compares.
+    pub(crate) fn described(&self) -> u32 {
+        self.channels() + u32::from(self.cost.row().beside_gray)
     }
 
     /// The cap, no larger than any cost allows: this is also called before the settings are validated.
@@ -158,13 +175,14 @@ impl Params {
     /// Bytes of a pixel that the cost compares.
     pub(crate) fn planes(&self) -> u32 {
         let descriptors = self.cost.row().descriptors.iter();
-        self.channels() * descriptors.map(|descriptor| descriptor.planes(self.census)).sum::<u32>()
+        self.described() * descriptors.map(|descriptor| descriptor.planes(self.census)).sum::<u32>()
     }
 
     /// The largest value of those bytes, as far as they are compared as numbers.
     pub(crate) fn descriptor_max(&self) -> u32 {
         let descriptors = self.cost.row().descriptors.iter();
-        descriptors.map(|descriptor| descriptor.max(&self.ranges())).max().unwrap_or(0)
+        let filtered = descriptors.map(|descriptor| descriptor.max(&self.ranges())).max().unwrap_or(0);
+        if self.cost.row().beside_gray { 255 } else { filtered }
     }
 
     /// The largest cost of a pixel.

@@ -95,6 +95,10 @@ pub struct Params {
     pub weighted_median_sigma: u32,
     /// Smoothing by weighted least squares.
     pub wls: Option<Wls>,
+    /// Decide as OpenCV's StereoBM where it decides otherwise: at the border of a prefiltered image, in the quotient of
+    /// [`Prefilter::Normalized`], and with [`Method::Bm`] about ties, uniqueness and the refinement. And give no disparity where
+    /// the range of disparities leaves the right image, or with [`Method::Bm`] a block either of them.
+    pub opencv_rules: bool,
     /// Compute a confidence for each pixel, too.
     pub confidence: bool,
     /// Give the labels, too: the index of each winner, before any test of it.
@@ -182,6 +186,7 @@ impl Params {
             weighted_median: None,
             weighted_median_sigma: 20,
             wls: None,
+            opencv_rules: false,
             confidence: false,
             labels: false,
             unrounded: false,

@@ -1,5 +1,6 @@
 //! An image as the chain takes it, in one channel or three.
 
+use crate::reference::images::gray::narrow;
 use crate::reference::{Channel, Plane, deep_gray, depth_unit, prefilter, window_sum};
 use crate::{Image, Params, Prefilter};
 
@@ -10,6 +11,8 @@ pub struct Images {
     pub channels: Vec<Plane<u16>>,
     /// How much of a value stands for one of 256 levels.
     pub unit: i32,
+    /// Luma of the same unit, never prefiltered, if the cost compares it, too.
+    pub gray: Option<Plane<u16>>,
 }
 
 /// The images that are prefiltered.
@@ -18,14 +21,20 @@ pub fn images(image: &Image, params: &Params) -> Images {
         true => [0, 1, 2].map(|sample| deep_gray(image, Channel::Sample(sample))).into(),
         false => vec![deep_gray(image, Channel::Luma)],
     };
-    Images { channels, unit: depth_unit(image) }
+    let gray = params.cost.row().beside_gray.then(|| deep_gray(image, Channel::Luma));
+    Images { channels, unit: depth_unit(image), gray }
 }
 
 impl Images {
     /// All of them prefiltered.
     pub fn prefiltered(&self, params: &Params) -> Self {
         let unit = if params.prefilter == Prefilter::None { self.unit } else { 1 };
-        Self { channels: self.channels.iter().map(|image| prefilter(image, self.unit, params)).collect(), unit }
+        let narrowed = |gray: &Plane<u16>| match unit == self.unit {
+            true => gray.clone(),
+            false => gray.map(|x, y| narrow(gray.clamped(x, y) as u16).into()),
+        };
+        let channels = self.channels.iter().map(|image| prefilter(image, self.unit, params)).collect();
+        Self { channels, unit, gray: self.gray.as_ref().map(narrowed) }
     }
 
     /// The sums over windows of `side` x `side` pixels of all of them.

@@ -29,8 +29,23 @@ fn divisor(before: u32, here: u32, after: u32) -> u32 {
     return before + after - 2u * here;
 }
 
-// The refinement in 1/16 px of a winner that costs `here`, from the costs of its neighbours; before > here <= after.
+// The largest cost of a rival that fails the uniqueness test rival * (100 - UNIQUENESS) > here * 100.
+fn largest_rival(here: u32) -> u32 {
+    if STEREO_BM == 1u {
+        return here + here * UNIQUENESS / 100u;
+    }
+    return here * 100u / (100u - UNIQUENESS);
+}
+
+// The refinement in 1/16 px of a winner that costs `here`, from the costs of its neighbours; before > here <= after,
+// by the rules of StereoBM before >= here < after.
 fn refinement(before: u32, here: u32, after: u32) -> i32 {
+    if STEREO_BM == 1u {
+        // 128 (before - after) / k in 1/256 px, towards zero, then to 1/16 px, upwards.
+        let part = quotient(128u * max(before - min(before, after), after - min(before, after)),
+            max(max(before, after) - here, 1u), 8u);
+        return select(-i32(part >> 4u), i32((part + 15u) >> 4u), before > after);
+    }
     let k = divisor(before, here, after);
     // 16 (before - after) >= -16 k: shifted by 8 whole steps the quotient is of positive numbers, and at most 16.
     return i32(quotient(16u * (before + k) - 16u * after + k - 1u, 2u * k, 5u)) - 8;

@@ -3,11 +3,14 @@
 // minimum disparity other than 0 shifts the right view.
 // Reference: src/reference/winner/winner.rs
 //
-// A candidate is the key cost << 12 | d: the smallest key is the smallest cost, and of those the smallest disparity.
+// A candidate is the key cost << 12 | d: the smallest key is the smallest cost, and of those the smallest disparity. By the
+// rules of StereoBM it is the largest disparity of the left view: REVERSED turns its bits.
 // d < 2^12. Disparities beyond the range, and pixels beyond the row, cost COST_NONE: totals_* says how costs are held.
 
 // Disparities of a member.
 const OWN: u32 = 16u * OWN_QUADS;
+
+const REVERSED: u32 = 0xfffu * STEREO_BM;
 
 alias Keys = array<array<vec4<u32>, 4>, OWN_QUADS>;
 
@@ -66,8 +69,9 @@ fn choose(totals: ptr<function, Totals>, diagonal: ptr<function, Keys>,
     // On its way to the member before, a key's disparity is counted from that member's first one.
     let leaving = (*diagonal)[0][0].x + OWN;
     let least = roll(totals, diagonal);
-    let around = exchange(lowest(least.first) + member * OWN, leaving, 0u);
-    let best = winner(totals, least, around.least, x);
+    let own_first = select(member * OWN, 0u - member * OWN, STEREO_BM == 1u);
+    let around = exchange(lowest(least.first) + own_first, leaving, 0u);
+    let best = winner(totals, least, around.least ^ REVERSED, x);
     let seen_value = seen_at_zero(diagonal, around.above);
     if inside_row(x) {
         if (x & 1) == 0 && writes {
@@ -115,15 +119,14 @@ fn winner(totals: ptr<function, Totals>, least: Least, best_key: u32, x: i32) ->
     }
     // The smallest cost beyond them, its best rival's. The winner and its neighbours are of three different fourths of the disparities:
     // where one of them is the smallest of its fourth, the second smallest counts.
-    let near = ((least.first & vec4(0xfffu)) + vec4(1u) - vec4(own_best)) <= vec4(2u);
+    let near = (((least.first ^ vec4(REVERSED)) & vec4(0xfffu)) + vec4(1u) - vec4(own_best)) <= vec4(2u);
     let rival = lowest(select(least.first, least.second, near)) >> 12u;
     let known = neighbours_and_rival(vec3(before, after, rival));
     var value = 16 * (frame.min_disparity + i32(best));
     if SUBPIXEL != SUBPIXEL_OFF && best > 0u && best + 1u < DISPARITIES {
         value += refinement(known.x, cost, known.y);
     }
-    // The largest rival that fails the uniqueness test rival * (100 - UNIQUENESS) > cost * 100.
-    let limit = min(cost * 100u / (100u - UNIQUENESS), COST_NONE - 1u);
+    let limit = min(largest_rival(cost), COST_NONE - 1u);
     if (UNIQUENESS > 0u && known.z <= limit) || !points_inside(x, value) {
         value = INVALID;
     }
@@ -144,8 +147,9 @@ fn roll(totals: ptr<function, Totals>, diagonal: ptr<function, Keys>) -> Least {
         let after = select((*diagonal)[min(q + 1u, OWN_QUADS - 1u)][0].x, 0xffffffffu, q + 1u == OWN_QUADS);
         for (var i = 0u; i < 4u; i++) {
             let here = keys(totals_at(totals, q, i), 4u * q + i);
-            second = min(second, max(first, here));
-            first = min(first, here);
+            let own = here ^ vec4(REVERSED);
+            second = min(second, max(first, own));
+            first = min(first, own);
             let above = select((*diagonal)[q][min(i + 1u, 3u)].x, after, i == 3u);
             (*diagonal)[q][i] = min(vec4((*diagonal)[q][i].yzw, above), here);
         }

@@ -97,6 +97,18 @@ impl Compare<3> for Intervals {
     }
 }
 
+/// The prefiltered image and the gray one: of the latter a quarter, together at most 255.
+impl Compare<6> for Intervals {
+    type Value = u8;
+
+    #[inline(always)]
+    fn compare<V: Simd>(self, simd: V, left: [u8; 6], right: [u8x32<V>; 6]) -> u8x32<V> {
+        let quarter = simd.shr_u8x32(interval(simd, &left, &right, 3), 2);
+        let room = simd.sub_u8x32(simd.splat_u8x32(255), quarter);
+        simd.add_u8x32(quarter, simd.min_u8x32(interval(simd, &left, &right, 0), room))
+    }
+}
+
 impl Compare<9> for Intervals {
     type Value = u8;
 

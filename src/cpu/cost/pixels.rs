@@ -53,6 +53,7 @@ impl<'a> Pixels<'a> {
             Cost::Sad | Cost::ZeroMeanSad => self.fill::<1, _>(Differences, at, out),
             Cost::BirchfieldTomasi if self.color => self.fill::<9, _>(Intervals, at, out),
             Cost::BirchfieldTomasi => self.fill::<3, _>(Intervals, at, out),
+            Cost::BirchfieldTomasiGray => self.fill::<6, _>(Intervals, at, out),
             Cost::SadXy => self.fill::<2, _>(Differences, at, out),
             Cost::Census => match self.census {
                 Census::Five => self.fill::<3, _>(Bits, at, out),

@@ -10,6 +10,8 @@ use crate::{Image, Params, Prefilter};
 #[derive(Clone)]
 pub struct Channels {
     pub channels: Vec<Samples>,
+    /// Luma, never prefiltered, if the cost compares it, too; in 8 bits beside a prefiltered image.
+    pub gray: Option<Samples>,
     instructions: Instructions,
 }
 
@@ -20,8 +22,9 @@ impl Channels {
             true => &[Channel::Sample(0), Channel::Sample(1), Channel::Sample(2)],
             false => &[Channel::Luma],
         };
-        let channels = channels.iter().map(|&channel| gray::samples(image, channel, instructions)).collect();
-        Self { channels, instructions }
+        let channels: Vec<_> = channels.iter().map(|&channel| gray::samples(image, channel, instructions)).collect();
+        let gray = params.cost.row().beside_gray.then(|| channels[0].clone());
+        Self { channels, gray, instructions }
     }
 
     /// Stage `prefilter`.
@@ -29,14 +32,14 @@ impl Channels {
         if params.prefilter == Prefilter::None {
             return self;
         }
-        let Self { channels, instructions } = self;
+        let Self { channels, gray, instructions } = self;
         let filtered = |samples: &Samples| {
             Samples::Bytes(match samples {
                 Samples::Bytes(image) => prefilter::filtered(image, params, instructions),
                 Samples::Words(image) => prefilter::filtered(image, params, instructions),
             })
         };
-        Self { channels: channels.iter().map(filtered).collect(), instructions }
+        Self { channels: channels.iter().map(filtered).collect(), gray: gray.map(Samples::narrowed), instructions }
     }
 
     /// The set that the stages are compiled for.
@@ -48,6 +51,6 @@ impl Channels {
     pub fn images(&self) -> Images {
         let channels = self.channels.iter().map(Samples::plane).collect();
         let unit = if self.channels.iter().any(|samples| matches!(samples, Samples::Words(_))) { 257 } else { 1 };
-        Images { channels, unit }
+        Images { channels, unit, gray: self.gray.as_ref().map(Samples::plane) }
     }
 }

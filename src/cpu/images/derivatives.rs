@@ -55,8 +55,14 @@ impl Depth for u16 {
 /// Writes `byte(gx, gy)` of the derivatives of each pixel of a row.
 #[inline(always)]
 pub fn derivatives<T: Depth>(image: &Padded<T>, y: i64, out: &mut [u8], byte: impl Fn(i16, i16) -> u8) {
+    derivatives_between(image, [y - 1, y, y + 1], out, byte);
+}
+
+/// The same from three rows of the image.
+#[inline(always)]
+pub fn derivatives_between<T: Depth>(image: &Padded<T>, rows: [i64; 3], out: &mut [u8], byte: impl Fn(i16, i16) -> u8) {
     let width = image.width;
-    let (above, here, below) = (image.whole_row(y - 1), image.whole_row(y), image.whole_row(y + 1));
+    let [above, here, below] = rows.map(|y| image.whole_row(y));
     let (a, b, c) = (&above[MARGIN - 1..][..width], &above[MARGIN..][..width], &above[MARGIN + 1..][..width]);
     let (d, e) = (&here[MARGIN - 1..][..width], &here[MARGIN + 1..][..width]);
     let (f, g, h) = (&below[MARGIN - 1..][..width], &below[MARGIN..][..width], &below[MARGIN + 1..][..width]);

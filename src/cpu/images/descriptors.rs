@@ -22,7 +22,7 @@ impl Channels {
             instructions.run(
                 #[inline(always)]
                 || {
-                    for samples in &self.channels {
+                    for samples in self.channels.iter().chain(&self.gray) {
                         match samples {
                             Samples::Bytes(image) => describe(image, y, params, &neighbours, row),
                             Samples::Words(image) => describe(image, y, params, &neighbours, row),

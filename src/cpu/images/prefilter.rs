@@ -2,7 +2,7 @@
 
 use bytemuck::Pod;
 
-use crate::cpu::images::derivatives::{Depth, derivatives};
+use crate::cpu::images::derivatives::{Depth, derivatives, derivatives_between};
 use crate::cpu::images::padded::{MARGIN, Padded};
 use crate::cpu::instructions::Instructions;
 use crate::{Params, Prefilter};
@@ -15,6 +15,7 @@ pub fn filtered<T: Depth>(image: &Padded<T>, params: &Params, instructions: Inst
         instructions.run(
             #[inline(always)]
             || match params.prefilter {
+                Prefilter::XSobel if params.opencv_rules => stereo_bm_sobel(image, y, cap, row),
                 Prefilter::XSobel | Prefilter::None => {
                     derivatives(image, y, row, |gx, _| (gx.clamp(-cap, cap) + cap) as u8);
                 }
@@ -29,17 +30,34 @@ pub fn filtered<T: Depth>(image: &Padded<T>, params: &Params, instructions: Inst
     })
 }
 
+/// `xsobel` with the border of OpenCV's StereoBM.
+#[inline(always)]
+fn stereo_bm_sobel<T: Depth>(image: &Padded<T>, y: i64, cap: i16, row: &mut [u8]) {
+    let (right, bottom) = (image.width - 1, image.height as i64 - 1);
+    let rows = [(y - 1).abs(), y, bottom - (bottom - y - 1).abs()];
+    derivatives_between(image, rows, row, |gx, _| (gx.clamp(-cap, cap) + cap) as u8);
+    (row[0], row[right]) = (cap as u8, cap as u8);
+    if y == bottom && bottom % 2 == 0 {
+        row.fill(cap as u8);
+    }
+}
+
 fn normalized<T: Depth>(image: &Padded<T>, y: i64, params: &Params, row: &mut [u8]) {
     let (window, cap) = (params.prefilter_window as usize, params.prefilter_cap as i32);
     let n = (window * window) as i32;
+    let [eighth, scale] = params.normalized_scales().map(|factor| factor as i32);
     let mut sums = vec![0; image.width];
     window_sums(image, window, y, &mut sums);
     let at = |dx: i64, dy: i64| image.row(y + dy, dx);
     let five = [at(0, 0), at(-1, 0), at(1, 0), at(0, -1), at(0, 1)];
     for (x, (value, sum)) in row.iter_mut().zip(sums).enumerate() {
         let [centre, left, right, above, below]: [i32; 5] = five.map(|row| row[x].into());
-        let response = n * (4 * centre + left + right + above + below) - 8 * sum;
-        *value = (response.div_euclid(2 * n * T::UNIT).clamp(-cap, cap) + cap) as u8;
+        let smoothed = 4 * centre + left + right + above + below;
+        let response = match params.opencv_rules {
+            true => ((eighth * smoothed - sum) * scale).div_euclid(1024 * T::UNIT),
+            false => (n * smoothed - 8 * sum).div_euclid(2 * n * T::UNIT),
+        };
+        *value = (response.clamp(-cap, cap) + cap) as u8;
     }
 }
 

@@ -81,10 +81,15 @@ impl<T: Sum> Found<T> {
         let width = to.left.len();
         let (best, label, rival) = (&self.best[..width], &self.label[..width], &self.rival[..width]);
         to.labels.copy_from_slice(label);
+        let stereo_bm = params.chooses_as_stereo_bm();
         match params.subpixel {
             Subpixel::Off => to.left.fill(0),
-            Subpixel::Parabola => self.offsets(params, to.left, |before, here, after| before + after - 2 * here),
-            Subpixel::Equiangular => self.offsets(params, to.left, |before, here, after| before.max(after) - here),
+            _ if stereo_bm => self.offsets(params, to.left, |a, b, c| {
+                let quotient = T::quotient(128 * (a - c).unsigned_abs(), (a.max(c) - b).max(1) as u32) as i16;
+                if a > c { (quotient + 15) >> 4 } else { -(quotient >> 4) }
+            }),
+            Subpixel::Parabola => self.offsets(params, to.left, |a, b, c| rounded::<T>(a - c, a + c - 2 * b)),
+            Subpixel::Equiangular => self.offsets(params, to.left, |a, b, c| rounded::<T>(a - c, a.max(c) - b)),
         }
         let margins = &mut to.margins[..width];
         for x in 0..width {
@@ -98,7 +103,11 @@ impl<T: Sum> Found<T> {
         for x in 0..width {
             let (best, rival) = (best[x].value(), rival[x].value());
             let none = (rival == T::NONE.value()) | (ratio == 0);
-            let unique = none | (rival.wrapping_mul(100 - ratio) > best * 100);
+            let ahead = match stereo_bm {
+                true => rival > best + best * ratio / 100,
+                false => rival.wrapping_mul(100 - ratio) > best * 100,
+            };
+            let unique = none | ahead;
             let value = 16 * (smallest + i32::from(label[x])) + i32::from(left[x]);
             let seen = x as i32 - ((value + 8) >> 4);
             let valid = unique & (seen >= 0) & (seen < width as i32);
@@ -106,9 +115,9 @@ impl<T: Sum> Found<T> {
         }
     }
 
-    /// By how much each winner is refined: floor((16 (a - c) + curve - 1) / (2 curve)), from -8 to 8.
+    /// By how much each winner is refined: `offset` of the costs before, at and after it.
     #[inline(always)]
-    fn offsets(&self, params: &Params, to: &mut [i16], curve: impl Fn(i32, i32, i32) -> i32) {
+    fn offsets(&self, params: &Params, to: &mut [i16], offset: impl Fn(i32, i32, i32) -> i16) {
         let width = to.len();
         let (best, label) = (&self.best[..width], &self.label[..width]);
         let (before, after) = (&self.before[..width], &self.after[..width]);
@@ -116,11 +125,17 @@ impl<T: Sum> Found<T> {
         for x in 0..width {
             let [a, b, c] = [before[x], best[x], after[x]].map(|cost| cost.value() as i32);
             // Without neighbours the costs are those of others; what comes of them is not used.
-            let curve = curve(a, b, c).max(1);
-            // Not negative: 8 is added before the division.
-            let quotient = T::quotient((16 * (a - c) + 17 * curve - 1) as u32, 2 * curve as u32) as i32;
+            let offset = offset(a, b, c);
             let inside = (label[x] > 0) & (label[x] < last);
-            to[x] = if inside { quotient as i16 - 8 } else { 0 };
+            to[x] = if inside { offset } else { 0 };
         }
     }
+}
+
+/// floor((16 difference + curve - 1) / (2 curve)), from -8 to 8, with curve at least 1.
+#[inline(always)]
+fn rounded<T: Sum>(difference: i32, curve: i32) -> i16 {
+    let curve = curve.max(1);
+    // Not negative: 8 is added before the division.
+    T::quotient((16 * difference + 17 * curve - 1) as u32, 2 * curve as u32) as i16 - 8
 }

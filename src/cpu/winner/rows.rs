@@ -21,18 +21,23 @@ pub(crate) struct WinnerRow<T> {
 
 /// What differs between numbers of 16 and of 32 bits.
 pub(crate) trait Costs: Sum {
-    /// The smallest cost of a pixel, of equal ones the first, and its index; and its votes for the right view. Left pixels come in
-    /// rising order, so that the first of equal votes has the smallest index.
-    fn smallest<V: Simd>(simd: V, costs: &[Self], right: &mut [Self], index: &mut [Self]) -> (Self, usize);
+    /// The smallest cost of a pixel, of equal ones the first, or the last one if `LAST`, and its index; and its votes for the right
+    /// view. Left pixels come in rising order, so that the first of equal votes has the smallest index.
+    fn smallest<V: Simd, const LAST: bool>(
+        simd: V,
+        costs: &[Self],
+        right: &mut [Self],
+        index: &mut [Self],
+    ) -> (Self, usize);
     /// The smallest cost where `near` is 0; it has [`Sum::NONE`] at what is no rival.
     fn rival<V: Simd>(simd: V, costs: &[Self], near: &[Self]) -> Self;
 }
 
 macro_rules! costs {
-    ($($number:ty, $vector:ident, $lanes:literal: $splat:ident $min:ident $or:ident $eq:ident $add:ident $select:ident $least:ident;)+) => {$(
+    ($($number:ty, $vector:ident, $lanes:literal: $splat:ident $min:ident $or:ident $eq:ident $add:ident $select:ident $least:ident $largest:ident;)+) => {$(
         impl Costs for $number {
             #[inline(always)]
-            fn smallest<V: Simd>(simd: V, costs: &[Self], right: &mut [Self], index: &mut [Self]) -> (Self, usize) {
+            fn smallest<V: Simd, const LAST: bool>(simd: V, costs: &[Self], right: &mut [Self], index: &mut [Self]) -> (Self, usize) {
                 let mut places = [0; $lanes];
                 places.iter_mut().enumerate().for_each(|(i, place)| *place = i as $number);
                 let (places, step) = ($vector::simd_from(simd, places), simd.$splat($lanes));
@@ -43,7 +48,10 @@ macro_rules! costs {
                 for (costs, (right, index)) in costs.iter().zip(votes) {
                     let costs = $vector::simd_from(simd, *costs);
                     let least = simd.$min(best, costs);
-                    at = simd.$select(simd.$eq(least, best), at, here);
+                    at = match LAST {
+                        true => simd.$select(simd.$eq(least, costs), here, at),
+                        false => simd.$select(simd.$eq(least, best), at, here),
+                    };
                     best = least;
                     let seen = $vector::simd_from(simd, *right);
                     let least = simd.$min(seen, costs);
@@ -53,8 +61,11 @@ macro_rules! costs {
                     here = simd.$add(here, step);
                 }
                 let least = simd.$least(best);
-                let none = simd.$splat(Self::NONE);
-                let at = simd.$least(simd.$select(simd.$eq(best, simd.$splat(least)), at, none));
+                let winners = simd.$eq(best, simd.$splat(least));
+                let at = match LAST {
+                    true => simd.$largest(simd.$select(winners, at, simd.$splat(0))),
+                    false => simd.$least(simd.$select(winners, at, simd.$splat(Self::NONE))),
+                };
                 (least, at as usize)
             }
 
@@ -72,8 +83,8 @@ macro_rules! costs {
 }
 
 costs! {
-    u16, u16x16, 16: splat_u16x16 min_u16x16 or_u16x16 simd_eq_u16x16 add_u16x16 select_u16x16 reduce_min_u16x16;
-    u32, u32x8, 8: splat_u32x8 min_u32x8 or_u32x8 simd_eq_u32x8 add_u32x8 select_u32x8 reduce_min_u32x8;
+    u16, u16x16, 16: splat_u16x16 min_u16x16 or_u16x16 simd_eq_u16x16 add_u16x16 select_u16x16 reduce_min_u16x16 reduce_max_u16x16;
+    u32, u32x8, 8: splat_u32x8 min_u32x8 or_u32x8 simd_eq_u32x8 add_u32x8 select_u32x8 reduce_min_u32x8 reduce_max_u32x8;
 }
 
 impl<T: Costs> WinnerRow<T> {
@@ -110,12 +121,17 @@ impl<T: Costs> Kernel for Row<'_, '_, T> {
         let Self { finder: WinnerRow { found, right, index, near, n, .. }, costs, params, to } = self;
         let (n, width, disparities) = (*n, to.left.len(), params.disparities as usize);
         right.fill(T::NONE);
+        let stereo_bm = params.chooses_as_stereo_bm();
         for (x, costs) in costs.chunks_exact_mut(n).enumerate() {
             if disparities < n {
                 costs[disparities..].fill(T::NONE);
             }
             let votes = width - 1 - x;
-            let (best, label) = T::smallest(simd, costs, &mut right[votes..][..n], &mut index[votes..][..n]);
+            let (right, index) = (&mut right[votes..][..n], &mut index[votes..][..n]);
+            let (best, label) = match stereo_bm {
+                true => T::smallest::<V, true>(simd, costs, right, index),
+                false => T::smallest::<V, false>(simd, costs, right, index),
+            };
             (found.best[x], found.label[x]) = (best, label as u16);
             (found.before[x], found.after[x]) = (costs[label.saturating_sub(1)], costs[(label + 1).min(n - 1)]);
             found.rival[x] = T::rival(simd, costs, &near[n + 2 - label..][..n]);

@@ -16,6 +16,7 @@ fn check<T: Costs + TryFrom<u32> + std::fmt::Debug>(random: &mut ChaCha8Rng, mos
     params.min_disparity = [0, 1, -1, 20, -20, -400][random.random_range(0..6)];
     params.uniqueness = [0, 1, 15, 99][random.random_range(0..4)];
     params.subpixel = [Subpixel::Off, Subpixel::Parabola, Subpixel::Equiangular][random.random_range(0..3)];
+    params.opencv_rules = random.random();
     let width = [1, 2, 5, 33, 70][random.random_range(0..5)];
     let least = [0, most / 2, most, most - most.min(2)][random.random_range(0..4)];
     let costs: Vec<u32> = (0..width * disparities).map(|_| random.random_range(least..=most)).collect();

@@ -67,7 +67,7 @@ impl Planes {
     }
 
     fn compute(&self, b: &mut Builder<'_>, side: usize, rows: Rows) {
-        let count = b.params.planes() / b.params.channels();
+        let count = b.params.planes() / b.params.described();
         for (channel, picture) in (0..).zip(&self.pictures[side]) {
             let first_plane = channel * count;
             let (stride, own) = place_of(b, side);
@@ -102,6 +102,8 @@ pub(super) fn planes(b: &mut Builder<'_>, sources: &[wgpu::TextureView; 2]) -> P
         let source = source_of(b, sources, side);
         let luma = gray(b, &source, side);
         grays.push(luma.clone());
+        let beside = b.params.cost.row().beside_gray;
+        let gray = Picture { filtered: false, side, channel: 0, texels: luma.clone(), deep: false };
         let pictures = (0..b.params.channels()).map(|channel| {
             let picture = picture_of(b, &source, &luma, side, channel);
             match b.params.prefilter {
@@ -110,7 +112,7 @@ pub(super) fn planes(b: &mut Builder<'_>, sources: &[wgpu::TextureView; 2]) -> P
                 _ => filtered(b, &picture, &scratch, Written::Prefiltered { side, channel: channel as usize }),
             }
         });
-        pictures.collect()
+        pictures.collect::<Vec<_>>().into_iter().chain(beside.then_some(gray)).collect()
     });
     Planes::new(b, pictures, grays, scratch)
 }

@@ -54,6 +54,7 @@ fn disparities(params: &Params) -> Vec<Constant> {
 
 /// Images, and what becomes of them before the cost.
 fn images(params: &Params, format: PixelFormat) -> Vec<Constant> {
+    let [eighth, scale] = params.normalized_scales();
     vec![
         number("FORMAT", format as u32),
         number("DEEP", format.is_deep()),
@@ -65,6 +66,9 @@ fn images(params: &Params, format: PixelFormat) -> Vec<Constant> {
         number("PREFILTER_NORMALIZED", Prefilter::Normalized as u32),
         number("PREFILTER_NONE", Prefilter::None as u32),
         number("PREFILTER_WINDOW", params.prefilter_window),
+        number("OPENCV_RULES", params.opencv_rules),
+        number("NORMALIZED_EIGHTH", eighth),
+        number("NORMALIZED_SCALE", scale),
     ]
 }
 
@@ -79,8 +83,8 @@ fn cost(params: &Params) -> Vec<Constant> {
         number("NARROWING", params.narrowing()),
         number("SCALE_SHIFT", params.scale_shift()),
         number("PLANES", params.planes()),
-        number("IMAGE_PLANES", params.planes() / params.channels()),
-        number("CHANNELS", params.channels()),
+        number("IMAGE_PLANES", params.planes() / params.described()),
+        number("DESCRIBED", params.described()),
         number("DESCRIPTOR", params.numeric_descriptor() as u32),
         number("AD_WEIGHT", params.ad_weight),
         number("CENSUS_WEIGHT", params.census_weight),
@@ -117,6 +121,7 @@ fn winner(kernel: &Kernel, params: &Params) -> Vec<Constant> {
         number("SUBPIXEL_OFF", Subpixel::Off as u32),
         number("SUBPIXEL_EQUIANGULAR", Subpixel::Equiangular as u32),
         number("UNIQUENESS", params.uniqueness),
+        number("STEREO_BM", params.chooses_as_stereo_bm()),
         number("CONFIDENCE", params.confidence),
         number("LABELS", params.labels),
     ]

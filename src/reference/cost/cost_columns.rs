@@ -33,7 +33,8 @@ pub fn cost_columns(left: &Descriptors, right: &Descriptors, table: &[u8], param
 /// - `sad`, `zsad`: |l - r|; with three colours floor((floor((red + blue) / 2) + green) / 2) of their differences;
 /// - `ssd`: (l - r)^2; `ncc`: l r;
 /// - `bt`: of the values l, r and the intervals around them, the smaller of the distance of l from the right interval and
-///   of r from the left one (Birchfield and Tomasi 1998, equations 1 to 3); with three colours as `sad`;
+///   of r from the left one (Birchfield and Tomasi 1998, equations 1 to 3); with three colours as `sad`; `bt-gray`: the same of
+///   the prefiltered image, and floor of a quarter of that of the gray one, together at most 255;
 /// - `sad-xy`: the sum of the absolute differences;
 /// - `census`: the number of bits that differ;
 /// - `census-sobel`: twice that, and the absolute differences of both derivatives;
@@ -56,6 +57,7 @@ pub fn pixel_cost(left: &[u8], right: &[u8], table: &[u8], params: &Params) -> u
         Cost::ZeroMeanSad => difference(0),
         Cost::Ssd => difference(0) * difference(0),
         Cost::BirchfieldTomasi => colours(&interval, 3),
+        Cost::BirchfieldTomasiGray => (interval(0) + interval(3) / 4).min(255),
         Cost::SadXy => difference(0) + difference(1),
         Cost::Census => bits(census_planes),
         Cost::CensusSobel => 2 * bits(census_planes) + difference(census_planes) + difference(census_planes + 1),

@@ -27,21 +27,22 @@ impl Descriptors {
 impl Images {
     /// What the cost compares of them.
     pub fn descriptors(&self, params: &Params) -> Descriptors {
-        descriptors(&self.channels, self.unit, params)
+        let described: Vec<&Plane<u16>> = self.channels.iter().chain(&self.gray).collect();
+        descriptors(&described, self.unit, params)
     }
 }
 
 /// Stage `descriptors`: the bytes of each pixel that [`crate::reference::pixel_cost`] compares, from the prefiltered image, or for
 /// [`Params::color_cost`] from those of red, green and blue. `unit` is that of [`crate::reference::deep_gray`] if the prefilter is
-/// `none`, else 1. A value in 8 bits is that image, narrowed as in stage `gray`.
+/// `none`, else 1. With the cost `bt-gray` luma, brought to this unit, follows the prefiltered image. A value in 8 bits is that image, narrowed as in stage `gray`.
 ///
 /// - `sad`, `ssd`, `ncc`, `mi`: the value;
 /// - `zsad`: the value less the mean of the block around it, clamp(round(v - mean), -127, 127) + 127;
-/// - `bt`: the value v, and the smallest and the largest of v, floor((v + left) / 2) and floor((v + right) / 2);
+/// - `bt`, `bt-gray`: the value v, and the smallest and the largest of v, floor((v + left) / 2) and floor((v + right) / 2);
 /// - `sad-xy`: clamp(gx, -cap, cap) + cap and the same of gy;
 /// - `census`: the census string;
 /// - `census-sobel`: the census string, then as `sad-xy`; `ad-census`: the census string, then the value.
-pub fn descriptors(images: &[Plane<u16>], unit: i32, params: &Params) -> Descriptors {
+pub fn descriptors(images: &[&Plane<u16>], unit: i32, params: &Params) -> Descriptors {
     let (width, height) = (images[0].width, images[0].height);
     let mut data = Vec::new();
     for y in 0..height as i64 {

@@ -1,4 +1,5 @@
 use crate::reference::Plane;
+use crate::reference::images::prefilter::{sobel, stereo_bm_sobel};
 use crate::{DisparityMap, Params};
 use rayon::prelude::*;
 
@@ -6,7 +7,8 @@ use rayon::prelude::*;
 ///
 /// t(x, y) is the sum over the block around (x, y) of min(|gx|, cap), where gx is the undivided horizontal Sobel derivative
 /// of the left gray image; both the gray image and the values are continued by their borders. The pixel becomes invalid
-/// where t < texture. It is the `textureThreshold` of OpenCV's StereoBM with `PREFILTER_XSOBEL`.
+/// where t < texture. It is the `textureThreshold` of OpenCV's StereoBM with `PREFILTER_XSOBEL`; with [`Params::opencv_rules`] gx
+/// has its border, too.
 ///
 /// In an image of the two columns 0 and 10, |gx| is 4 (10 - 0) = 40 in both, clipped to 31, and the columns outside repeat
 /// that: a block of 3 has 9 * 31 = 279 everywhere.
@@ -26,8 +28,7 @@ pub fn texture(left: &DisparityMap, gray: &Plane<u8>, params: &Params) -> Dispar
     let mut clipped = Plane { width: gray.width, height: gray.height, data: Vec::with_capacity(gray.data.len()) };
     for y in 0..height {
         for x in 0..width {
-            let across = |j: i64| gray.clamped(x + 1, y + j) - gray.clamped(x - 1, y + j);
-            let gx: i32 = across(-1) + 2 * across(0) + across(1);
+            let gx = if params.opencv_rules { stereo_bm_sobel(gray, 1, x, y) } else { sobel(gray, 1, x, y).0 };
             clipped.data.push(gx.unsigned_abs().min(params.prefilter_cap) as u8);
         }
     }

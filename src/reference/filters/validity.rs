@@ -1,5 +1,7 @@
+use std::ops::Range;
+
 use crate::reference::Plane;
-use crate::{DisparityMap, Masks, Params, Rectification};
+use crate::{DisparityMap, Masks, Method, Params, Rectification};
 
 /// Which pixels of the pair at hand have content: after [`Params::rectify`], if that is asked for.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -13,13 +15,23 @@ impl Content {
     /// content: then no stage reads it.
     ///
     /// A pixel of a given image has content if its mask is not 0, or there is none. A pixel of a rectified image has content
-    /// if each pixel that it is interpolated from lies in the given image and has content there.
+    /// if each pixel that it is interpolated from lies in the given image and has content there. With
+    /// [`Params::opencv_rules`] only those of the left view have it whose range of disparities lies in the right image.
     pub fn new(params: &Params, width: u32, height: u32) -> Option<Self> {
-        if params.rectify.is_none() && params.masks.is_none() {
+        if params.rectify.is_none() && params.masks.is_none() && !params.opencv_rules {
             return None;
         }
         let side = |side| content_of_side(params.rectify.as_ref(), params.masks.as_ref(), side, [width, height]);
-        let content = Self { sides: [side(0), side(1)] };
+        let mut content = Self { sides: [side(0), side(1)] };
+        if params.opencv_rules {
+            let left = &mut content.sides[0];
+            let (columns, rows) = valid_rectangle(params, left.width as i64, left.height as i64);
+            let inside = |i: usize, width: usize| {
+                columns.contains(&((i % width) as i64)) && rows.contains(&((i / width) as i64))
+            };
+            let width = left.width;
+            left.data.iter_mut().enumerate().for_each(|(i, has)| *has &= inside(i, width));
+        }
         content.sides.iter().any(|side| side.data.contains(&false)).then_some(content)
     }
 
@@ -45,6 +57,20 @@ impl Content {
             ..*side
         };
         Self { sides: [mirror(right), mirror(left)] }
+    }
+}
+
+/// The columns and rows in which OpenCV gives disparities: with [`Method::Bm`] those of StereoBM, whose blocks lie in the left
+/// image and, for all disparities, in the right one; else those of StereoSGBM, one column less at the left.
+fn valid_rectangle(params: &Params, width: i64, height: i64) -> (Range<i64>, Range<i64>) {
+    let smallest = i64::from(params.min_disparity);
+    let behind = smallest + i64::from(params.disparities);
+    match params.method {
+        Method::Bm => {
+            let r = i64::from(params.radius());
+            ((behind - 1).max(0) + r..width - r + smallest.min(0), r..height - r)
+        }
+        Method::Sgm | Method::Bp | Method::Psmnet => (behind.max(0)..width + smallest.min(0), 0..height),
     }
 }
 

@@ -48,24 +48,37 @@ pub(crate) fn winner_of_row(costs: &[u32], params: &Params) -> RowOfViews {
     let width = costs.len() / n;
     let cost = |x: usize, d: usize| costs[x * n + d];
     let disparity = |d: usize| params.min_disparity + d as i32;
+    let stereo_bm = params.chooses_as_stereo_bm();
 
     let left = (0..width).map(|x| {
-        let best = (0..n).min_by_key(|&d| (cost(x, d), d)).unwrap_or(0); // ties go to the smallest disparity
+        // Ties go to the smallest disparity, by the rules of StereoBM to the largest.
+        let best = (0..n).min_by_key(|&d| (cost(x, d), if stereo_bm { n - d } else { d })).unwrap_or(0);
         // Uniqueness: every disparity but the winner and its neighbours must cost more by the given share.
         let ratio = params.uniqueness;
         let rival = (0..n).filter(|d| d.abs_diff(best) > 1).map(|d| cost(x, d)).min();
-        let unique = ratio == 0 || rival.is_none_or(|rival| rival * (100 - ratio) > cost(x, best) * 100);
+        let unique = ratio == 0
+            || rival.is_none_or(|rival| match stereo_bm {
+                true => rival > cost(x, best) + cost(x, best) * ratio / 100,
+                false => rival * (100 - ratio) > cost(x, best) * 100,
+            });
         let mut value = 16 * disparity(best);
         if params.subpixel != Subpixel::Off && best > 0 && best + 1 < n {
             // The vertex of the parabola through three costs, or the point where two lines of equal and opposite slope
             // through them meet, to the nearest 1/16 px, halves downwards: ceil(8 (before - after) / k - 1/2), where
             // k > 0 since ties go to the smallest disparity.
             let (before, here, after) = (cost(x, best - 1), cost(x, best), cost(x, best + 1));
-            let k = match params.subpixel {
-                Subpixel::Equiangular => before.max(after) - here,
-                Subpixel::Off | Subpixel::Parabola => before + after - 2 * here,
-            } as i32;
-            value += (16 * (before as i32 - after as i32) + k - 1).div_euclid(2 * k);
+            let difference = before as i32 - after as i32;
+            if stereo_bm {
+                // 128 (before - after) / k in 1/256 px, towards zero, then to 1/16 px, upwards.
+                let k = (before.max(after) - here).max(1) as i32;
+                value += (128 * difference / k + 15) >> 4;
+            } else {
+                let k = match params.subpixel {
+                    Subpixel::Equiangular => before.max(after) - here,
+                    Subpixel::Off | Subpixel::Parabola => before + after - 2 * here,
+                } as i32;
+                value += (16 * difference + k - 1).div_euclid(2 * k);
+            }
         }
         let valid = unique && points_inside(x as i64, value as i16, width);
         ((if valid { value as i16 } else { DisparityMap::INVALID }, margin(cost(x, best), rival)), best as u16)

@@ -73,6 +73,27 @@ pub(crate) fn bm_pixel(params: &mut Params) {
 }
 
 /// A block for which the column sums are kept in memory.
+pub(crate) fn stereo_bm(params: &mut Params) {
+    bm(params);
+    params.opencv_rules = true;
+}
+
+/// Blocks of a pixel and few values: many equal costs.
+pub(crate) fn stereo_bm_ties(params: &mut Params) {
+    bm_pixel(params);
+    (params.opencv_rules, params.uniqueness, params.min_disparity) = (true, 0, -14);
+}
+
+pub(crate) fn stereo_bm_texture(params: &mut Params) {
+    texture(params);
+    params.opencv_rules = true;
+}
+
+pub(crate) fn stereo_bm_columns(params: &mut Params) {
+    stereo_bm_ties(params);
+    params.shader_checks = true;
+}
+
 pub(crate) fn wide(params: &mut Params) {
     params.block = 17;
 }

@@ -44,6 +44,12 @@ pub(super) const MUTANTS: &[Mutant] = &[
     mutant("descriptors", "low_bytes(last - x)", "low_bytes(last - x + 2)", |params| params.cost = Cost::CensusSobel),
     mutant("descriptors", "vec4(half)", "vec4(0)", |params| params.cost = Cost::ZeroMeanSad),
     mutant("descriptors", "min(before, after)", "before", |params| params.cost = Cost::BirchfieldTomasi),
+    mutant("matching_cost_small", "vec4(2u)) & vec4(0x3f3f3f3fu)", "vec4(3u)) & vec4(0x1f1f1f1fu)", |params| {
+        params.cost = Cost::BirchfieldTomasiGray;
+    }),
+    mutant("matching_cost_small", "above(costs[0], ~quarter)", "vec4(0u)", |params| {
+        (params.cost, params.prefilter) = (Cost::BirchfieldTomasiGray, Prefilter::None);
+    }),
     mutant("prefilter", "2 * cap", "2 * cap - 1", |params| params.prefilter = Prefilter::Sobel),
     mutant("prefilter", "return root;", "return root + 1u;", |params| params.prefilter = Prefilter::Sobel),
     mutant("halve", "+ 2u) >> 2u", "+ 1u) >> 2u", mutual),
@@ -203,7 +209,31 @@ pub(super) const MUTANTS: &[Mutant] = &[
     mutant("block_match", "(*seen).roots[q] = r", "(*seen).roots[q] = s", ncc),
     mutant("block_match", "k - 1u", "k", bm_columns),
     mutant("block_match_small", "frame.height) - 1)", "frame.height) - 2)", bm),
-    mutant("block_match_small", "best * 100u", "best * 110u", bm),
+    mutant("block_match_small", "here * 100u", "here * 110u", bm),
+    mutant("block_match_small", "here * UNIQUENESS / 100u", "here * UNIQUENESS / 90u", stereo_bm),
+    mutant("block_match_small", "(part + 15u)", "(part + 8u)", stereo_bm),
+    mutant("block_match_small", "low_key ^ REVERSED", "low_key", stereo_bm_ties),
+    mutant("block_match_small", "-i32(part >> 4u)", "-i32((part + 15u) >> 4u)", stereo_bm),
+    mutant("block_match", "vec4(REVERSED);", "vec4(0u);", stereo_bm_columns),
+    mutant("block_match", "around.least ^ REVERSED", "around.least", stereo_bm_columns),
+    mutant("block_match", "0u - member * OWN", "member * OWN", |params| {
+        stereo_bm_columns(params);
+        per_subgroup(params);
+    }),
+    mutant("prefilter", "abs(y - 1)", "y - 1", stereo_bm),
+    mutant("prefilter", "last - abs(last - y - 1)", "y + 1", |params| {
+        stereo_bm(params);
+        params.block = 3;
+    }),
+    mutant("prefilter", "columns == vec4(0)", "columns == vec4(-1)", stereo_bm),
+    mutant("prefilter", "(frame.height & 1u) == 1u", "false", stereo_bm),
+    mutant("prefilter", "NORMALIZED_EIGHTH) * smoothed", "NORMALIZED_EIGHTH + 1u) * smoothed", |params| {
+        stereo_bm(params);
+        params.prefilter = Prefilter::Normalized;
+    }),
+    mutant("texture_columns", "low != vec4(0u)", "low != vec4(1u)", stereo_bm_texture),
+    mutant("texture_columns", "abs(row - 1)", "row - 1", stereo_bm_texture),
+    mutant("texture_columns", "(last & 1) == 0", "false", stereo_bm_texture),
     mutant("block_match_small", "7u << u32(clamp", "6u << u32(clamp", bm),
     mutant("block_match_small", "if PADDED", "if !PADDED", bm_far),
     mutant("block_match_small", "BLOCK) - start", "BLOCK) - start - 1", bm),
