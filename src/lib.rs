@@ -69,6 +69,7 @@
 //! - `files`: the module `gpu_stereo::files`, which reads and writes images, maps, calibrations, lists and truths.
 //! - `gpu`: the matcher on a device, by wgpu: [`StereoMatcher`], [`StereoStream`].
 //! - `cpu`: the module `gpu_stereo::cpu`, the matcher without a device.
+//! - `gpu` and `cpu` together: the module `gpu_stereo::backend`, which takes the best adapter of the machine or the CPU.
 //! - `cli` (default): the command `gpu-stereo`; brings all others along.
 //!
 //! The library alone: `default-features = false, features = ["gpu"]`, or `["cpu"]`, or both.
@@ -89,6 +90,9 @@
 #[cfg(test)]
 extern crate self as gpu_stereo; // for tests/support, which the unit tests share
 
+#[cfg(all(feature = "cpu", feature = "gpu", not(target_arch = "wasm32")))]
+#[cfg_attr(docsrs, doc(cfg(all(feature = "cpu", feature = "gpu"))))]
+pub mod backend;
 #[cfg(any(feature = "cpu", feature = "gpu"))]
 mod check;
 mod color;

@@ -2,6 +2,7 @@
 
 use clap::builder::{PossibleValue, PossibleValuesParser, TypedValueParser};
 use gpu_stereo::Colors;
+use gpu_stereo::backend::Backend;
 use gpu_stereo::files::calibration::{KittiPair, LensModel, Unit};
 use gpu_stereo::files::datasets::DataSet;
 use gpu_stereo::files::encoders::{Format, Look, PointFormat, SampleFormat};
@@ -51,10 +52,23 @@ pub fn lens() -> impl TypedValueParser<Value = LensModel> {
     choice(&LENSES)
 }
 
+/// What [`BACKENDS`] has.
+pub fn backend() -> impl TypedValueParser<Value = Backend> {
+    choice(&BACKENDS)
+}
+
 /// What [`SPLITS`] has.
 pub fn split() -> impl TypedValueParser<Value = Split> {
     choice(&SPLITS)
 }
+
+/// `--backend`.
+const BACKENDS: [Choice<Backend>; 4] = [
+    (&["auto"], Backend::Auto, "The best one available"),
+    (&["gpu"], Backend::Gpu, "Any adapter, a CPU adapter such as lavapipe included"),
+    (&["cpu"], Backend::Cpu, "The native schedule"),
+    (&["reference"], Backend::Reference, "The reference in plain Rust"),
+];
 
 /// `--split`.
 const SPLITS: [Choice<Split>; 7] = [

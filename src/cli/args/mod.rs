@@ -22,7 +22,7 @@ mod weights;
 pub use batch::{BatchArgs, HELP as BATCH_HELP, Shard, USAGE as BATCH_USAGE};
 pub use bench::{BenchArgs, HELP as BENCH_HELP};
 pub use cameras::{CalibArgs, CameraArgs, HELP as CALIB_HELP};
-pub use device::{Backend, DeviceArgs};
+pub use device::DeviceArgs;
 pub use eval::{EvalArgs, HELP as EVAL_HELP};
 pub use formats::{LookArgs, MapsArgs};
 pub use input::InputArgs;

@@ -1,9 +1,9 @@
 //! `--list-adapters`: the adapters, the best first.
 
 use super::outcome::Outcome;
-use crate::engine::adapter;
 use crate::terminal::{self, message, table};
 use anyhow::Result;
+use gpu_stereo::backend;
 use gpu_stereo::wgpu::Adapter;
 use serde::Serialize;
 
@@ -19,19 +19,19 @@ struct Listed {
 
 /// Prints the adapters.
 pub fn run(json: bool) -> Result<Outcome> {
-    adapter::ensure_known_environment()?;
-    let adapters = adapter::ranked()?;
+    backend::ensure_environment(&mut |text| message(&format!("note: {text}")))?;
+    let adapters = backend::adapters()?;
     let infos = adapters.iter().map(Adapter::get_info).enumerate();
     let listed = infos.map(|(index, info)| Listed {
         index,
         backend: info.backend.to_string(),
-        driver: adapter::driver(&info),
-        kind: adapter::kind(info.device_type),
+        driver: backend::driver(&info),
+        kind: backend::kind(info.device_type),
         name: info.name,
     });
     let listed: Vec<_> = listed.collect();
     if listed.is_empty() {
-        let why = adapter::why_none();
+        let why = backend::why_none();
         message(&format!("note: there is no adapter{why}; install a Vulkan driver, or compute with --backend cpu"));
     }
     if json {

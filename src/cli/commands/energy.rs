@@ -1,10 +1,10 @@
 //! The energy of the winners, which is told of every method: so methods can be compared by what they minimise.
 
 use anyhow::Result;
+use gpu_stereo::backend::Beforehand;
 use gpu_stereo::{Error, Image, Matched, Method, Params, reference};
 use serde::Serialize;
 
-use crate::engine::compute::Beforehand;
 use crate::terminal::message;
 
 /// The energy of the winners, and its two parts.

@@ -7,13 +7,14 @@ use super::network;
 use super::outcome::Outcome;
 use super::variants::{self, MAX_MAPS, Variant, in_words};
 use crate::args::{self, CompareArgs, DeviceArgs, InputArgs, StudyArgs};
-use crate::engine::compute::{Cameras, Engine, EngineNames, FrameMs};
+use crate::engine::compute::{self, Cameras, EngineNames, FrameMs};
 use crate::engine::diagnosis::{self, Finding};
 use crate::engine::output_files::{self, MapFolder, file_name};
 use crate::engine::pair::Pair;
 use crate::engine::{adapter, images, places};
 use crate::terminal::{self, Progress, table, warnings};
 use anyhow::{Context as _, Result, bail, ensure};
+use gpu_stereo::backend::Engine;
 use gpu_stereo::files::encoders::{Look, SheetFormat};
 use gpu_stereo::files::images::ImagePair;
 use gpu_stereo::files::masks::MaskFiles;
@@ -235,17 +236,18 @@ impl Study {
             output_files::want(&mut params, MapFolder::formats(self.maps.as_ref()));
             energy::want(&mut params, self.json);
             let context = || label.clone();
-            let open = |params: &Params| Engine::again(&mut engine, &self.device, &left, params).map(drop);
+            let open = |params: &Params| compute::again(&mut engine, &self.device, &left, params).map(drop);
             let ((), params) = &energy::opened(&params, open).with_context(context)?;
             let Some(ready) = &engine else { bail!("{label}: there is nothing to compute with") };
             let repeat = self.repeat.or_else(|| ready.is_quick(params).then_some(REPEAT));
-            names.add(ready.names([params]));
+            names.add(ready.names([params]).into());
             if sheet.is_none() {
                 let left = images::rectified(&left, params, 0)?;
                 sheet = Some(self.blank(ready, &left, repeat, (first, last))?);
             }
             let show = |share| progress.share(label, share);
-            let mut frames = ready.frames(&left, &right, params, false, repeat, &show).with_context(context)?;
+            let mut frames =
+                compute::frames(ready, &left, &right, params, false, repeat, &show).with_context(context)?;
             let energy = EnergyReport::new(&left, &right, &frames.matched, params)?;
             if let Some(maps) = &self.maps {
                 let name = map_name(place, &self.variants[place - 1], self.variants.len());

@@ -1,11 +1,11 @@
 //! The images of pairs and their masks, as the options say.
 
-use super::compute::upright;
 use super::pair::Pair;
 use super::pairs;
 use crate::args::InputArgs;
 use crate::terminal::warnings;
 use anyhow::{Result, bail, ensure};
+use gpu_stereo::backend::upright;
 use gpu_stereo::files::images::{self, Bits, ImagePair, Split};
 use gpu_stereo::files::masks::ReadMasks;
 use gpu_stereo::reference::{self, Channel};

@@ -4,7 +4,6 @@ pub mod adapter;
 pub mod compute;
 pub mod diagnosis;
 pub mod disk;
-mod environment;
 pub mod images;
 pub mod log;
 pub mod outputs;

@@ -6,12 +6,13 @@ use super::resolve::Bench;
 use super::scene::{Loaded, SceneReport, load, settings};
 use super::tables::sets;
 use crate::commands::variants::Variant;
-use crate::engine::compute::{Engine, EngineNames};
+use crate::engine::compute::{self, EngineNames};
 use crate::engine::known::KnownFile;
 use crate::engine::output_files::{self, MapFolder};
 use crate::engine::{adapter, disk};
 use crate::terminal::{Progress, name, one_line, plain, warnings};
 use anyhow::{Result, anyhow};
+use gpu_stereo::backend::Engine;
 use gpu_stereo::files::datasets::Scene;
 use gpu_stereo::{Matched, Params};
 use std::fmt::{self, Display, Formatter};
@@ -141,7 +142,7 @@ impl<'a> Run<'a> {
     /// Matches, scores and writes.
     fn compute(&mut self, task: &Task<'_>, inputs: &[KnownFile], loaded: &Loaded) -> Result<SceneReport> {
         let result = self.matched(task, loaded);
-        let names = self.engine.as_ref().map(|engine| engine.names([&task.variant.params]));
+        let names = self.engine.as_ref().map(|engine| engine.names([&task.variant.params]).into());
         if let Some(names) = names.clone() {
             self.names.get_or_insert_default().add(names);
         }
@@ -161,12 +162,12 @@ impl<'a> Run<'a> {
         let (settings, mut params) = settings(task.variant, loaded.disparities)?;
         output_files::want(&mut params, MapFolder::formats(self.bench.maps.as_ref()));
         (params.rectify, params.depth) = (loaded.rectify.clone(), loaded.camera);
-        let engine = Engine::again(&mut self.engine, &self.bench.device, &loaded.left, &params)?;
+        let engine = compute::again(&mut self.engine, &self.bench.device, &loaded.left, &params)?;
         // On an adapter the first frame compiles.
         let repeat = self.bench.repeat.or_else(|| (engine.device_bytes() > 0).then_some(1));
         let (progress, label) = (&self.progress, task.scene.label());
         let show = |share| progress.share(&label, share);
-        let frames = match engine.frames(&loaded.left, &loaded.right, &params, false, repeat, &show) {
+        let frames = match compute::frames(engine, &loaded.left, &loaded.right, &params, false, repeat, &show) {
             Ok(frames) => frames,
             Err(error) => {
                 self.engine = None; // the device may be lost

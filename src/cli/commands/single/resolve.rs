@@ -1,13 +1,14 @@
 //! Resolve: options become valid settings, before an image is decoded or a device opened.
 
 use super::shaders;
-use crate::args::{self, Backend, DeviceArgs, InputArgs, SingleArgs};
+use crate::args::{self, DeviceArgs, InputArgs, SingleArgs};
 use crate::commands::{energy, network};
 use crate::engine::compute::Cameras;
 use crate::engine::pair::Pair;
 use crate::engine::{adapter, images, output_files};
 use anyhow::{Result, bail, ensure};
 use gpu_stereo::Params;
+use gpu_stereo::backend::Backend;
 use gpu_stereo::files::encoders::Format;
 use gpu_stereo::files::masks::MaskFiles;
 use gpu_stereo::files::outputs::Output;

@@ -4,7 +4,7 @@ use super::report::Report;
 use super::resolve::Job;
 use super::shaders;
 use crate::commands::energy::{self, EnergyReport};
-use crate::engine::compute::{Computed, Engine, find_range};
+use crate::engine::compute::{self, Computed, find_range};
 use crate::engine::{diagnosis, images, output_files};
 use crate::terminal::{Evaluation, Share, warnings};
 use anyhow::Result;
@@ -31,7 +31,7 @@ pub fn run(job: &Job) -> Result<Report> {
     find_range(job.range, &job.device, [&left, &right], &mut params)?;
     let (params, camera) = (&params, &camera);
     let start = Instant::now();
-    let open = |params: &Params| Engine::open(&job.device, job.needs_adapter, &left, params);
+    let open = |params: &Params| compute::open(&job.device, job.needs_adapter, &left, params);
     let (engine, params) = &energy::opened(params, open)?;
     if let Some(folder) = &job.shaders {
         shaders::write(folder, &engine.shaders())?;
@@ -40,7 +40,7 @@ pub fn run(job: &Job) -> Result<Report> {
     let timed = job.timings || job.json;
     let bar = Share::new(&format!("--method {}", params.get("method")), job.quiet || params.network.is_none());
     let show = |share| bar.show(share);
-    let computed = engine.frames(&left, &right, params, timed, job.repeat, &show);
+    let computed = compute::frames(engine, &left, &right, params, timed, job.repeat, &show);
     bar.finish();
     let Computed { mut matched, first, times, stages } = computed?;
     job.cameras.cut(&mut matched);
@@ -50,13 +50,13 @@ pub fn run(job: &Job) -> Result<Report> {
     }
 
     let energy = EnergyReport::new(&left, &right, &matched, params)?;
-    let check = if job.check { Some(engine.check(&left, &right, params)?) } else { None };
+    let check = if job.check { Some(compute::check(engine, &left, &right, params)?) } else { None };
     let passed = check.iter().flatten().all(|stage| stage.mismatches == 0);
     let evaluation =
         if passed { write(job, (params, camera.as_ref()), [&left, &right], &matched, truth.as_ref())? } else { None };
     let outputs = if passed { job.outputs.iter().map(|output| output.path.clone()).collect() } else { Vec::new() };
     Ok(Report {
-        names: engine.names([params]),
+        names: engine.names([params]).into(),
         width: matched.map.width,
         height: matched.map.height,
         bits,

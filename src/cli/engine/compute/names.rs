@@ -1,5 +1,6 @@
 //! What computes, by name.
 
+use gpu_stereo::backend::Names;
 use serde::{Deserialize, Serialize};
 
 /// The names of the adapter and its driver; `--json` prints them as they are.
@@ -14,6 +15,12 @@ pub struct EngineNames {
     /// For the native schedule a CPU adapter that is there, too.
     #[serde(skip)]
     pub also: Option<String>,
+}
+
+impl From<Names> for EngineNames {
+    fn from(Names { adapter, backend, driver, also }: Names) -> Self {
+        Self { adapter, backend, driver, also }
+    }
 }
 
 impl EngineNames {

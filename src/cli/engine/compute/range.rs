@@ -1,6 +1,6 @@
 //! `--disp auto`: the range of disparities from a coarse match.
 
-use super::engine::Engine;
+use super::engine;
 use crate::args::{DeviceArgs, Range};
 use crate::terminal::warnings;
 use anyhow::{Result, ensure};
@@ -15,8 +15,8 @@ pub fn find(range: Range, device: &DeviceArgs, [left, right]: [&Image; 2], param
     };
     let [left, right] = rectified.as_ref().map_or([left, right], |[left, right]| [left, right]);
     let search = RangeSearch::new(left, right)?;
-    let engine = Engine::open(device, None, &search.left, &search.params)?;
-    let computed = engine.frames(&search.left, &search.right, &search.params, false, None, &|_| ())?;
+    let engine = engine::open(device, None, &search.left, &search.params)?;
+    let computed = engine::frames(&engine, &search.left, &search.right, &search.params, false, None, &|_| ())?;
     let min = params.min_disparity;
     search.found(&computed.matched.map, params)?;
     if min_is_given {

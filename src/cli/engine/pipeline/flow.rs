@@ -1,9 +1,9 @@
 //! Pairs in flight: a stream on the adapter for each pixel format, or one pair at a time on the CPU.
 
 use super::work::{MatchedPair, PairKind, Setup};
-use crate::engine::adapter::Opened;
-use crate::engine::compute::{Beforehand, Engine, EngineNames, OnAdapter, OnCpu, Shape};
+use crate::engine::compute::{self, EngineNames};
 use anyhow::{Result, anyhow};
+use gpu_stereo::backend::{Beforehand, Engine, OnAdapter, OnCpu, Opened, Shape};
 use gpu_stereo::{Error, Image, Matched, Params, PixelFormat, StereoMatcher, StereoStream};
 use std::collections::VecDeque;
 use std::sync::Arc;
@@ -96,8 +96,8 @@ impl Flow {
     /// Opens an engine for pairs of the size and format of `left`.
     pub fn open(setup: &Setup<'_>, left: &Image) -> Result<Self> {
         let params = setup.params.of([left.width(), left.height()])?;
-        let engine = Engine::open(setup.device, None, left, &params)?;
-        let names = engine.names([&*params]);
+        let engine = compute::open(setup.device, None, left, &params)?;
+        let names = engine.names([&*params]).into();
         let engine = match engine {
             Engine::Cpu(on) => FlowEngine::Cpu(on, None),
             Engine::Adapter(on) => {

@@ -1,12 +1,12 @@
 //! Rectification that no matcher does: to another size, or of cameras one above the other. The pair is rectified before, and what
 //! is made from it is turned back.
 
-use anyhow::Result;
-use gpu_stereo::{
+use std::borrow::Cow;
+
+use crate::{
     ConfidenceMap, DepthMap, DisparityMap, Error, Image, Masks, Matched, Params, PixelFormat, Pixels, Rectification,
     reference,
 };
-use std::borrow::Cow;
 
 /// What a matcher is made for.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -25,6 +25,7 @@ impl Shape {
 }
 
 /// What is done before and after, and the settings between.
+#[derive(Debug)]
 pub struct Beforehand {
     rectification: Option<Rectification>,
     /// The settings for pairs that were rectified.
@@ -33,6 +34,9 @@ pub struct Beforehand {
 
 impl Beforehand {
     /// With these settings, for the given pairs.
+    ///
+    /// # Errors
+    /// As [`Masks::new`].
     pub fn of(params: &Params) -> Result<Self, Error> {
         let rectification = params.rectify.clone().filter(|rectification| !rectification.is_for_matchers());
         let mut params = params.clone();
@@ -49,6 +53,9 @@ impl Beforehand {
     }
 
     /// The image of a side (0: left) as the matcher takes it.
+    ///
+    /// # Errors
+    /// [`Error::Image`] if its size is not that of the rectification.
     pub fn image<'a>(&self, image: &'a Image, side: usize) -> Result<Cow<'a, Image>, Error> {
         Ok(match &self.rectification {
             Some(rectification) => Cow::Owned(reference::rectify(image, rectification, side)?),
@@ -81,6 +88,9 @@ impl Beforehand {
 }
 
 /// An image that was turned, as it lies before.
+///
+/// # Errors
+/// [`Error::Image`] if its size is not that of the turned images.
 pub fn upright(image: &Image, rectification: &Rectification) -> Result<Image, Error> {
     let [height, width] = rectification.rectified_size();
     fn colors<T: Copy>(samples: &[T], rectification: &Rectification) -> Vec<T> {
@@ -91,7 +101,6 @@ pub fn upright(image: &Image, rectification: &Rectification) -> Result<Image, Er
         Pixels::Gray16(samples) => Pixels::Gray16(rectification.upright(samples)),
         Pixels::Rgba8(samples) => Pixels::Rgba8(colors(samples, rectification)),
         Pixels::Rgba16(samples) => Pixels::Rgba16(colors(samples, rectification)),
-        other => return Err(Error::Image(format!("pixels of the kind {other:?} cannot be turned"))),
     };
     Image::new(width, height, pixels)
 }

@@ -1,10 +1,11 @@
 //! Environment variables about adapters. Invalid values are refused, since wgpu would ignore them silently.
 
-use crate::terminal::{message, name};
-use anyhow::{Result, anyhow, bail, ensure};
-use gpu_stereo::wgpu::{self, Backends, GlFenceBehavior, InstanceDescriptor};
 use std::env;
 use std::path::Path;
+
+use wgpu::{Backends, GlFenceBehavior, InstanceDescriptor};
+
+use crate::Error;
 
 const BACKEND: &str = "WGPU_BACKEND";
 
@@ -34,23 +35,25 @@ const DRIVERS: [&str; 2] = ["VK_DRIVER_FILES", "VK_ICD_FILENAMES"];
 /// Which of these drivers the loader uses.
 const FILTERS: [&str; 2] = ["VK_LOADER_DRIVERS_SELECT", "VK_LOADER_DRIVERS_DISABLE"];
 
-/// Refuses invalid values, and reports variables that have no effect.
-pub fn ensure_known() -> Result<()> {
+/// Refuses invalid values of the variables that wgpu reads, and passes variables that have no effect to `note`, a sentence each.
+///
+/// # Errors
+/// [`Error::Adapter`] with the variable, its value and those that are allowed.
+pub fn ensure_known(note: &mut dyn FnMut(String)) -> Result<(), Error> {
     backends(env::var_os(BACKEND).as_deref())?;
     for (variable, allowed) in CHOICES {
         let Some(value) = env::var_os(variable) else { continue };
-        ensure!(
-            value.to_str().is_some_and(|value| allowed.contains(&value.to_lowercase().as_str())),
-            "the environment has {variable}={:?}, but must have one of {}; correct or unset it",
-            name(&value),
-            allowed.join(", ")
-        );
+        if !value.to_str().is_some_and(|value| allowed.contains(&value.to_lowercase().as_str())) {
+            return Err(Error::Adapter(format!(
+                "the environment has {variable}={value:?}, but must have one of {}; correct or unset it",
+                allowed.join(", ")
+            )));
+        }
     }
     for variable in UNREAD {
         if let Some(value) = env::var_os(variable) {
-            message(&format!(
-                "note: the environment has {variable}={:?}, which has no effect here; choose with --adapter",
-                name(&value)
+            note(format!(
+                "the environment has {variable}={value:?}, which has no effect here; choose an adapter by name"
             ));
         }
     }
@@ -58,13 +61,16 @@ pub fn ensure_known() -> Result<()> {
 }
 
 /// The backends that a value of `WGPU_BACKEND` names; `None` if it is unset or empty.
-fn backends(value: Option<&std::ffi::OsStr>) -> Result<Option<Backends>> {
+fn backends(value: Option<&std::ffi::OsStr>) -> Result<Option<Backends>, Error> {
     let Some(value) = value.filter(|value| !value.is_empty()) else { return Ok(None) };
     let known: Vec<_> = BACKENDS.iter().map(|(names, _)| names[0]).collect();
-    let wrong = |why: &str| {
-        anyhow!("the environment has {BACKEND}={:?}, but {why} {}; correct or unset it", name(value), known.join(", "))
+    let unknown = || {
+        Error::Adapter(format!(
+            "the environment has {BACKEND}={value:?}, but must have one or several, with commas between them, of {}; correct or \
+             unset it",
+            known.join(", ")
+        ))
     };
-    let unknown = || wrong("must have one or several, with commas between them, of");
     let text = value.to_str().ok_or_else(unknown)?.to_lowercase();
     let mut all = Backends::empty();
     for word in text.split(',').map(str::trim).filter(|word| !word.is_empty()) {
@@ -78,16 +84,15 @@ fn backends(value: Option<&std::ffi::OsStr>) -> Result<Option<Backends>> {
     if !here.intersects(all) {
         let here = BACKENDS.iter().filter(|(_, backend)| here.contains(*backend)).map(|(names, _)| names[0]);
         let here = here.collect::<Vec<_>>().join(", ");
-        bail!(
-            "the environment has {BACKEND}={:?}, but here are only {here}; use one of these, or unset it",
-            name(value)
-        );
+        return Err(Error::Adapter(format!(
+            "the environment has {BACKEND}={value:?}, but here are only {here}; use one of these, or unset it"
+        )));
     }
     Ok(Some(all))
 }
 
 /// The descriptor of the wgpu instance.
-pub fn descriptor() -> Result<InstanceDescriptor> {
+pub(super) fn descriptor() -> Result<InstanceDescriptor, Error> {
     let mut descriptor = InstanceDescriptor::new_without_display_handle().with_env();
     // OpenGL only on request: it would list most adapters a second time, with smaller limits.
     descriptor.backends = backends(env::var_os(BACKEND).as_deref())?.unwrap_or(Backends::PRIMARY);
@@ -102,13 +107,14 @@ pub fn why_none() -> String {
     let mut told = Vec::new();
     for variable in [BACKEND].into_iter().chain(FILTERS) {
         if let Some(value) = env::var_os(variable).filter(|value| !value.is_empty()) {
-            told.push(format!("{variable}={:?}", name(&value)));
+            told.push(format!("{variable}={value:?}"));
         }
     }
     for variable in DRIVERS {
         let Some(value) = env::var_os(variable) else { continue };
         let missing = env::split_paths(&value).all(|path| !Path::new(&path).exists());
-        told.push(format!("{variable}={:?}{}", name(&value), if missing { ", where no file is" } else { "" }));
+        let note = if missing { ", where no file is" } else { "" };
+        told.push(format!("{variable}={value:?}{note}"));
     }
     match told[..] {
         [] => String::new(),
@@ -136,7 +142,7 @@ mod tests {
         }
         for wrong in ["vulcan", "noop", "webgpu", "vulkan;gl", ",", "vulkan,x", "\u{1b}[2J"] {
             let error = of(wrong).unwrap_err().to_string();
-            let shown = format!("WGPU_BACKEND={:?}", name(wrong));
+            let shown = format!("WGPU_BACKEND={wrong:?}");
             assert!(error.contains(&shown) && error.contains("vulkan, metal, dx12, gl; correct"), "{error}");
         }
     }

@@ -1,15 +1,15 @@
 //! What computes without an adapter: the native schedule, or the reference.
 
-use super::beforehand::Shape;
-use super::names::EngineNames;
-use anyhow::Result;
-use gpu_stereo::cpu::{CpuMatcher, has_own_stages};
-use gpu_stereo::{Error, Image, Matched, Method, Params, StageCheck, StageTime, reference};
+use crate::backend::beforehand::Shape;
+use crate::backend::names::Names;
+use crate::cpu::{CpuMatcher, has_own_stages};
+use crate::{Error, Image, Matched, Method, Params, StageCheck, StageTime, reference};
 
 /// Bytes for each pixel and disparity that the native schedule keeps for a comparison: the cost and the aggregate.
 const KEPT_BYTES: u64 = 3;
 
 /// A schedule for the CPU, made for pairs of one size and format.
+#[derive(Debug)]
 pub enum OnCpu {
     /// The native schedule.
     Native {
@@ -24,6 +24,9 @@ pub enum OnCpu {
 
 impl OnCpu {
     /// The native schedule for pairs of this shape, if the memory that is left holds them.
+    ///
+    /// # Errors
+    /// As [`CpuMatcher::new`].
     pub fn native(shape: Shape, params: &Params, adapter: Option<String>) -> Result<Self, Error> {
         let Shape { size: [width, height], format } = shape;
         let matcher = CpuMatcher::new(width, height, format, params)?;
@@ -31,6 +34,9 @@ impl OnCpu {
     }
 
     /// The reference for pairs of this shape, if the memory that is left holds them.
+    ///
+    /// # Errors
+    /// As [`CpuMatcher::new`].
     pub fn reference(shape: Shape, params: &Params) -> Result<Self, Error> {
         params.accepts(shape.size[0], shape.size[1])?;
         reference::ensure_memory("the CPU reference", shape.size, params, 0)?;
@@ -38,6 +44,9 @@ impl OnCpu {
     }
 
     /// The same for pairs of this shape, with other settings.
+    ///
+    /// # Errors
+    /// As [`CpuMatcher::new`].
     pub fn again(&self, shape: Shape, params: &Params) -> Result<Self, Error> {
         match self {
             Self::Native { adapter, .. } => Self::native(shape, params, adapter.clone()),
@@ -46,6 +55,9 @@ impl OnCpu {
     }
 
     /// Makes it fit for pairs of this shape, with these settings.
+    ///
+    /// # Errors
+    /// As [`CpuMatcher::new`].
     pub fn fit(&mut self, shape: Shape, params: &Params) -> Result<(), Error> {
         match self {
             Self::Native { matcher, .. } if matcher.format() == shape.format && matcher.params() == params => {
@@ -57,6 +69,9 @@ impl OnCpu {
     }
 
     /// The maps of a pair, with the time of each stage.
+    ///
+    /// # Errors
+    /// As [`CpuMatcher::compute`].
     pub fn compute(&self, left: &Image, right: &Image) -> Result<(Matched, Vec<StageTime>), Error> {
         match self {
             Self::Native { matcher, .. } => matcher.compute_timed(left, right),
@@ -64,19 +79,22 @@ impl OnCpu {
         }
     }
 
-    /// Compares each stage with the reference.
-    pub fn check(&self, left: &Image, right: &Image) -> Result<Vec<StageCheck>> {
+    /// Compares each stage with the reference. The reference itself has nothing to compare.
+    ///
+    /// # Errors
+    /// [`Error::Memory`] if less is left than the comparison takes; otherwise as [`CpuMatcher::check`].
+    pub fn check(&self, left: &Image, right: &Image) -> Result<Vec<StageCheck>, Error> {
         match self {
             Self::Native { matcher, .. } => {
                 ensure_check(left, matcher.params(), KEPT_BYTES)?;
-                Ok(matcher.check(left, right)?)
+                matcher.check(left, right)
             }
-            Self::Reference(_) => Ok(Vec::new()), // refused before: there is nothing to compare
+            Self::Reference(_) => Ok(Vec::new()),
         }
     }
 
     /// What it is called. Networks and belief propagation have no instruction set to choose.
-    pub fn names<'a>(&self, settings: impl IntoIterator<Item = &'a Params>) -> EngineNames {
+    pub fn names<'a>(&self, settings: impl IntoIterator<Item = &'a Params>) -> Names {
         let driver = concat!("gpu-stereo ", env!("CARGO_PKG_VERSION")).to_owned();
         let (adapter, backend) = match self {
             Self::Native { matcher, .. } if settings.into_iter().any(|params| has_own_stages(params.method)) => {
@@ -89,7 +107,7 @@ impl OnCpu {
             Self::Native { adapter, .. } => adapter.clone(),
             Self::Reference(_) => None,
         };
-        EngineNames { adapter, backend: backend.into(), driver, also }
+        Names { adapter, backend: backend.into(), driver, also }
     }
 
     /// Whether a frame takes so little time that it is usually computed several times.
@@ -100,7 +118,7 @@ impl OnCpu {
 
 /// Refuses a comparison with the reference for which less memory is left than it takes: every path and the aggregate, and what
 /// the other schedule keeps.
-pub fn ensure_check(image: &Image, params: &Params, kept: u64) -> Result<(), Error> {
+pub(super) fn ensure_check(image: &Image, params: &Params, kept: u64) -> Result<(), Error> {
     let more = match params.method {
         Method::Sgm => 2 + u64::from(params.paths.count()),
         Method::Bp => 7,
