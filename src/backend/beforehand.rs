@@ -66,7 +66,12 @@ impl Beforehand {
     /// The shape of the images that the matcher takes, where such are given.
     pub fn shape(&self, image: &Image) -> Shape {
         let given = Shape::of(image);
-        Shape { size: self.rectification.as_ref().map_or(given.size, Rectification::rectified_size), ..given }
+        Shape { size: self.size(given.size), ..given }
+    }
+
+    /// Columns and rows of the images that the matcher takes, where such of this size are given.
+    pub fn size(&self, given: [u32; 2]) -> [u32; 2] {
+        self.rectification.as_ref().map_or(given, Rectification::rectified_size)
     }
 
     /// What a matcher made, as it lies in the rectified images before they were turned.
