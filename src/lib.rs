@@ -42,7 +42,7 @@
 //!     queue: &wgpu::Queue,
 //!     [left, right, disparity]: [&wgpu::Texture; 3],
 //! ) -> Result<(), Error> {
-//!     let matcher = StereoMatcher::new(device, queue, 1280, 720, PixelFormat::Rgba8, &Params::sgm(64))?; // once
+//!     let matcher = StereoMatcher::new(device, queue, 1280, 720, PixelFormat::Rgba8, &Params::default_for(64))?; // once
 //!
 //!     loop {
 //!         let mut encoder = device.create_command_encoder(&wgpu::CommandEncoderDescriptor::default());

@@ -85,7 +85,7 @@ impl Request {
                 Some(py.detach(|| Network::load(&path)).map_err(|error| crate::errors::of_file(&error))?)
             }
             (Some(_), _) => {
-                warn(py, &format!("weights have no effect with method {}", common.get("method")))?;
+                warn(py, &format!("weights have no effect with method {}", common.method))?;
                 None
             }
             (None, _) => None,

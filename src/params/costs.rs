@@ -5,7 +5,7 @@
 use std::ops::RangeInclusive;
 
 use crate::params::choices::{Census, Method, Prefilter};
-use crate::params::names::Named;
+use crate::params::names::{Named, words};
 
 /// A row of the table.
 pub(crate) struct CostRow {
@@ -160,6 +160,7 @@ macro_rules! costs {
             const NAMES: &'static [(&'static str, &'static str)] =
                 &[$((Self::$cost.row().name, Self::$cost.row().help)),+];
             const VALUES: &'static [Self] = &[$(Self::$cost),+];
+            const OPTION: &'static str = "cost";
 
             fn name(self) -> &'static str {
                 self.row().name
@@ -264,11 +265,7 @@ costs! {
     }
 }
 
-impl std::fmt::Display for Cost {
-    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
-        f.pad(self.name())
-    }
-}
+words!(Cost);
 
 #[cfg(all(test, feature = "gpu"))] // it compares with the kernels, too
 mod tests;

@@ -4,9 +4,9 @@ mod option;
 mod table;
 
 use crate::Error;
-use crate::params::names::Named;
+use crate::params::names::named;
 use crate::params::{Method, Params, Preset};
-use option::joined;
+pub(super) use option::joined;
 
 pub use option::ParamOption;
 
@@ -51,8 +51,8 @@ impl Params {
     /// use gpu_stereo::{Params, Paths};
     /// let mut params = Params::sgm(64);
     /// params.set("paths", "8")?;
-    /// assert_eq!((params.paths, params.get("paths").as_str()), (Paths::Eight, "8"));
-    /// assert!(params.set("paths", "7").is_err());
+    /// assert_eq!((params.paths, params.get("paths")?.as_str()), (Paths::Eight, "8"));
+    /// assert!(params.set("paths", "7").is_err() && params.get("path").is_err());
     /// # Ok::<(), gpu_stereo::Error>(())
     /// ```
     ///
@@ -63,9 +63,12 @@ impl Params {
         (known.set)(self, value).map_err(|allowed| refused(known.name, value, allowed))
     }
 
-    /// The value of a setting by its name, such that [`Params::set`] takes it; empty for an unknown name.
-    pub fn get(&self, option: &str) -> String {
-        find(option).map(|option| option.get(self)).unwrap_or_default()
+    /// The value of a setting by its name, such that [`Params::set`] takes it.
+    ///
+    /// # Errors
+    /// [`Error::Parameter`] for an unknown name.
+    pub fn get(&self, option: &str) -> Result<String, Error> {
+        find(option).map(|option| option.get(self)).ok_or_else(|| unknown(option))
     }
 
     /// Settings as the command makes them of its options, in any order: the preset (`preset`, else the default one),
@@ -89,8 +92,7 @@ impl Params {
         let options: Vec<_> = options.into_iter().collect();
         let given = |name: &str| options.iter().rev().find(|(option, _)| *option == name).map(|(_, value)| *value);
         let preset = match given("preset") {
-            Some(value) => Preset::of(value)
-                .ok_or_else(|| refused("preset", value, format!("one of {}", joined(Preset::NAMES, ", "))))?,
+            Some(value) => named(value)?,
             None => Preset::default(),
         };
         let mut params = Self::preset(preset, disparities);
@@ -132,7 +134,7 @@ impl Params {
     }
 }
 
-fn refused(name: &'static str, value: &str, allowed: String) -> Error {
+pub(super) fn refused(name: &'static str, value: &str, allowed: String) -> Error {
     let given = if value.is_empty() { "empty".into() } else { value.escape_debug().to_string() };
     Error::Parameter { name, given, allowed, remedy: "see gpu-stereo --help" }
 }

@@ -6,7 +6,8 @@ use crate::params::{
     Smoothness, Subpixel, Wls,
 };
 
-/// What a user may ask for. Start from [`Params::preset`], [`Params::sgm`], [`Params::bm`] or [`Params::bp`] and change what differs, or
+/// What a user may ask for. Start from [`Params::default_for`], [`Params::preset`], [`Params::sgm`], [`Params::bm`] or [`Params::bp`]
+/// and change what differs, or
 /// set it by name ([`Params::set`], [`Params::from_options`]).
 ///
 /// ```

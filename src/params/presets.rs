@@ -3,6 +3,12 @@
 use crate::params::{Census, Cost, Fill, Filter, Method, Params, Paths, Prefilter, Preset, RightView, Subpixel};
 
 impl Params {
+    /// What the command takes unless it is asked for something else: the default preset, over `disparities` disparities from 0.
+    #[must_use]
+    pub fn default_for(disparities: u32) -> Self {
+        Self::preset(Preset::default(), disparities)
+    }
+
     /// A preset over `disparities` disparities from 0.
     ///
     /// ```

@@ -72,10 +72,11 @@ const CIRCUMSTANCES: &[(&str, &[&str])] = &[
 
 /// What an option that takes numbers has by default, and off or the first of some numbers that is another and allowed.
 fn numbers(name: &'static str, allowed: &str) -> Vec<&'static str> {
-    let default: &str = Params::from_options(64, []).unwrap().get(name).leak();
+    let default: &str = Params::from_options(64, []).unwrap().get(name).unwrap().leak();
     let off = allowed.ends_with("|off").then_some("off");
     let other = off.into_iter().chain(["4", "3", "40", "1"]).find(|value| {
-        *value != default && Params::from_options(64, [(name, *value)]).is_ok_and(|params| params.get(name) == *value)
+        *value != default
+            && Params::from_options(64, [(name, *value)]).is_ok_and(|params| params.get(name).unwrap() == *value)
     });
     let other = other.unwrap_or_else(|| panic!("--{name} needs two values in NUMBERS"));
     vec![default, other]

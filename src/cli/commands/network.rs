@@ -14,7 +14,7 @@ pub fn give<'a>(args: &NetworkArgs, all: impl IntoIterator<Item = &'a mut Params
             "--method psmnet needs the weights of a network; give --weights FILE (docs/NETWORKS.md says where to get them)"
         ),
         (Some(_), true) => {
-            let method = without.first().map(|params| params.get("method")).unwrap_or_default();
+            let method = without.first().map(|params| params.method.to_string()).unwrap_or_default();
             message(&format!("note: --weights has no effect with --method {method}"));
         }
         (Some(path), false) => {

@@ -37,7 +37,7 @@ impl ParamOption {
     }
 }
 
-pub(super) fn joined(values: &[(&str, &str)], between: &str) -> String {
+pub(in crate::params) fn joined(values: &[(&str, &str)], between: &str) -> String {
     values.iter().map(|(name, _)| *name).collect::<Vec<_>>().join(between)
 }
 

@@ -1,5 +1,6 @@
 use super::*;
 use crate::params::Filter;
+use crate::params::names::Named;
 use crate::params::{Cost, Median, Prefilter, RightView, Wls};
 
 const PRESETS: &[Preset] = <Preset as Named>::VALUES;
@@ -27,7 +28,7 @@ fn every_option_gives_back_what_it_was_set_to() {
             let before = Params::sgm(64);
             let mut params = before.clone();
             params.set(option.name, value).unwrap();
-            assert_eq!(params.get(option.name), *value, "{}", option.name);
+            assert_eq!(params.get(option.name).unwrap(), *value, "{}", option.name);
             let others = Params::OPTIONS.iter().filter(|other| !other.name.starts_with("wls"));
             for other in others.filter(|other| other.name != option.name) {
                 assert_eq!(other.get(&params), other.get(&before), "{} changes {}", option.name, other.name);
@@ -207,4 +208,24 @@ fn the_numbers_of_wls_switch_it_on_and_off_has_the_last_word() {
     assert_eq!(of(&[("wls-lambda", "5e2"), ("wls", "on")]).wls, Some(wls));
     assert_eq!(of(&[("wls", "on")]).wls, Some(Wls::default()));
     assert_eq!(of(&[("wls", "off"), ("wls-lambda", "500")]).wls, None);
+}
+
+#[test]
+fn a_choice_is_read_from_its_name_and_another_word_is_an_error() {
+    fn check<T: std::str::FromStr<Err = Error> + std::fmt::Display>(option: &str, names: &[(&str, &str)]) {
+        for (name, _) in names {
+            assert_eq!(name.parse::<T>().unwrap().to_string(), *name);
+        }
+        let error = "Nothing".parse::<T>().err().unwrap().to_string();
+        assert!(error.starts_with(&format!("{option} is Nothing, but must be one of {}", names[0].0)), "{error}");
+    }
+    check::<crate::Method>("method", crate::Method::NAMES);
+    check::<crate::Cost>("cost", crate::Cost::NAMES);
+    check::<crate::Preset>("preset", crate::Preset::NAMES);
+}
+
+#[test]
+fn a_setting_of_an_unknown_name_is_an_error_that_tells_the_names() {
+    let error = Params::default_for(64).get("path").unwrap_err().to_string();
+    assert!(error.starts_with("option is \"path\"") && error.contains("paths"), "{error}");
 }

@@ -38,7 +38,7 @@ pub fn run(job: &Job) -> Result<Report> {
     }
     // Stage times come from the frames that are reported, so that stages and transfers add up to the frame.
     let timed = job.timings || job.json;
-    let bar = Share::new(&format!("--method {}", params.get("method")), job.quiet || params.network.is_none());
+    let bar = Share::new(&format!("--method {}", params.method), job.quiet || params.network.is_none());
     let show = |share| bar.show(share);
     let computed = compute::frames(engine, &left, &right, params, timed, job.repeat, &show);
     bar.finish();

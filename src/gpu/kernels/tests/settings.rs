@@ -86,7 +86,7 @@ pub(crate) fn stereo_bm_ties(params: &mut Params) {
 
 pub(crate) fn stereo_bm_texture(params: &mut Params) {
     texture(params);
-    params.opencv_rules = true;
+    (params.opencv_rules, params.median) = (true, Median::Off);
 }
 
 pub(crate) fn stereo_bm_columns(params: &mut Params) {

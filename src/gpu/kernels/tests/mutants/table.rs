@@ -47,7 +47,7 @@ pub(super) const MUTANTS: &[Mutant] = &[
     mutant("matching_cost_small", "vec4(2u)) & vec4(0x3f3f3f3fu)", "vec4(3u)) & vec4(0x1f1f1f1fu)", |params| {
         params.cost = Cost::BirchfieldTomasiGray;
     }),
-    mutant("matching_cost_small", "above(costs[0], ~quarter)", "vec4(0u)", |params| {
+    mutant("matching_cost_small", "~quarter", "quarter", |params| {
         (params.cost, params.prefilter) = (Cost::BirchfieldTomasiGray, Prefilter::None);
     }),
     mutant("prefilter", "2 * cap", "2 * cap - 1", |params| params.prefilter = Prefilter::Sobel),
@@ -141,7 +141,7 @@ pub(super) const MUTANTS: &[Mutant] = &[
     mutant("winner", "known, x + 1", "known, x", adaptive),
     mutant("winner", "i / 3u * dispatch.slot", "0u", sixteen),
     mutant("winner", "dispatch.volume_row * frame.volume_stride", "0u", |_| ()),
-    mutant("winner", "lowest(least.first) + member * OWN", "lowest(least.first)", per_subgroup),
+    mutant("winner", "lowest(least.first) + own_first", "lowest(least.first)", per_subgroup),
     mutant("winner", "min(entering, COST_NONE << 12u)", "COST_NONE << 12u", per_subgroup),
     mutant("winner", "neighbours_and_rival(vec3(", "(vec3(", per_subgroup),
     mutant("winner", "255u * (rival - here)", "256u * (rival - here)", confidence),
@@ -156,7 +156,7 @@ pub(super) const MUTANTS: &[Mutant] = &[
     }),
     mutant("winner", "frame.p1", "frame.p2", |_| ()),
     mutant("winner", "PATHS * own_cost.odd", "own_cost.odd", |_| ()),
-    mutant("winner", "max(first, here)", "here", confidence),
+    mutant("winner", "max(first, own)", "own", confidence),
     mutant("winner", "(d & 8u) != 0u", "(d & 4u) != 0u", |_| ()),
     mutant("winner", "k - 1u", "k", |_| ()),
     mutant("winner", "max(before, after)", "before", equiangular),
@@ -221,17 +221,13 @@ pub(super) const MUTANTS: &[Mutant] = &[
         per_subgroup(params);
     }),
     mutant("prefilter", "abs(y - 1)", "y - 1", stereo_bm),
-    mutant("prefilter", "last - abs(last - y - 1)", "y + 1", |params| {
-        stereo_bm(params);
-        params.block = 3;
-    }),
     mutant("prefilter", "columns == vec4(0)", "columns == vec4(-1)", stereo_bm),
     mutant("prefilter", "(frame.height & 1u) == 1u", "false", stereo_bm),
     mutant("prefilter", "NORMALIZED_EIGHTH) * smoothed", "NORMALIZED_EIGHTH + 1u) * smoothed", |params| {
         stereo_bm(params);
         params.prefilter = Prefilter::Normalized;
     }),
-    mutant("texture_columns", "low != vec4(0u)", "low != vec4(1u)", stereo_bm_texture),
+    mutant("texture_columns", "low != last", "low != vec4(1u)", stereo_bm_texture),
     mutant("texture_columns", "abs(row - 1)", "row - 1", stereo_bm_texture),
     mutant("texture_columns", "(last & 1) == 0", "false", stereo_bm_texture),
     mutant("block_match_small", "7u << u32(clamp", "6u << u32(clamp", bm),
