@@ -17,6 +17,8 @@ import time
 
 ROOT = os.path.dirname(os.path.dirname(os.path.abspath(__file__)))
 
+PACKAGES = ["-p", "gpu-stereo", "-p", "gpu-stereo-viewer"]
+
 # Those that take longest begin first, so that no long one is left alone at the end.
 LONGEST = ["library", "lib", "command", "viewer"]
 
@@ -25,7 +27,7 @@ RESULT = re.compile(r"^test result: \w+\. (\d+) passed; (\d+) failed; (\d+) igno
 
 def built():
     """Builds all; the name and the path of each test program."""
-    build = ["cargo", "test", "--locked", "--no-run", "--message-format", "json-render-diagnostics"]
+    build = ["cargo", "test", *PACKAGES, "--locked", "--no-run", "--message-format", "json-render-diagnostics"]
     process = subprocess.run(build, cwd=ROOT, stdout=subprocess.PIPE, text=True)
     if process.returncode != 0:
         sys.exit(process.returncode)

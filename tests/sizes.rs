@@ -17,7 +17,7 @@ const FOLDER: usize = 20;
 const TABLES: &[&str] = &[];
 
 /// What is in these folders.
-const READ: [&str; 6] = ["src", "shaders", "tests", "examples", "benches", "docs"];
+const READ: [&str; 8] = ["src", "shaders", "tests", "examples", "benches", "docs", "viewer", "python"];
 
 struct Functions<'a> {
     path: &'a str,

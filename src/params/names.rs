@@ -1,10 +1,10 @@
 //! The names of the values of enumerations; those of the costs stand in their table.
 
 use crate::Error;
+use crate::params::check::{joined, refused};
 use crate::params::choices::{
     Census, Fill, Median, Method, Paths, Prefilter, Preset, RightView, Schedule, Smoothness, Subpixel,
 };
-use crate::params::options::{joined, refused};
 
 /// An enumeration whose values have names.
 pub(crate) trait Named: Copy + 'static {

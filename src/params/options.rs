@@ -4,9 +4,9 @@ mod option;
 mod table;
 
 use crate::Error;
+use crate::params::check::refused;
 use crate::params::names::named;
 use crate::params::{Method, Params, Preset};
-pub(super) use option::joined;
 
 pub use option::ParamOption;
 
@@ -132,11 +132,6 @@ impl Params {
             other => other.map(|()| params),
         }
     }
-}
-
-pub(super) fn refused(name: &'static str, value: &str, allowed: String) -> Error {
-    let given = if value.is_empty() { "empty".into() } else { value.escape_debug().to_string() };
-    Error::Parameter { name, given, allowed, remedy: "see gpu-stereo --help" }
 }
 
 fn unknown(option: &str) -> Error {

@@ -1,6 +1,7 @@
 //! An image as the chain takes it, in one channel or three: the twin of [`Images`].
 
-use crate::cpu::images::padded::Samples;
+use crate::cpu::images::derivatives::Depth as _;
+use crate::cpu::images::padded::{Padded, Samples};
 use crate::cpu::images::{gray, prefilter};
 use crate::cpu::instructions::Instructions;
 use crate::reference::{Channel, Images};
@@ -39,7 +40,7 @@ impl Channels {
                 Samples::Words(image) => prefilter::filtered(image, params, instructions),
             })
         };
-        Self { channels: channels.iter().map(filtered).collect(), gray: gray.map(Samples::narrowed), instructions }
+        Self { channels: channels.iter().map(filtered).collect(), gray: gray.map(narrowed), instructions }
     }
 
     /// The set that the stages are compiled for.
@@ -52,5 +53,15 @@ impl Channels {
         let channels = self.channels.iter().map(Samples::plane).collect();
         let unit = if self.channels.iter().any(|samples| matches!(samples, Samples::Words(_))) { 257 } else { 1 };
         Images { channels, unit, gray: self.gray.as_ref().map(Samples::plane) }
+    }
+}
+
+/// The same image in 8 bits.
+fn narrowed(samples: Samples) -> Samples {
+    match samples {
+        Samples::Bytes(image) => Samples::Bytes(image),
+        Samples::Words(image) => Samples::Bytes(Padded::from_rows(image.width, image.height, |y, row| {
+            row.iter_mut().zip(image.row(y as i64, 0)).for_each(|(narrow, value)| *narrow = value.narrow());
+        })),
     }
 }

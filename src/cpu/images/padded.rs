@@ -5,7 +5,6 @@ use rayon::prelude::*;
 use bytemuck::Pod;
 
 use crate::cpu::aligned::Aligned;
-use crate::cpu::images::derivatives::Depth;
 use crate::reference::Plane;
 
 /// Columns before and behind the image: as far as any window reaches.
@@ -59,16 +58,6 @@ pub enum Samples {
 }
 
 impl Samples {
-    /// In 8 bits.
-    pub fn narrowed(self) -> Self {
-        match self {
-            Self::Bytes(image) => Self::Bytes(image),
-            Self::Words(image) => Self::Bytes(Padded::from_rows(image.width, image.height, |y, row| {
-                row.iter_mut().zip(image.row(y as i64, 0)).for_each(|(narrow, value)| *narrow = value.narrow());
-            })),
-        }
-    }
-
     /// In the definition's layout.
     pub fn plane(&self) -> Plane<u16> {
         let (width, height) = match self {

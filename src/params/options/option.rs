@@ -1,6 +1,7 @@
 //! A setting by its name, and how values are read and written.
 
 use crate::params::Params;
+use crate::params::check::joined;
 use crate::params::names::Named;
 
 /// A setting of [`Params`] by its name on the command line: `--name value`.
@@ -35,10 +36,6 @@ impl ParamOption {
     pub fn get(&self, params: &Params) -> String {
         (self.get)(params)
     }
-}
-
-pub(in crate::params) fn joined(values: &[(&str, &str)], between: &str) -> String {
-    values.iter().map(|(name, _)| *name).collect::<Vec<_>>().join(between)
 }
 
 /// A whole number as digits with a sign. One beyond an `i64` is the nearest, which no range holds.

@@ -30,7 +30,7 @@ pub struct Options {
 
 /// The options of the command line; nothing if help is asked for.
 pub fn parse() -> Result<Option<Options>, String> {
-    let data = [env!("CARGO_MANIFEST_DIR"), "data", "motorcycle"].iter().collect::<PathBuf>();
+    let data = [env!("CARGO_MANIFEST_DIR"), "..", "data", "motorcycle"].iter().collect::<PathBuf>();
     let mut paths = Vec::new();
     let mut options =
         Options { pair: None, disparities: "64".into(), tab: Tab::Images, one_to_one: false, trace: false };

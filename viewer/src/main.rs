@@ -1,6 +1,6 @@
 //! A window on the matcher: the pair, the live colour map, every setting, depth under the pointer, a cloud of points.
 //!
-//!     cargo run --release --example viewer [-- LEFT RIGHT] [--disp N]
+//!     cargo run --release -p gpu-stereo-viewer [-- LEFT RIGHT] [--disp N]
 //!
 //! LEFT and RIGHT are two files, or two folders for a sequence; both may be dropped on the window as well. It shows how
 //! a program with a device of its own takes the library in: live.rs is the part to read.
@@ -16,7 +16,7 @@ mod window;
 
 use std::process::ExitCode;
 
-const USAGE: &str = "viewer [LEFT RIGHT] [--disp N] [--tab images|points] [--one-to-one] [--trace]
+const USAGE: &str = "gpu-stereo-viewer [LEFT RIGHT] [--disp N] [--tab images|points] [--one-to-one] [--trace]
 
   LEFT RIGHT     two images, or two folders of images; without them the pair of data/motorcycle
   --disp N       disparities to search, 64 unless given

@@ -1,15 +1,16 @@
-//! examples/viewer as a user meets it: the built program on a screen of its own (Xvfb), moved by a pointer, its pixels
+//! The viewer as a user meets it: the built program on a screen of its own (Xvfb), moved by a pointer, its pixels
 //! compared with what the library computes. Equality is exact.
-#![cfg(all(target_os = "linux", feature = "files"))]
+#![cfg(target_os = "linux")]
 #![allow(clippy::unwrap_used, clippy::expect_used)]
 
+#[path = "../../tests/support/mod.rs"]
 mod support;
 
 #[allow(dead_code, missing_docs)]
-#[path = "../examples/viewer/files.rs"]
+#[path = "../src/files.rs"]
 mod files;
 #[allow(dead_code, missing_docs)]
-#[path = "../examples/viewer/panel.rs"]
+#[path = "../src/panel.rs"]
 mod panel;
 
 use std::collections::HashSet;
@@ -186,22 +187,8 @@ impl Screen {
     }
 }
 
-/// The built example beside this test.
-fn program() -> PathBuf {
-    let test = std::env::current_exe().unwrap();
-    let program = test.ancestors().nth(2).unwrap().join("examples/viewer");
-    let time = |path: &Path| std::fs::metadata(path).and_then(|data| data.modified()).ok();
-    let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("examples/viewer");
-    let sources = std::fs::read_dir(folder).unwrap().map(|entry| time(&entry.unwrap().path()));
-    assert!(
-        time(&program).is_some() && sources.max().flatten() <= time(&program),
-        "{program:?} is missing or older than its sources; build it as `cargo test` does: cargo build --example viewer"
-    );
-    program
-}
-
 fn command(display: &str, arguments: &[&str]) -> Command {
-    let mut command = Command::new(program());
+    let mut command = Command::new(env!("CARGO_BIN_EXE_gpu-stereo-viewer"));
     command.env("NODEVICE_SELECT", "1"); // Mesa's layer writes on stderr where there is no desktop session
     command.args(arguments).env("DISPLAY", display).env_remove("WAYLAND_DISPLAY").env_remove("WAYLAND_SOCKET");
     command.stdin(Stdio::null()).stdout(Stdio::piped()).stderr(Stdio::piped());
@@ -301,7 +288,7 @@ fn colours(map: &DisparityMap, params: &Params) -> Vec<[u8; 3]> {
 }
 
 fn corridor() -> [PathBuf; 2] {
-    ["left", "right"].map(|side| Path::new(env!("CARGO_MANIFEST_DIR")).join(format!("data/corridor/{side}.png")))
+    ["left", "right"].map(|side| Path::new(env!("CARGO_MANIFEST_DIR")).join(format!("../data/corridor/{side}.png")))
 }
 
 /// A folder of this test's own.
@@ -520,7 +507,7 @@ fn the_left_image_is_known_by_its_name() {
 
 #[test]
 fn a_calibration_gives_depth() {
-    let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("data/motorcycle");
+    let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("../data/motorcycle");
     let camera = files::read(&["left.png", "right.png"].map(|name| folder.join(name))).unwrap().camera;
     assert_eq!((camera.focal, camera.doffs, camera.centre), (994.978, 31.086, Some([311.193, 254.877])));
     assert_eq!(camera.depth(50.0), Some(994.978 * 0.193001 / (50.0 + 31.086)));
