@@ -26,8 +26,8 @@ LIST has a pair a line, with paths relative to the list's folder:
 LEFT and RIGHT are folders, printf patterns or globs in quotes, as for gpu-stereo video.
 
 A map is called DIR/NAME.png and so on. Without a name it is that of the left image below the folder that all left
-images are in. Pairs may differ in size and samples. What fails is reported and added to DIR/failures.jsonl, also a list; the
-rest goes on, and the exit code is 1. Several processes may write into one folder.
+images are in. Pairs may differ in size and samples, and with --disp auto in their range. What fails is reported and added
+to DIR/failures.jsonl, also a list; the rest goes on, and the exit code is 1. Several processes may write into one folder.
 
 Examples:
   gpu-stereo batch pairs.csv -o maps --disp 128

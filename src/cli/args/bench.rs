@@ -15,7 +15,7 @@ use std::path::PathBuf;
 /// The end of `--help`.
 pub const HELP: &str = "\
 The disparities of a scene are the data set's own: ndisp of calib.txt, 192 for KITTI and Virtual
-KITTI, max_disp of a manifest, 128 where it has none; --disp N is for all. A variant is as in
+KITTI, max_disp of a manifest, 128 where it has none; --disp N is for all, --disp auto what each scene needs. A variant is as in
 compare. A scene that fails is reported, and the others go on.
 
 Examples:

@@ -22,6 +22,26 @@ pub enum Range {
     },
 }
 
+impl Range {
+    /// That of settings. Of one that is given twice, the last counts.
+    pub fn of<'a>(settings: impl Iterator<Item = (&'a str, &'a str)>) -> Self {
+        let (mut is_found, mut min_is_given) = (false, false);
+        for setting in settings {
+            match setting.0 {
+                "disp" => is_found = is_auto(setting),
+                "min-disp" => min_is_given = true,
+                _ => {}
+            }
+        }
+        if is_found { Self::Found { min_is_given } } else { Self::Given }
+    }
+
+    /// Whether the pair decides.
+    pub fn is_found(self) -> bool {
+        self != Self::Given
+    }
+}
+
 /// The options of [`Params::OPTIONS`] and `preset` that were given, as they were typed.
 #[derive(Clone, Debug)]
 pub struct Settings(Vec<(&'static str, String)>);
@@ -29,10 +49,7 @@ pub struct Settings(Vec<(&'static str, String)>);
 impl Settings {
     /// Where the range comes from.
     pub fn range(&self) -> Range {
-        match self.iter().any(is_auto) {
-            true => Range::Found { min_is_given: self.iter().any(|(name, _)| name == "min-disp") },
-            false => Range::Given,
-        }
+        Range::of(self.iter())
     }
 
     /// Name and value of each.
@@ -115,7 +132,7 @@ const DISPARITIES: u32 = 64;
 pub fn ensure_disparities(given: &[&str]) -> Result<()> {
     ensure!(
         given.contains(&"disp"),
-        "--disp <N> is needed, the number of disparities, or --disp auto for one pair; see gpu-stereo --help"
+        "--disp <N> is needed, the number of disparities, or --disp auto; see gpu-stereo --help"
     );
     Ok(())
 }
@@ -125,16 +142,9 @@ fn is_auto((name, value): (&str, &str)) -> bool {
     name == "disp" && value == "auto"
 }
 
-/// The settings that the options make. `auto`: whether `--disp auto` is possible; the range is then to be found.
-pub fn params<'a>(settings: impl Iterator<Item = (&'a str, &'a str)>, auto: bool) -> Result<Params> {
-    let settings: Vec<_> = settings.collect();
-    let is_auto = |setting: &(&str, &str)| is_auto(*setting);
-    ensure!(
-        auto || !settings.iter().any(is_auto),
-        "--disp is auto, which finds the range of a single pair; run gpu-stereo LEFT RIGHT --disp auto for one of them, and give the \
-         range that it prints"
-    );
-    Params::from_options(DISPARITIES, settings.into_iter().filter(|setting| !is_auto(setting))).map_err(by_option)
+/// The settings that the options make. The range of `--disp auto` is still to be found.
+pub fn params<'a>(settings: impl Iterator<Item = (&'a str, &'a str)>) -> Result<Params> {
+    Params::from_options(DISPARITIES, settings.filter(|setting| !is_auto(*setting))).map_err(by_option)
 }
 
 /// An error of the library, with the names of the options.

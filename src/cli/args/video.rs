@@ -25,7 +25,7 @@ LEFT and RIGHT are each
   a glob such as 'left/*.png', in quotes, in natural order; or
   a video, decoded by the ffmpeg on the PATH.
 A record of ROS 2 (.mcap) alone has two topics, --left and --right. One of the others alone has both views in each frame: say by --split where. - alone is stdin: Y4M, PAM, or --raw-frames.
-All pairs have one size. What fails is reported, the rest goes on, and the exit code is 1.
+All pairs have one size, and with --disp auto the range that the first frames need. What fails is reported, the rest goes on, and the exit code is 1.
 Without --resume, existing files are replaced, as by a single run.
 
 Examples:

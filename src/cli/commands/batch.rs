@@ -2,7 +2,7 @@
 
 use super::network;
 use super::outcome::Outcome;
-use super::summary::Summary;
+use super::summary::{Searched, Summary};
 use crate::args::{self, BatchArgs, DeviceArgs, InputArgs, Shard};
 use crate::engine::compute::{Cameras, ParamsBySize};
 use crate::engine::pair::Pair;
@@ -43,7 +43,7 @@ pub fn run(args: BatchArgs) -> Result<Outcome> {
 fn resolve(typed: BatchArgs) -> Result<Batch> {
     let given: Vec<_> = typed.settings.iter().map(|(name, _)| name).collect();
     args::ensure_disparities(&given)?;
-    let mut params = args::params(typed.settings.iter(), false)?;
+    let mut params = args::params(typed.settings.iter())?;
     let formats = output_files::formats(&typed.formats.format, &typed.look, &params)?;
     output_files::want(&mut params, &formats);
     let cameras = Cameras::resolve(&typed.cameras)?;
@@ -56,6 +56,7 @@ fn resolve(typed: BatchArgs) -> Result<Batch> {
     adapter::ensure_consistent(&typed.device)?;
     let in_flight = args::in_flight(&typed.in_flight)?;
     output_files::ensure_ranges(&formats, &typed.output, &params)?;
+    let (range, held) = (typed.settings.range(), output_files::held(formats.iter().copied()));
     let threads = typed.threads.as_ref().map_or(Ok(args::usual_threads()), args::threads)?;
     if typed.bulk.no_sync {
         disk::leave_to_the_system();
@@ -66,8 +67,10 @@ fn resolve(typed: BatchArgs) -> Result<Batch> {
         resume: typed.bulk.resume,
         retry: typed.bulk.retry,
         video: false,
+        own_ranges: range.is_found(),
         input: typed.input.of_many(),
-        more: output_files::decisive(&cameras, &typed.look),
+        more: [output_files::decisive(&cameras, &typed.look), output_files::decisive_range(range, held.as_ref())]
+            .concat(),
         inputs: masks.paths().chain(cameras.files()).chain(typed.network.weights.as_deref()).map(Into::into).collect(),
         suspects: typed.bulk.suspects,
     };
@@ -81,7 +84,7 @@ fn resolve(typed: BatchArgs) -> Result<Batch> {
     })?;
     args::report_unused(&[(given, &params)]);
     let depth = formats.iter().any(|format| format.needs_depth()) || (typed.look.scale_bar && cameras.are_known());
-    let params = ParamsBySize::new(params, cameras, depth);
+    let params = ParamsBySize::new(params, cameras, depth).with_ranges(range, held, &typed.device);
     Ok(Batch {
         shard: typed.shard,
         device: typed.device,
@@ -140,6 +143,7 @@ impl Batch {
             kind: None,
             alone: false,
             unit: "pairs",
+            of_first: false,
             quiet,
         };
         let mut ran = trial::run(&store, &setup, stop);
@@ -151,7 +155,7 @@ impl Batch {
         closed?;
         let failures = ran.failed.iter().map(|failed| store.failure(failed.place, &failed.error)).collect();
         let skipped = store.skipped();
-        let summary = Summary::new("pairs", ran, &params.common, store.out, failures);
+        let summary = Summary::new("pairs", ran, Searched::of(&params), store.out, failures);
         let shard = shard.map(|Shard { index, count }| format!("{index}/{count}"));
         Ok(Summary { shard: Some(shard), skipped, log: Some(store.failures.path), ..summary })
     }

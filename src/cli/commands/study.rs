@@ -7,7 +7,7 @@ use super::network;
 use super::outcome::Outcome;
 use super::variants::{self, MAX_MAPS, Variant, in_words};
 use crate::args::{self, CompareArgs, DeviceArgs, InputArgs, StudyArgs};
-use crate::engine::compute::{self, Cameras, EngineNames, FrameMs};
+use crate::engine::compute::{self, Cameras, EngineNames, FrameMs, RangeFinder};
 use crate::engine::diagnosis::{self, Finding};
 use crate::engine::output_files::{self, MapFolder, file_name};
 use crate::engine::pair::Pair;
@@ -89,7 +89,7 @@ fn resolve_sweep(typed: StudyArgs) -> Result<Study> {
     let variants = combinations.into_iter().map(|settings| {
         let on_axes = settings.iter().filter(|(name, _)| axes.is_empty() || axes.iter().any(|(axis, _)| axis == name));
         let label = in_words(on_axes.copied());
-        let params = args::params(settings.iter().copied(), false)?;
+        let params = args::params(settings.iter().copied())?;
         let settings = settings.into_iter().map(|(name, value)| (name.into(), value.into())).collect();
         Ok(Variant { label, settings, params })
     });
@@ -163,6 +163,12 @@ fn resolve(typed: &StudyArgs, mut variants: Vec<Variant>, common: String, order:
     })
 }
 
+/// The range of colours: every disparity that any of the settings search.
+fn range(of: &[Params]) -> (i32, i32) {
+    let ranges = of.iter().map(encoders::searched);
+    ranges.reduce(|a, b| (a.0.min(b.0), a.1.max(b.1))).unwrap_or_default()
+}
+
 /// The name of a variant's map in the folder of `--maps`: its number, which makes it unique, and the beginning of its label.
 fn map_name(place: usize, variant: &Variant, of: usize) -> PathBuf {
     let digits = of.to_string().len();
@@ -198,6 +204,11 @@ struct VariantReport {
 }
 
 impl VariantReport {
+    fn range(&self) -> String {
+        let last = self.min_disparity.saturating_add_unsigned(self.disparities) - 1;
+        format!("{} to {last} px", self.min_disparity)
+    }
+
     fn ms(&self) -> String {
         format!("{:.1}", self.frame_ms.median)
     }
@@ -225,12 +236,12 @@ impl Study {
         let (mut engine, mut names): (Option<Engine>, _) = (None, EngineNames::default());
         let mut sheet = None;
         let mut variants = Vec::new();
-        let (first, last) = self.range();
+        let found = self.with_ranges([&left, &right], &fitted)?;
+        let (first, last) = range(&found);
         let progress = Progress::new(self.variants.len(), self.quiet);
         let warn = |text: &str| warnings::warn_by(text, |line| progress.message(line));
-        for (place, Variant { label, settings, params }) in (1..).zip(&self.variants) {
+        for ((place, Variant { label, settings, .. }), mut params) in (1..).zip(&self.variants).zip(found) {
             progress.begin(label);
-            let mut params = params.clone();
             params.masks = masks.clone();
             (params.rectify, params.depth) = (fitted.rectify.clone(), fitted.depth);
             output_files::want(&mut params, MapFolder::formats(self.maps.as_ref()));
@@ -290,10 +301,22 @@ impl Study {
         self.variants.iter().map(|variant| &variant.params)
     }
 
-    /// The range of colours: every disparity that any variant searches.
-    fn range(&self) -> (i32, i32) {
-        let ranges = self.variants.iter().map(|variant| encoders::searched(&variant.params));
-        ranges.reduce(|a, b| (a.0.min(b.0), a.1.max(b.1))).unwrap_or_default()
+    /// The settings of all variants, with the range that the pair needs where they leave it to the pair.
+    fn with_ranges(&self, pair: [&Image; 2], fitted: &Params) -> Result<Vec<Params>> {
+        let mut all: Vec<_> = self.settings().cloned().collect();
+        if !self.variants.iter().any(|variant| variant.range().is_found()) {
+            return Ok(all);
+        }
+        let coarse = RangeFinder::new(&self.device).coarse(pair, fitted)?;
+        let held = output_files::held(MapFolder::formats(self.maps.as_ref()).iter().copied());
+        for (place, (variant, params)) in (1..).zip(self.variants.iter().zip(&mut all)) {
+            let doubt = coarse.set(variant.range(), held.as_ref(), params).with_context(|| variant.label.clone())?;
+            doubt.iter().for_each(|doubt| warnings::warn(doubt));
+            if let Some(maps) = &self.maps {
+                maps.files(&map_name(place, variant, self.variants.len()), params)?; // refuses what they cannot hold
+            }
+        }
+        Ok(all)
     }
 
     /// The sheet without maps.
@@ -319,6 +342,10 @@ impl Study {
         }
         if self.quiet {
             return Ok(());
+        }
+        if self.variants.iter().any(|variant| variant.range().is_found()) {
+            let rows = found.variants.iter().map(|v| [v.label.clone(), v.range(), v.ms(), v.percent()]);
+            return terminal::print(&table(["settings", "range", "ms", "valid"], rows, 1..4));
         }
         let rows = found.variants.iter().map(|v| [v.label.clone(), v.ms(), v.percent()]);
         terminal::print(&table(["settings", "ms", "valid"], rows, 1..3))

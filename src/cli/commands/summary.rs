@@ -1,10 +1,9 @@
 //! The summary of many pairs, and the lines that all summaries have.
 
-use crate::engine::compute::EngineNames;
+use crate::engine::compute::{EngineNames, ParamsBySize, ends};
 use crate::engine::pipeline::Ran;
 use crate::terminal::{self, name, plain, rounded};
 use anyhow::Result;
-use gpu_stereo::Params;
 use serde::ser::SerializeMap as _;
 use serde::{Serialize, Serializer};
 use std::path::PathBuf;
@@ -25,6 +24,47 @@ pub fn range_line(min_disparity: i32, disparities: u32) -> String {
     format!("range    {disparities} disparities, {min_disparity} to {last} px\n")
 }
 
+/// What was searched.
+pub enum Searched {
+    /// These disparities, the first and the last.
+    Given([i32; 2]),
+    /// Those of the first so many pairs.
+    OfFirst([i32; 2], usize),
+    /// What each pair needs; of all that were computed, these.
+    OfEach(Option<[i32; 2]>),
+}
+
+impl Searched {
+    /// By settings that are given, or of each pair.
+    pub fn of(params: &ParamsBySize) -> Self {
+        match params.has_ranges() {
+            true => Self::OfEach(params.searched()),
+            false => Self::Given(ends(&params.common)),
+        }
+    }
+
+    fn line(&self) -> String {
+        let line = |[first, last]: &[i32; 2]| range_line(*first, last.abs_diff(*first) + 1);
+        match self {
+            Self::Given(ends) => line(ends),
+            Self::OfFirst(ends, pairs) => format!("{}, as the first {pairs} frames need\n", line(ends).trim_end()),
+            Self::OfEach(Some([first, last])) => {
+                format!("range    what each pair needs, {first} to {last} px in all\n")
+            }
+            Self::OfEach(None) => "range    what each pair needs\n".into(),
+        }
+    }
+
+    /// The first and the last disparity, and whether they were found.
+    fn ends(&self) -> (Option<[i32; 2]>, bool) {
+        match self {
+            Self::Given(ends) => (Some(*ends), false),
+            Self::OfFirst(ends, _) => (Some(*ends), true),
+            Self::OfEach(ends) => (*ends, true),
+        }
+    }
+}
+
 /// The results of a video or a batch.
 pub struct Summary<F> {
     /// What a pair is called, `pairs` or `frames`.
@@ -33,8 +73,8 @@ pub struct Summary<F> {
     pub names: Option<EngineNames>,
     /// For a video: columns and rows of all frames, if there was anything to compute.
     pub size: Option<Option<(u32, u32)>>,
-    /// The smallest disparity and their number.
-    pub range: (i32, u32),
+    /// Which disparities were searched.
+    pub searched: Searched,
     /// For a batch: the shard, if one was given.
     pub shard: Option<Option<String>>,
     /// Pairs that were written.
@@ -59,14 +99,14 @@ pub struct Summary<F> {
 
 impl<F> Summary<F> {
     /// The summary of a run, with its failures as the caller lists them.
-    pub fn new(unit: &'static str, ran: Ran, params: &Params, output: PathBuf, failures: Vec<F>) -> Self {
+    pub fn new(unit: &'static str, ran: Ran, searched: Searched, output: PathBuf, failures: Vec<F>) -> Self {
         Self {
             unit,
             warnings: ran.warnings(),
             doubtful: ran.doubtful_pairs,
             names: ran.names,
             size: None,
-            range: (params.min_disparity, params.disparities),
+            searched,
             shard: None,
             done: ran.done,
             skipped: 0,
@@ -99,7 +139,7 @@ impl<F> Summary<F> {
         if let Some(Some((width, height))) = self.size {
             text += &format!("size     {width} x {height}\n");
         }
-        text += &range_line(self.range.0, self.range.1);
+        text += &self.searched.line();
         if let Some(Some(shard)) = &self.shard {
             text += &format!("shard    {shard}\n");
         }
@@ -131,8 +171,12 @@ impl<F: Serialize> Serialize for Summary<F> {
             map.serialize_entry("width", &size.map(|(width, _)| width))?;
             map.serialize_entry("height", &size.map(|(_, height)| height))?;
         }
-        map.serialize_entry("min_disparity", &self.range.0)?;
-        map.serialize_entry("disparities", &self.range.1)?;
+        let (ends, is_found) = self.searched.ends();
+        map.serialize_entry("min_disparity", &ends.map(|[first, _]| first))?;
+        map.serialize_entry("disparities", &ends.map(|[first, last]| last.abs_diff(first) + 1))?;
+        if is_found {
+            map.serialize_entry("disp", "auto")?;
+        }
         if let Some(shard) = &self.shard {
             map.serialize_entry("shard", shard)?;
         }

@@ -1,6 +1,6 @@
 //! Several settings of one run: `--variants`.
 
-use crate::args;
+use crate::args::{self, Range};
 use anyhow::{Context as _, Result, bail, ensure};
 use gpu_stereo::{Params, Preset};
 use serde::{Serialize, Serializer};
@@ -18,6 +18,13 @@ pub struct Variant {
     pub params: Params,
 }
 
+impl Variant {
+    /// Where its range of disparities comes from.
+    pub fn range(&self) -> Range {
+        Range::of(self.settings.iter().map(|(name, value)| (name.as_str(), value.as_str())))
+    }
+}
+
 /// The variants of `--variants`, each with the settings that all have in common.
 pub fn named(variants: &[String], common: &[(&str, &str)]) -> Result<Vec<Variant>> {
     ensure!(
@@ -31,7 +38,7 @@ pub fn named(variants: &[String], common: &[(&str, &str)]) -> Result<Vec<Variant
         let label = in_words(own.iter().map(|(name, value)| (*name, value.as_str())));
         let common = common.iter().map(|(name, value)| (*name, (*value).to_owned()));
         let settings: Vec<_> = common.chain(own).map(|(name, value)| (name.to_owned(), value)).collect();
-        let params = args::params(settings.iter().map(|(name, value)| (name.as_str(), value.as_str())), false);
+        let params = args::params(settings.iter().map(|(name, value)| (name.as_str(), value.as_str())));
         Ok(Variant { label, params: params.with_context(context)?, settings })
     });
     variants.collect()

@@ -3,6 +3,7 @@
 mod bag;
 mod film;
 mod numbered;
+mod range;
 mod resolve;
 mod source;
 mod task;

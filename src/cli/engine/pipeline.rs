@@ -6,14 +6,16 @@ mod tally;
 mod threads;
 mod work;
 
+use crate::engine::diagnosis;
 use anyhow::{Result, anyhow};
 use flow::Flow;
-use gpu_stereo::{Error, Image};
+use gpu_stereo::{Error, Image, Params};
+use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::mpsc::TryRecvError;
 use std::thread;
 use std::time::Instant;
-use tally::Tally;
+use tally::{Doubt, Tally};
 use threads::{ReadPair, Readers, Writers};
 pub use work::{FailedPair, MatchedPair, PairKind, Ran, Refused, Sequence, Setup, Work};
 
@@ -73,7 +75,7 @@ impl Run<'_> {
                 Err(Refused::All(error)) => return Err(error),
                 Err(Refused::End) => break,
             };
-            if self.has_room(place, &pair.left)? {
+            if let Some(pair) = self.with_room(place, pair)? {
                 self.begin(place, pair)?;
             }
         }
@@ -105,44 +107,52 @@ impl Run<'_> {
         }
     }
 
-    /// The pair, if it is of the kind that is known beforehand.
+    /// The pair, unless it must be of the kind that is known beforehand, or as the first one, and is not.
     fn ensure_kind(&self, pair: ReadPair) -> Result<ReadPair, Refused> {
-        if let Some(kind) = self.setup.kind.filter(|_| !self.setup.mixed) {
+        let kind = self.setup.kind.or(self.flow.as_ref().map(|flow| &flow.kind));
+        if let Some(kind) = kind.filter(|_| !self.setup.mixed) {
             kind.ensure(&pair.left).map_err(Refused::Pair)?;
         }
         Ok(pair)
     }
 
-    /// Makes the engine fit for a pair of the size and format of `left`; false if that failed, which is counted.
-    fn has_room(&mut self, place: usize, left: &Image) -> Result<bool> {
-        match self.make_room(left)? {
-            Ok(()) => Ok(true),
+    /// The pair, once the engine is fit for it; none if that failed, which is counted.
+    fn with_room(&mut self, place: usize, mut pair: ReadPair) -> Result<Option<ReadPair>> {
+        let fits = match self.setup.params.of_pair([&pair.left, &pair.right]) {
+            Ok(settings) => {
+                pair.examine(&settings);
+                self.make_room(&pair.left, &settings.params)?
+            }
+            Err(error) => Err(error),
+        };
+        match fits {
+            Ok(()) => Ok(Some(pair)),
             Err(error) if is_of_the_pair(&error) && (self.setup.mixed || self.flow.is_some()) => {
                 self.tally.failed(place, &error);
-                Ok(false)
+                Ok(None)
             }
             Err(error) => Err(error),
         }
     }
 
-    fn make_room(&mut self, left: &Image) -> Result<Result<()>> {
+    fn make_room(&mut self, left: &Image, params: &Arc<Params>) -> Result<Result<()>> {
         let Some(flow) = &self.flow else {
-            return Ok(Flow::open(self.setup, left).map(|flow| *self.flow = Some(flow)));
+            return Ok(Flow::open(self.setup, left, params).map(|flow| *self.flow = Some(flow)));
         };
         // Other streams give their results in an order of their own.
-        if self.setup.mixed && flow.is_other(self.setup, left) {
+        if self.setup.mixed && flow.is_other(left, params) {
             self.hand_on_all()?;
         }
-        let fits = self.fit(left);
+        let fits = self.fit(left, params);
         if self.setup.mixed && self.in_flight() > 0 && fits.as_ref().is_err_and(is_of_the_pair) {
             self.hand_on_all()?;
-            return Ok(self.fit(left));
+            return Ok(self.fit(left, params));
         }
         Ok(fits)
     }
 
-    fn fit(&mut self, left: &Image) -> Result<()> {
-        self.flow.as_mut().map_or(Ok(()), |flow| flow.fit(self.setup, left))
+    fn fit(&mut self, left: &Image, params: &Arc<Params>) -> Result<()> {
+        self.flow.as_mut().map_or(Ok(()), |flow| flow.fit(left, params))
     }
 
     /// Begins to match a pair, once fewer than the most are in flight.
@@ -150,7 +160,7 @@ impl Run<'_> {
         while self.flow.as_ref().is_some_and(|flow| flow.in_flight() >= flow.capacity()) {
             self.hand_on()?;
         }
-        let ReadPair { left, right, doubts } = pair;
+        let ReadPair { left, right, doubts, .. } = pair;
         if let Some(flow) = self.flow {
             flow.push(place, left, right, self.setup.keeps_right)?;
         }
@@ -167,6 +177,11 @@ impl Run<'_> {
         match self.flow.as_mut().map(Flow::next).transpose()?.flatten() {
             Some(mut pair) => {
                 self.setup.params.cut(&mut pair.matched);
+                if let Some(pressed) =
+                    self.setup.of_first.then(|| diagnosis::pressed(&pair.matched.map, &pair.params)).flatten()
+                {
+                    self.tally.doubt(pair.place, Doubt::of(&pressed));
+                }
                 self.writers.write(pair)
             }
             None => Ok(()),

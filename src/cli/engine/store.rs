@@ -12,6 +12,7 @@ use super::pair::Pair;
 use super::pipeline::{MatchedPair, PairKind, Refused, Work};
 use super::places;
 use crate::args::InputArgs;
+use crate::engine::compute::ends;
 use crate::engine::{disk, images, output_files};
 use crate::terminal::message;
 use anyhow::{Context as _, Result, anyhow, bail, ensure};
@@ -47,6 +48,8 @@ pub struct Mode {
     pub retry: bool,
     /// Of a video: maps of other settings are removed, where a batch refuses them; failures are not logged.
     pub video: bool,
+    /// Whether each pair has a range of its own.
+    pub own_ranges: bool,
     /// How images are read.
     pub input: InputArgs,
     /// What decides about the files besides the settings of the matcher: names and values.
@@ -366,7 +369,8 @@ impl Store {
         let inputs = [&pair.left, &pair.right].into_iter().zip(sources.into_iter().flatten());
         let inputs = inputs.map(|(path, facts)| KnownFile::new(path, facts)).collect();
         let (settings, kind) = (Some(self.settings.clone()), Some(PairKind::of(&matched.left)));
-        Ok(Entry { settings, inputs, outputs, kind, ..Entry::empty(&item.name) })
+        let searched = self.mode.own_ranges.then(|| ends(&matched.params));
+        Ok(Entry { settings, inputs, outputs, kind, searched, ..Entry::empty(&item.name) })
     }
 
     /// Logs maps that are on the disk. The log itself may be synced a little later: without its lines the maps are computed

@@ -2,6 +2,7 @@
 
 use crate::files::error::{Result, bail, ensure};
 use crate::{Colors, Params};
+use std::ops::RangeInclusive;
 use std::path::Path;
 
 /// The formats of a file with a number a pixel.
@@ -103,6 +104,11 @@ impl Format {
         }
     }
 
+    /// The whole disparities that it can hold; none if it holds all, or holds none.
+    pub fn holds(self) -> Option<RangeInclusive<i32>> {
+        matches!(self, Self::Disparity(SampleFormat::Png) | Self::Right(SampleFormat::Png)).then_some(0..=255)
+    }
+
     /// Whether it is a TIFF, which has at most 4 GiB.
     pub fn is_tiff(self) -> bool {
         matches!(
@@ -127,9 +133,8 @@ pub enum SheetFormat {
 /// If it cannot.
 pub fn ensure_range(format: Format, path: &Path, params: &Params) -> Result<()> {
     let (first, last) = searched(params);
-    let is_png = matches!(format, Format::Disparity(SampleFormat::Png) | Format::Right(SampleFormat::Png));
     ensure!(
-        !is_png || (first >= 0 && last <= 255),
+        format.holds().is_none_or(|held| held.contains(&first) && held.contains(&last)),
         "output {path:?} is a 16-bit PNG, which holds 0 to 255.9375 px, but disparities from {first} to {last} px are \
          searched; use .pfm, .npy or .tif, or search another range"
     );
@@ -139,7 +144,9 @@ pub fn ensure_range(format: Format, path: &Path, params: &Params) -> Result<()> 
 /// The format of a map whose name has no ending: 16-bit PNG if it can hold the searched range, else TIFF.
 pub fn default_format(params: &Params) -> SampleFormat {
     let (first, last) = searched(params);
-    if first >= 0 && last <= 255 { SampleFormat::Png } else { SampleFormat::Tiff }
+    let held = Format::Disparity(SampleFormat::Png).holds();
+    let is_held = held.is_none_or(|held| held.contains(&first) && held.contains(&last));
+    if is_held { SampleFormat::Png } else { SampleFormat::Tiff }
 }
 
 /// The smallest and the largest disparity searched.

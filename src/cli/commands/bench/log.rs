@@ -29,6 +29,9 @@ pub struct Kept {
     pub names: EngineNames,
     /// Columns and rows.
     pub size: (u32, u32),
+    /// The smallest disparity searched and their number; earlier logs do without.
+    #[serde(default)]
+    pub range: Option<(i32, u32)>,
     /// The share of valid pixels.
     pub valid: F64Bits,
     /// Median and smallest time of a frame in milliseconds.
@@ -132,7 +135,7 @@ impl BenchLog {
         found: ToKeep<'_>,
     ) -> Result<()> {
         let Some(log) = &self.log else { return Ok(()) };
-        let ToKeep { warnings, names, size, valid, ms, scores } = found;
+        let ToKeep { warnings, names, size, range, valid, ms, scores } = found;
         let kept = Kept {
             key: [scene.into(), variant.into(), hash(key.as_bytes())],
             inputs: inputs.to_vec(),
@@ -140,6 +143,7 @@ impl BenchLog {
             warnings,
             names,
             size,
+            range: Some(range),
             valid: valid.into(),
             ms: ms.map(Into::into),
             scores: scores.map(|scores| scores.map(Into::into)),
@@ -156,6 +160,8 @@ pub struct ToKeep<'a> {
     pub names: EngineNames,
     /// Columns and rows.
     pub size: (u32, u32),
+    /// The smallest disparity searched and their number.
+    pub range: (i32, u32),
     /// The share of valid pixels.
     pub valid: f64,
     /// Median and smallest time of a frame in milliseconds.

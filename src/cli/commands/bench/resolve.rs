@@ -17,6 +17,7 @@ use gpu_stereo::files::encoders::{self, Look};
 use gpu_stereo::files::lists::absolute;
 use gpu_stereo::files::weights::fingerprint;
 use std::collections::BTreeSet;
+use std::ops::RangeInclusive;
 use std::path::{Path, PathBuf};
 
 /// A run over a data set, ready to start.
@@ -113,11 +114,13 @@ fn resolve_variants(typed: &BenchArgs) -> Result<Vec<Variant>> {
             text if text.is_empty() => "default".into(),
             text => text,
         };
-        return Ok(vec![Variant { label, settings, params: args::params(common.iter().copied(), false)? }]);
+        return Ok(vec![Variant { label, settings, params: args::params(common.iter().copied())? }]);
     }
     let variants = variants::named(&typed.variants, &common)?;
     for (i, variant) in variants.iter().enumerate() {
-        if let Some(other) = variants[..i].iter().find(|other| other.params == variant.params) {
+        if let Some(other) =
+            variants[..i].iter().find(|other| other.params == variant.params && other.range() == variant.range())
+        {
             bail!(
                 "--variants has {:?} and {:?}, which are the same settings; name them once",
                 other.label,
@@ -204,6 +207,12 @@ impl Bench {
     /// Whether anything is made from the depth.
     pub fn needs_depth(&self) -> bool {
         self.look.scale_bar || self.maps.as_ref().is_some_and(MapFolder::needs_depth)
+    }
+
+    /// The disparities that all files of a scene with a variant can hold.
+    pub fn held(&self, scene: &Scene, variant: &Variant) -> Option<RangeInclusive<i32>> {
+        let submitted = self.submission.as_ref().map(|submission| submission.files(scene, variant, false).format);
+        output_files::held(MapFolder::formats(self.maps.as_ref()).iter().copied().chain(submitted))
     }
 
     /// The name of a map below the folder of `--maps`: [VARIANT/]SET/SCENE.

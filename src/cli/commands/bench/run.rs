@@ -6,7 +6,7 @@ use super::resolve::Bench;
 use super::scene::{Loaded, SceneReport, load, settings};
 use super::tables::sets;
 use crate::commands::variants::Variant;
-use crate::engine::compute::{self, EngineNames};
+use crate::engine::compute::{self, Coarse, EngineNames, RangeFinder};
 use crate::engine::known::KnownFile;
 use crate::engine::output_files::{self, MapFolder};
 use crate::engine::{adapter, disk};
@@ -23,7 +23,9 @@ pub fn run(bench: &Bench) -> Result<BenchReport> {
     let progress = Progress::new(bench.scenes.len() * bench.variants.len(), bench.quiet);
     let log = BenchLog::open(bench.report.as_deref(), bench.resume)?;
     let (engine, names) = (None, None);
-    let mut run = Run { bench, log: &log, progress, engine, names, scenes: Vec::new(), failures: Vec::new() };
+    let finder = RangeFinder::new(&bench.device);
+    let (scenes, failures) = (Vec::new(), Vec::new());
+    let mut run = Run { bench, log: &log, progress, engine, finder, coarse: None, names, scenes, failures };
     for (number, scene) in (1..).zip(&bench.scenes) {
         run.scene(number, scene)?;
     }
@@ -38,6 +40,9 @@ struct Run<'a> {
     log: &'a BenchLog,
     progress: Progress,
     engine: Option<Engine>,
+    finder: RangeFinder,
+    /// The scene's coarse match, once a variant needed it.
+    coarse: Option<Coarse>,
     names: Option<EngineNames>,
     scenes: Vec<SceneReport>,
     failures: Vec<FailedScene>,
@@ -74,6 +79,7 @@ impl<'a> Run<'a> {
     fn scene(&mut self, number: usize, scene: &'a Scene) -> Result<()> {
         let (bench, log, label) = (self.bench, self.log, scene.label());
         self.progress.begin(&label);
+        self.coarse = None;
         let mut is_first = true;
         let warned = warnings::all().len();
         let key = |place: usize| bench.key(number, place, scene);
@@ -162,6 +168,7 @@ impl<'a> Run<'a> {
         let (settings, mut params) = settings(task.variant, loaded.disparities)?;
         output_files::want(&mut params, MapFolder::formats(self.bench.maps.as_ref()));
         (params.rectify, params.depth) = (loaded.rectify.clone(), loaded.camera);
+        self.set_range(task, loaded, &mut params)?;
         let engine = compute::again(&mut self.engine, &self.bench.device, &loaded.left, &params)?;
         // On an adapter the first frame compiles.
         let repeat = self.bench.repeat.or_else(|| (engine.device_bytes() > 0).then_some(1));
@@ -181,6 +188,24 @@ impl<'a> Run<'a> {
         let (width, height, valid) = (map.width, map.height, map.valid_fraction());
         let report = SceneReport { width, height, valid, numbers: task.numbers, ..report };
         Ok((params, matched, report))
+    }
+
+    /// Sets the range of the settings, if the variant leaves it to the scene, whose coarse match all variants have in common.
+    fn set_range(&mut self, task: &Task<'_>, loaded: &Loaded, params: &mut Params) -> Result<()> {
+        let range = task.variant.range();
+        if !range.is_found() {
+            return Ok(());
+        }
+        let coarse = match self.coarse.take() {
+            Some(coarse) => coarse,
+            None => self.finder.coarse([&loaded.left, &loaded.right], params)?,
+        };
+        let held = self.bench.held(task.scene, task.variant);
+        let doubt = self.coarse.insert(coarse).set(range, held.as_ref(), params)?;
+        let label = task.scene.label();
+        let warn = |doubt| warnings::warn_by(&format!("{label}: {doubt}"), |line| self.progress.message(line));
+        doubt.into_iter().for_each(warn);
+        Ok(())
     }
 
     /// Writes the files of a scene with a variant.

@@ -76,7 +76,7 @@ pub fn settings(variant: &Variant, disparities: u32) -> Result<(Vec<(String, Str
     if !settings.iter().any(|(name, _)| name == "disp") {
         settings.push(("disp".into(), disparities.to_string()));
     }
-    let mut params = args::params(settings.iter().map(|(name, value)| (name.as_str(), value.as_str())), false)?;
+    let mut params = args::params(settings.iter().map(|(name, value)| (name.as_str(), value.as_str())))?;
     params.network = network.clone();
     Ok((settings, params))
 }
@@ -139,7 +139,8 @@ impl SceneReport {
         let [median, min] = kept.ms.map(f64::from);
         let report = Self::new(scene, variant, &params, settings, FrameMs { median, min });
         let (width, height) = kept.size;
-        let report = Self { width, height, valid: kept.valid.into(), ..report };
+        let (min_disparity, disparities) = kept.range.unwrap_or((report.min_disparity, report.disparities));
+        let report = Self { width, height, min_disparity, disparities, valid: kept.valid.into(), ..report };
         Ok(report.with_scores(kept.scores.each_ref().map(|scores| scores.as_ref().map(Scores::from))))
     }
 
@@ -160,6 +161,7 @@ impl SceneReport {
             warnings: warnings.to_vec(),
             names,
             size: (self.width, self.height),
+            range: (self.min_disparity, self.disparities),
             valid: self.valid,
             ms: [self.frame_ms.median, self.frame_ms.min],
             scores: self.scores.each_ref().map(Option::as_ref),

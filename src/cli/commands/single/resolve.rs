@@ -60,7 +60,7 @@ pub struct Job {
 pub fn resolve(typed: SingleArgs) -> Result<Job> {
     let given: Vec<_> = typed.settings.iter().map(|(name, _)| name).collect();
     args::ensure_disparities(&given)?;
-    let mut params = args::params(typed.settings.iter(), true)?;
+    let mut params = args::params(typed.settings.iter())?;
     energy::want(&mut params, typed.json || typed.timings);
     args::report_unused(&[(given, &params)]);
     network::give(&typed.network, [&mut params])?;

@@ -4,12 +4,12 @@ use super::report::Report;
 use super::resolve::Job;
 use super::shaders;
 use crate::commands::energy::{self, EnergyReport};
-use crate::engine::compute::{self, Computed, find_range};
+use crate::engine::compute::{self, Computed, RangeFinder};
 use crate::engine::{diagnosis, images, output_files};
 use crate::terminal::{Evaluation, Share, warnings};
 use anyhow::Result;
 use gpu_stereo::evaluation::FloatMap;
-use gpu_stereo::files::encoders::{Format, Maps};
+use gpu_stereo::files::encoders::{Format, Maps, ensure_range};
 use gpu_stereo::files::images::ImagePair;
 use gpu_stereo::files::outputs;
 use gpu_stereo::files::truth::{Truth, TruthFile};
@@ -28,7 +28,7 @@ pub fn run(job: &Job) -> Result<Report> {
     let truth = job.truth.as_ref().map(read).transpose()?;
     truth.iter().flat_map(|truth| &truth.doubts).for_each(|doubt| warnings::warn(doubt));
     let (mut params, camera) = params_for(job, &left)?;
-    find_range(job.range, &job.device, [&left, &right], &mut params)?;
+    find_range(job, [&left, &right], &mut params)?;
     let (params, camera) = (&params, &camera);
     let start = Instant::now();
     let open = |params: &Params| compute::open(&job.device, job.needs_adapter, &left, params);
@@ -76,6 +76,17 @@ pub fn run(job: &Job) -> Result<Report> {
         warnings: warnings::all(),
         outputs,
     })
+}
+
+/// Sets the range of the settings, if it is left to the pair.
+fn find_range(job: &Job, pair: [&Image; 2], params: &mut Params) -> Result<()> {
+    if !job.range.is_found() {
+        return Ok(());
+    }
+    let coarse = RangeFinder::new(&job.device).coarse(pair, params)?;
+    let held = output_files::held(job.outputs.iter().map(|output| output.format));
+    coarse.set(job.range, held.as_ref(), params)?.iter().for_each(|doubt| warnings::warn(doubt));
+    Ok(job.outputs.iter().try_for_each(|output| ensure_range(output.format, &output.path, params))?)
 }
 
 /// The settings of the job for images of this size, and the rectified cameras, if they are known.

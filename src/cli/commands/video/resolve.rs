@@ -3,6 +3,7 @@
 use super::bag::Bag;
 use super::film::{self, Film};
 use super::numbered::{Naming, Numbered};
+use super::range;
 use super::source::Source;
 use super::task::{Task, Video};
 use crate::args::{self, InputArgs, VideoArgs};
@@ -15,8 +16,9 @@ use crate::engine::{adapter, disk, images, output_files, places};
 use anyhow::{Context as _, Result, bail, ensure};
 use gpu_stereo::Params;
 use gpu_stereo::files::encoders;
-use gpu_stereo::files::encoders::Format;
+use gpu_stereo::files::encoders::{Format, SampleFormat};
 use gpu_stereo::files::masks::MaskFiles;
+use std::ops::RangeInclusive;
 use std::path::PathBuf;
 
 const MAX_FPS: f64 = 1000.0;
@@ -28,7 +30,7 @@ const OTHER_FILMS: [&str; 9] = ["avi", "mov", "gif", "m4v", "mpg", "mpeg", "wmv"
 pub fn resolve(typed: VideoArgs) -> Result<Video> {
     let given: Vec<_> = typed.settings.iter().map(|(name, _)| name).collect();
     args::ensure_disparities(&given)?;
-    let mut params = args::params(typed.settings.iter(), false)?;
+    let mut params = args::params(typed.settings.iter())?;
     let formats = &typed.look.dressed(&typed.formats.format);
     output_files::want(&mut params, formats);
     let source = Source::find(&typed)?;
@@ -46,54 +48,88 @@ pub fn resolve(typed: VideoArgs) -> Result<Video> {
     adapter::ensure_consistent(&typed.device)?;
     let in_flight = args::in_flight(&typed.in_flight)?;
     output_files::ensure_ranges(formats, &typed.output, &params)?;
-
+    let input = source.as_first(&typed.input);
+    let mut params = ParamsBySize::new(params, cameras, depth);
+    let held = held(&typed, formats)?;
+    let of_first = (&source, &input);
+    let first = range::find(typed.settings.range(), of_first, &typed.device, held.as_ref(), &mut params)?;
+    if first.is_some() {
+        output_files::ensure_ranges(formats, &typed.output, &params.common)?;
+    }
     if typed.bulk.no_sync {
         disk::leave_to_the_system();
     }
 
-    let input = source.as_first(&typed.input);
-    let inputs: Vec<PathBuf> =
-        masks.paths().chain(cameras.files()).chain(typed.network.weights.as_deref()).map(Into::into).collect();
-    let task = if film::is_film(&typed.output) {
-        ensure!(
-            !typed.look.scale_bar,
-            "--scale-bar is for pictures, but output {:?} is a video; drop it",
-            typed.output
-        );
-        film(&typed, source, &params, &inputs)?
-    } else if to_record {
-        bag(&typed, source, &inputs)?
-    } else {
-        output_files::note_look(typed.look.look(), formats);
-        ensure!(
-            !OTHER_FILMS.contains(&encoders::ending(&typed.output).as_str()) || typed.output.is_dir(),
-            "output {:?} looks like a video, but .mp4, .mkv and .webm are written; use one of these, or a folder",
-            typed.output
-        );
-        ensure!(
-            typed.fps.is_none(),
-            "--fps is for a video, but output {:?} is not one; drop it, or give a name that ends in .mp4, .mkv or .webm",
-            typed.output
-        );
-        match (Pattern::parse(&typed.output).with_context(|| format!("output is {:?}", typed.output))?, source) {
-            (Some(pattern), source) => numbered(&typed, source, &inputs, pattern)?,
-            (None, Source::Files(_, pairs)) => {
-                Task::Folder(Box::new(folder(&typed, pairs, &params, &input, (&cameras, inputs))?))
-            }
-            (None, source) => numbered_folder(&typed, source, &params, &inputs)?,
-        }
-    };
-    args::report_unused(&[(given, &params)]);
+    let files = masks.paths().chain(params.cameras.files()).chain(typed.network.weights.as_deref());
+    let inputs: Vec<PathBuf> = files.map(Into::into).collect();
+    let task = task(&typed, source, &params, &input, inputs)?;
+    args::report_unused(&[(given, &params.common)]);
     Ok(Video {
         device: typed.device,
         input,
-        params: ParamsBySize::new(params, cameras, depth),
+        params,
+        first,
         keeps_right,
         in_flight,
         task,
         output: typed.output,
         json: typed.bulk.json,
         quiet: typed.bulk.quiet,
+    })
+}
+
+/// The disparities that all files can hold.
+fn held(args: &VideoArgs, formats: &[Format]) -> Result<Option<RangeInclusive<i32>>> {
+    if film::is_film(&args.output) || encoders::ending(&args.output) == "mcap" {
+        return Ok(None);
+    }
+    let pattern = Pattern::parse(&args.output).with_context(|| format!("output is {:?}", args.output))?;
+    let usual = match pattern {
+        Some(pattern) if formats.is_empty() => encoders::sample_format(&pattern.path(0))?,
+        _ => SampleFormat::Png,
+    };
+    let usual = formats.is_empty().then_some(Format::Disparity(usual));
+    Ok(output_files::held(formats.iter().copied().chain(usual)))
+}
+
+/// Which frames go where.
+fn task(
+    typed: &VideoArgs,
+    source: Source,
+    params: &ParamsBySize,
+    input: &InputArgs,
+    inputs: Vec<PathBuf>,
+) -> Result<Task> {
+    let formats = &typed.look.dressed(&typed.formats.format);
+    let (cameras, params) = (&params.cameras, &params.common);
+    if film::is_film(&typed.output) {
+        ensure!(
+            !typed.look.scale_bar,
+            "--scale-bar is for pictures, but output {:?} is a video; drop it",
+            typed.output
+        );
+        return film(typed, source, params, &inputs);
+    }
+    if encoders::ending(&typed.output) == "mcap" {
+        return bag(typed, source, &inputs);
+    }
+    output_files::note_look(typed.look.look(), formats);
+    ensure!(
+        !OTHER_FILMS.contains(&encoders::ending(&typed.output).as_str()) || typed.output.is_dir(),
+        "output {:?} looks like a video, but .mp4, .mkv and .webm are written; use one of these, or a folder",
+        typed.output
+    );
+    ensure!(
+        typed.fps.is_none(),
+        "--fps is for a video, but output {:?} is not one; drop it, or give a name that ends in .mp4, .mkv or .webm",
+        typed.output
+    );
+    Ok(match (Pattern::parse(&typed.output).with_context(|| format!("output is {:?}", typed.output))?, source) {
+        (Some(pattern), source) => numbered(typed, source, &inputs, pattern)?,
+        (None, Source::Files(_, pairs)) => {
+            Task::Folder(Box::new(folder(typed, pairs, params, input, (cameras, inputs))?))
+        }
+        (None, source) => numbered_folder(typed, source, params, &inputs)?,
     })
 }
 
@@ -193,6 +229,7 @@ fn folder(
         resume: args.bulk.resume,
         retry: args.bulk.retry,
         video: true,
+        own_ranges: false,
         input: input.clone(),
         more: output_files::decisive(cameras, &args.look),
         inputs,

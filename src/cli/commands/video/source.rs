@@ -67,6 +67,28 @@ impl Source {
         }
     }
 
+    /// Shows the first pairs that can be read to `see`, until it has seen enough or `most` were looked at.
+    pub fn look_ahead(
+        &self,
+        input: &InputArgs,
+        most: usize,
+        see: &mut dyn FnMut(&ImagePair) -> Result<bool>,
+    ) -> Result<()> {
+        let pairs = match self {
+            Self::Files(_, pairs) => pairs,
+            Self::Stream(stream) => return stream.look_ahead(most, see),
+        };
+        for pair in pairs.iter().take(most) {
+            // What cannot be read is reported in its turn.
+            if let Ok(pair) = images::read_pair(&pair.left, &pair.right, input)
+                && see(&pair)?
+            {
+                break;
+            }
+        }
+        Ok(())
+    }
+
     /// The cameras, where a record says them.
     pub fn calibration(&self) -> Option<&Calibration> {
         if let Self::Stream(stream) = self { stream.calibration.as_ref() } else { None }

@@ -5,8 +5,8 @@ use super::film::Film;
 use super::numbered::Numbered;
 use super::source::Source;
 use crate::args::{self, DeviceArgs, InputArgs};
-use crate::commands::summary::Summary;
-use crate::engine::compute::ParamsBySize;
+use crate::commands::summary::{Searched, Summary};
+use crate::engine::compute::{ParamsBySize, ends};
 use crate::engine::pipeline::{self, FailedPair, Ran, Sequence, Setup, Work};
 use crate::engine::signals::stop_on_signals;
 use crate::engine::store::Store;
@@ -24,6 +24,8 @@ pub struct Video {
     pub device: DeviceArgs,
     pub input: InputArgs,
     pub params: ParamsBySize,
+    /// How many of the first frames told the range, if the options leave it to them.
+    pub first: Option<usize>,
     pub keeps_right: bool,
     pub in_flight: usize,
     pub task: Task,
@@ -59,6 +61,7 @@ impl Video {
             kind: None,
             alone: false,
             unit: "frames",
+            of_first: self.first.is_some(),
             quiet: self.quiet,
         };
         let (mut ran, skipped) = match self.task {
@@ -97,7 +100,11 @@ impl Video {
             }
         };
         let (size, failures) = (ran.size, std::mem::take(&mut ran.failed));
-        let summary = Summary::new("frames", ran, &self.params.common, self.output, failures);
+        let searched = match self.first {
+            Some(frames) => Searched::OfFirst(ends(&self.params.common), frames),
+            None => Searched::of(&self.params),
+        };
+        let summary = Summary::new("frames", ran, searched, self.output, failures);
         Ok(Summary { size: Some(size), skipped, ..summary })
     }
 }

@@ -1,13 +1,15 @@
 //! The cameras of a run: what the options say, and the settings that follow for images of each size.
 
-use crate::args::{self, CameraArgs};
+use super::range::{RangeFinder, ends, joined};
+use crate::args::{self, CameraArgs, DeviceArgs, Range};
 use crate::terminal::{message, warnings};
 use anyhow::{Result, bail, ensure};
 use gpu_stereo::files::calibration::{Calibration, Fitted, LensModel};
 use gpu_stereo::files::hash;
 use gpu_stereo::files::truth::Truth;
-use gpu_stereo::{Camera, DepthMap, Distortion, Error, Lens, Matched, Params, Rectification};
+use gpu_stereo::{Camera, DepthMap, Distortion, Error, Image, Lens, Matched, Params, Rectification};
 use std::collections::VecDeque;
+use std::ops::RangeInclusive;
 use std::path::{Path, PathBuf};
 use std::sync::{Arc, Mutex, PoisonError};
 
@@ -222,19 +224,84 @@ fn farthest(metres: f64) -> Result<u32> {
 /// So many sizes of images are kept: the positions of a rectification take 16 bytes a pixel.
 const KEPT: usize = 4;
 
-/// The settings of a run over pairs that may differ in size.
+/// The settings of a run over pairs that may differ in size, and have a range each.
 pub struct ParamsBySize {
     /// Those that all sizes have in common.
     pub common: Params,
-    cameras: Cameras,
+    /// The cameras that they are fitted to.
+    pub cameras: Cameras,
     depth: bool,
     known: Mutex<VecDeque<([u32; 2], Arc<Params>)>>,
+    ranges: Option<Mutex<Ranges>>,
+}
+
+/// The ranges that each pair has of its own.
+struct Ranges {
+    finder: RangeFinder,
+    rule: Range,
+    /// What all files can hold.
+    held: Option<RangeInclusive<i32>>,
+    /// The smallest range that holds all so far.
+    all: Option<[i32; 2]>,
+}
+
+/// The settings of a pair.
+pub struct OfPair {
+    /// They.
+    pub params: Arc<Params>,
+    /// Why its range is doubtful.
+    pub doubt: Option<String>,
 }
 
 impl ParamsBySize {
     /// `depth`: whether a depth is wanted.
     pub fn new(common: Params, cameras: Cameras, depth: bool) -> Self {
-        Self { common, cameras, depth, known: Mutex::default() }
+        Self { common, cameras, depth, known: Mutex::default(), ranges: None }
+    }
+
+    /// With a range for each pair, if the options leave it to them. `held`: the disparities that all files can hold.
+    pub fn with_ranges(self, rule: Range, held: Option<RangeInclusive<i32>>, device: &DeviceArgs) -> Self {
+        let finder = RangeFinder::new(device);
+        let ranges = rule.is_found().then(|| Mutex::new(Ranges { finder, rule, held, all: None }));
+        Self { ranges, ..self }
+    }
+
+    /// Sets the range of all pairs.
+    pub fn set_range(&mut self, [first, last]: [i32; 2]) {
+        let range = (first, last.abs_diff(first) + 1);
+        (self.common.min_disparity, self.common.disparities) = range;
+        for (_, params) in self.known.get_mut().unwrap_or_else(PoisonError::into_inner) {
+            let params = Arc::make_mut(params);
+            (params.min_disparity, params.disparities) = range;
+        }
+    }
+
+    /// Whether each pair has a range of its own.
+    pub fn has_ranges(&self) -> bool {
+        self.ranges.is_some()
+    }
+
+    /// The first and the last disparity of all that was searched, if that is known.
+    pub fn searched(&self) -> Option<[i32; 2]> {
+        match &self.ranges {
+            Some(ranges) => ranges.lock().unwrap_or_else(PoisonError::into_inner).all,
+            None => Some(ends(&self.common)),
+        }
+    }
+
+    /// The settings for a pair. An error that is one of the pair alone is [`Error::Image`].
+    pub fn of_pair(&self, pair: [&Image; 2]) -> Result<OfPair> {
+        let params = self.of([pair[0].width(), pair[0].height()])?;
+        let Some(ranges) = &self.ranges else { return Ok(OfPair { params, doubt: None }) };
+        let mut ranges = ranges.lock().unwrap_or_else(PoisonError::into_inner);
+        let Ranges { finder, rule, held, all } = &mut *ranges;
+        let mut params = Params::clone(&params);
+        let coarse = finder.coarse(pair, &params)?;
+        let set = coarse.set(*rule, held.as_ref(), &mut params);
+        let doubt = set.map_err(|error| Error::Image(format!("{error:#}")))?;
+        let found = ends(&params);
+        *all = Some(all.map_or(found, |all| joined(all, found)));
+        Ok(OfPair { params: Arc::new(params), doubt })
     }
 
     /// Removes depths that are farther away than allowed.
@@ -242,7 +309,7 @@ impl ParamsBySize {
         self.cameras.cut(matched);
     }
 
-    /// The settings for images of a size. An error is one of the pair alone: [`Error::Image`].
+    /// The settings for images of a size, but for the range of a pair's own. An error is one of the pair alone: [`Error::Image`].
     pub fn of(&self, size: [u32; 2]) -> Result<Arc<Params>> {
         let mut known = self.known.lock().unwrap_or_else(PoisonError::into_inner);
         if let Some((_, params)) = known.iter().find(|(other, _)| *other == size) {

@@ -5,7 +5,7 @@ mod engine;
 mod names;
 mod range;
 
-pub use cameras::{Cameras, ParamsBySize};
+pub use cameras::{Cameras, OfPair, ParamsBySize};
 pub use engine::{Computed, FrameMs, again, check, frames, open};
 pub use names::EngineNames;
-pub use range::find as find_range;
+pub use range::{Coarse, RangeFinder, ends, joined};

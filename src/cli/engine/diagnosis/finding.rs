@@ -20,6 +20,8 @@ pub enum Finding {
     Rows { offset: f64, degrees: f64, most: f64 },
     /// Disparities lie outside the range.
     Range { searched: RangeInclusive<i32>, needed: RangeInclusive<i32>, share: f64, of: usize },
+    /// Much of a map lies at an end of the range.
+    Pressed { searched: RangeInclusive<i32>, share: f64, is_last: bool },
 }
 
 impl Finding {
@@ -62,6 +64,21 @@ impl fmt::Display for Finding {
                     write!(f, " and rotated by {:.1} degrees {way}", degrees.abs())?;
                 }
                 write!(f, ", up to {most:.1} px; rectify the pair, for example with --rectify FILE")
+            }
+            Self::Pressed { searched, share, is_last } => {
+                let percent = 100.0 * share;
+                let (first, last) = (searched.start(), searched.end());
+                match is_last {
+                    true => write!(
+                        f,
+                        "{percent:.0} % of the map lie at {last} px, where the range ends, so what is nearer is wrong or has "
+                    )?,
+                    false => write!(
+                        f,
+                        "{percent:.0} % of the map lie at {first} px, where the range begins, so what is farther is wrong or has "
+                    )?,
+                }
+                write!(f, "no disparity; give --min-disp and --disp of a larger range than {first} to {last} px")
             }
             Self::Range { searched, needed, share, of } => {
                 let (first, last) = (*needed.start(), *needed.end());

@@ -2,7 +2,7 @@
 
 use super::known::KnownFile;
 use super::places;
-use crate::args::{LookArgs, MapsArgs};
+use crate::args::{LookArgs, MapsArgs, Range};
 use crate::engine::compute::Cameras;
 use crate::engine::images;
 use crate::terminal::{message, warnings};
@@ -15,6 +15,7 @@ use gpu_stereo::files::encoders::{
 use gpu_stereo::files::outputs::{self, Output};
 use gpu_stereo::{Colors, Image, Matched, Params};
 use std::borrow::Cow;
+use std::ops::RangeInclusive;
 use std::path::{Path, PathBuf};
 
 /// The files to write, each checked: its ending is known, its folder can be written, it is neither an input nor named
@@ -115,6 +116,11 @@ fn default_map(params: &Params) -> (PathBuf, Format) {
     (["disparity", format.suffix()].concat().into(), format)
 }
 
+/// The whole disparities that files of all these formats can hold; none if they hold all.
+pub fn held(mut formats: impl Iterator<Item = Format>) -> Option<RangeInclusive<i32>> {
+    formats.find_map(Format::holds)
+}
+
 /// What a map without a format of its own becomes; said where it is not a PNG.
 pub fn default_format(params: &Params, name: &str) -> Format {
     let format = encoders::default_format(params);
@@ -183,6 +189,14 @@ pub fn decisive(cameras: &Cameras, look: &LookArgs) -> Vec<(&'static str, String
     let colors = named.map(|(name, _)| ("colors", (*name).into()));
     let bar = look.scale_bar.then(|| ("scale-bar", "on".into()));
     [cameras, colors, bar].into_iter().flatten().collect()
+}
+
+/// The same of `--disp auto`: in place of the range, that it is left to each pair, and what the files can hold of it.
+pub fn decisive_range(range: Range, held: Option<&RangeInclusive<i32>>) -> Vec<(&'static str, String)> {
+    let Range::Found { min_is_given } = range else { return Vec::new() };
+    let within = held.map(|held| format!(", {} to {}", held.start(), held.end())).unwrap_or_default();
+    let min = (!min_is_given).then(|| ("min-disp", "auto".into()));
+    [("disp", format!("auto{within}"))].into_iter().chain(min).collect()
 }
 
 /// The files of a map in a folder, one a format: NAME.png, NAME_depth.png and so on.

@@ -17,7 +17,8 @@ pub struct Flow {
     /// The pixel format of the pairs in flight.
     pub format: PixelFormat,
     engine: FlowEngine,
-    kind: PairKind,
+    /// Size and samples of the first pair.
+    pub kind: PairKind,
     /// The settings for pairs of the present size.
     params: Arc<Params>,
     before: Beforehand,
@@ -94,10 +95,9 @@ impl Streams {
 
 impl Flow {
     /// Opens an engine for pairs of the size and format of `left`.
-    pub fn open(setup: &Setup<'_>, left: &Image) -> Result<Self> {
-        let params = setup.params.of([left.width(), left.height()])?;
-        let engine = compute::open(setup.device, None, left, &params)?;
-        let names = engine.names([&*params]).into();
+    pub fn open(setup: &Setup<'_>, left: &Image, params: &Arc<Params>) -> Result<Self> {
+        let engine = compute::open(setup.device, None, left, params)?;
+        let names = engine.names([&**params]).into();
         let engine = match engine {
             Engine::Cpu(on) => FlowEngine::Cpu(on, None),
             Engine::Adapter(on) => {
@@ -112,35 +112,29 @@ impl Flow {
         };
         let size = (left.width(), left.height());
         let (kind, format) = (PairKind::of(left), left.format());
-        let before = Beforehand::of(&params)?;
+        let (before, params) = (Beforehand::of(params)?, Arc::clone(params));
         Ok(Self { engine, names, size, kind, format, params, before, waiting: VecDeque::new() })
     }
 
-    /// Makes sure that a pair can be pushed. Unless pairs may differ, it must be like the first one; those in flight always have
-    /// its format.
-    pub fn fit(&mut self, setup: &Setup<'_>, left: &Image) -> Result<()> {
+    /// Makes sure that a pair can be pushed; those in flight have its format and settings.
+    pub fn fit(&mut self, left: &Image, params: &Arc<Params>) -> Result<()> {
         let format = left.format();
-        if !setup.mixed {
-            self.kind.ensure(left)?;
-        }
-        let params = setup.params.of([left.width(), left.height()])?;
-        if !Arc::ptr_eq(&params, &self.params) {
-            self.before = Beforehand::of(&params)?;
+        if !Arc::ptr_eq(params, &self.params) {
+            self.before = Beforehand::of(params)?;
         }
         let shape = self.before.shape(left);
         match &mut self.engine {
             FlowEngine::Streams(on) => on.fit(shape, &self.before.params, self.waiting.is_empty())?,
             FlowEngine::Cpu(on, _) => on.fit(shape, &self.before.params)?,
         }
-        (self.format, self.params) = (format, params);
+        (self.format, self.params) = (format, Arc::clone(params));
         Ok(())
     }
 
     /// Whether a pair needs a stream of its own, so that those in flight must be done before: its samples are of another format,
-    /// or the cameras fit its size otherwise.
-    pub fn is_other(&self, setup: &Setup<'_>, left: &Image) -> bool {
-        let params = setup.params.of([left.width(), left.height()]);
-        self.format != left.format() || params.is_ok_and(|params| params != self.params)
+    /// the cameras fit its size otherwise, or its range is another.
+    pub fn is_other(&self, left: &Image, params: &Arc<Params>) -> bool {
+        self.format != left.format() || *params != self.params
     }
 
     /// The number of pairs in flight.

@@ -3,7 +3,7 @@
 use super::work::{FailedPair, Ran, Sequence, Setup, Work};
 use crate::engine::diagnosis::Finding;
 use crate::terminal::{Pace, name, one_line};
-use std::collections::HashSet;
+use std::collections::{HashSet, VecDeque};
 use std::mem::Discriminant;
 use std::sync::{Mutex, MutexGuard, PoisonError};
 use std::thread;
@@ -15,6 +15,13 @@ pub struct Doubt {
     pub text: String,
     /// The kind of finding; none where the files are the cause.
     pub kind: Option<Discriminant<Finding>>,
+}
+
+impl Doubt {
+    /// What is wrong with a pair.
+    pub fn of(finding: &Finding) -> Self {
+        Self { text: finding.to_string(), kind: Some(finding.kind()) }
+    }
 }
 
 /// Counts results and shows the progress.
@@ -30,9 +37,12 @@ struct Counts {
     ran: Ran,
     /// The kinds of doubts that were reported: a whole video has the same one.
     kinds: HashSet<Option<Discriminant<Finding>>>,
-    /// The last pair that was doubted: the doubts of a pair come one after the other.
-    last_doubted: Option<usize>,
+    /// The last pairs that were doubted: no more lie between two doubts of a pair than are in flight.
+    doubted: VecDeque<usize>,
 }
+
+/// So many doubted pairs are kept, more than are ever in flight.
+const KEPT: usize = 64;
 
 /// So many doubts of a stream are listed.
 const LISTED: usize = 1000;
@@ -74,8 +84,9 @@ impl<'a> Tally<'a> {
         if counts.kinds.insert(doubt.kind) {
             self.pace.message(&format!("note: {}: {}", name(left), doubt.text));
         }
-        if counts.last_doubted != Some(place) {
-            counts.last_doubted = Some(place);
+        if !counts.doubted.contains(&place) {
+            counts.doubted.push_front(place);
+            counts.doubted.truncate(KEPT);
             counts.ran.doubtful_pairs += 1;
         }
         if self.sequence.len().is_some() || counts.ran.doubtful.len() < LISTED {

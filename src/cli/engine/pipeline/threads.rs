@@ -3,7 +3,8 @@
 
 use super::tally::{Doubt, Tally};
 use super::work::{MatchedPair, Refused, Sequence, Setup, Work};
-use crate::engine::diagnosis;
+use crate::engine::compute::OfPair;
+use crate::engine::diagnosis::{self, Evidence};
 use crate::engine::pair::Pair;
 use anyhow::{Context as _, Result, anyhow};
 use gpu_stereo::Image;
@@ -19,21 +20,27 @@ pub struct ReadPair {
     pub right: Image,
     /// Why its map may be wrong.
     pub doubts: Vec<Doubt>,
+    /// Its corners, if it is its turn to be diagnosed.
+    evidence: Option<Evidence>,
 }
 
 impl ReadPair {
     /// Reads a pair, and diagnoses it if it is its turn.
     pub fn read(work: &dyn Work, place: usize, pair: &Pair, setup: &Setup<'_>) -> Result<Self, Refused> {
         let ImagePair { left, right, doubts, .. } = work.read(place, pair, setup.input)?;
-        let mut doubts: Vec<_> = doubts.into_iter().map(|text| Doubt { text, kind: None }).collect();
+        let doubts = doubts.into_iter().map(|text| Doubt { text, kind: None }).collect();
         // What the cameras do not fit is refused later.
-        if place.is_multiple_of(setup.diagnosed)
-            && let Ok(params) = setup.params.of([left.width(), left.height()])
-            && let Ok(Some(finding)) = diagnosis::finding(&left, &right, &params)
-        {
-            doubts.push(Doubt { text: finding.to_string(), kind: Some(finding.kind()) });
-        }
-        Ok(Self { left, right, doubts })
+        let params = place.is_multiple_of(setup.diagnosed).then(|| setup.params.of([left.width(), left.height()]).ok());
+        let evidence = params.flatten().and_then(|params| diagnosis::evidence(&left, &right, &params).ok());
+        Ok(Self { left, right, doubts, evidence })
+    }
+
+    /// Adds what is doubtful about a map with these settings.
+    pub fn examine(&mut self, settings: &OfPair) {
+        self.doubts.extend(settings.doubt.clone().map(|text| Doubt { text, kind: None }));
+        let evidence = self.evidence.take();
+        let finding = evidence.and_then(|evidence| evidence.finding(&settings.params.searched()));
+        self.doubts.extend(finding.as_ref().map(Doubt::of));
     }
 }
 

@@ -41,6 +41,8 @@ pub struct Setup<'a> {
     pub alone: bool,
     /// What the progress counts.
     pub unit: &'static str,
+    /// Whether the range of all pairs is that of the first ones, which may not hold what the others show.
+    pub of_first: bool,
     /// Show no progress.
     pub quiet: bool,
 }

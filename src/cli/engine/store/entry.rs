@@ -42,6 +42,9 @@ pub struct Entry {
     /// Size and samples.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub kind: Option<PairKind>,
+    /// The first and the last disparity searched, if the pair decided.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub searched: Option<[i32; 2]>,
     /// Set if the pair ended the processes that computed it: how.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub killed: Option<String>,
@@ -57,6 +60,7 @@ impl Entry {
             outputs: Vec::new(),
             files: Vec::new(),
             kind: None,
+            searched: None,
             killed: None,
         }
     }

@@ -10,6 +10,7 @@ use gpu_stereo::files::calibration::Calibration;
 use gpu_stereo::files::frames::{FrameReader, RawFrames};
 use gpu_stereo::files::images::{Bits, ImagePair, Split, split_frame};
 use image::DynamicImage;
+use std::collections::VecDeque;
 use std::io::{BufRead, BufReader};
 use std::path::{Path, PathBuf};
 use std::sync::{Mutex, PoisonError};
@@ -33,7 +34,12 @@ struct State {
     /// Once a pair was read.
     bits: Option<u32>,
     ended: bool,
+    /// Pairs that were looked at before it was their turn.
+    ahead: VecDeque<Result<NextPair, Refused>>,
 }
+
+/// A pair, of a record with when it was taken.
+type NextPair = (ImagePair, Option<Taken>);
 
 enum Sides {
     /// Each frame shows both views.
@@ -118,13 +124,38 @@ impl Stream {
     }
 
     fn new(name: PathBuf, files: Vec<PathBuf>, rate: Option<f64>, input: &InputArgs, sides: Sides) -> Self {
-        let state = Mutex::new(State { sides, bits: None, ended: false });
+        let state = Mutex::new(State { sides, bits: None, ended: false, ahead: VecDeque::new() });
         Self { name, files, rate, calibration: None, input: input.clone(), state }
     }
 
-    /// The next pair, of a record with when it was taken. A frame that is damaged is the last one.
-    pub fn next_pair(&self) -> Result<(ImagePair, Option<Taken>), Refused> {
+    /// The next pair. A frame that is damaged is the last one.
+    pub fn next_pair(&self) -> Result<NextPair, Refused> {
         let mut state = self.state.lock().unwrap_or_else(PoisonError::into_inner);
+        match state.ahead.pop_front() {
+            Some(read) => read,
+            None => self.read(&mut state),
+        }
+    }
+
+    /// Shows the next pairs that can be read to `see`, until it has seen enough or `most` were looked at. They are still the next ones.
+    pub fn look_ahead(&self, most: usize, see: &mut dyn FnMut(&ImagePair) -> Result<bool>) -> Result<()> {
+        let mut state = self.state.lock().unwrap_or_else(PoisonError::into_inner);
+        while state.ahead.len() < most && !state.ended {
+            let read = match self.read(&mut state) {
+                Err(Refused::All(error)) => return Err(error),
+                Err(Refused::End) => break,
+                read => read,
+            };
+            let seen = read.as_ref().map_or(Ok(false), |(pair, _)| see(pair));
+            state.ahead.push_back(read);
+            if seen? {
+                break;
+            }
+        }
+        Ok(())
+    }
+
+    fn read(&self, state: &mut State) -> Result<NextPair, Refused> {
         if state.ended {
             return Err(Refused::End);
         }
