@@ -1,9 +1,11 @@
 //! DataSets: the scenes of a data set's folder.
 
+use super::calibration::{Calibration, Reading};
 use super::contents;
 use super::error::{Context as _, Result, bail, ensure};
 use super::maps::{self, Encoding};
 use super::truth::TruthFile;
+use crate::Camera;
 use serde::Deserialize;
 use std::fs;
 use std::path::{Path, PathBuf};
@@ -15,7 +17,8 @@ pub enum DataSet {
     Kitti2012,
     /// training/{image_2,image_3,disp_occ_0,disp_noc_0}
     Kitti2015,
-    /// trainingQ/NAME/{im0.png,im1.png,calib.txt,disp0GT.pfm,mask0nocc.png}, and H, F, test
+    /// trainingQ/NAME/{im0.png,im1.png,calib.txt,disp0GT.pfm,mask0nocc.png}, and H, F, test; of 2005 and 2006
+    /// NAME/{view1.png,view5.png,disp1.png,dmin.txt}
     Middlebury,
     /// two_view_training/NAME with the same files
     Eth3d,
@@ -62,6 +65,20 @@ pub struct Scene {
     pub non_occluded: Option<NonOccluded>,
     /// Disparities to search.
     pub range: Range,
+    /// What is known of the cameras, which must be rectified.
+    pub cameras: Option<SceneCameras>,
+}
+
+/// What a data set says of the cameras of a scene.
+#[derive(Clone, Debug)]
+pub enum SceneCameras {
+    /// A calibration in a file.
+    File(PathBuf),
+    /// The same for all scenes.
+    Known(Camera),
+    /// Those of Middlebury 2005 and 2006, of images that were reduced by this factor. The file has the disparity, at the full size,
+    /// by which the images were shifted.
+    Shifted(PathBuf, u32),
 }
 
 /// Disparities to search in KITTI: more than any true one.
@@ -69,7 +86,11 @@ const KITTI: u32 = 192;
 /// Disparities to search where the data set gives no number.
 const USUAL: u32 = 128;
 /// Virtual KITTI 2: the focal length in px times the distance of the cameras in m (its web page).
-const VKITTI2: f64 = 725.0087 * 0.532725;
+const VKITTI2: Camera = Camera { focal: 725.0087, baseline: 0.532725, doffs: 0.0, cx: 620.5, cy: 187.0 };
+/// Middlebury 2005 and 2006 (their web pages): the focal length in px at the full size, and the distance of the views 1 and 5 in m.
+const VIEWS: (f64, f64) = (3740.0, 0.16);
+/// Rows of its images, and by what they were reduced. Truths have disparities of the full size.
+const REDUCED: [(u32, u32); 3] = [(1110, 1), (555, 2), (370, 3)];
 
 impl DataSet {
     /// The scenes below a folder, in the order of their names.
@@ -90,7 +111,7 @@ impl DataSet {
                 let sides = [["colored_0", "colored_1"], ["image_0", "image_1"]];
                 (kitti(dataset, &sides, ["disp_occ", "disp_noc"])?, "training/colored_0/000000_10.png")
             }
-            DataSet::Middlebury => (folders(dataset)?, "trainingQ/NAME/im0.png"),
+            DataSet::Middlebury => (folders(dataset)?, "trainingQ/NAME/im0.png or NAME/view1.png"),
             DataSet::Eth3d => (folders(dataset)?, "two_view_training/NAME/im0.png"),
             _ => (vkitti2(dataset)?, "Scene01/clone/frames/rgb/Camera_0/rgb_00000.jpg"),
         };
@@ -116,8 +137,40 @@ impl Scene {
             Range::Calibration(path) => Some(path.as_path()),
             _ => None,
         };
+        let cameras = match &self.cameras {
+            Some(SceneCameras::File(path) | SceneCameras::Shifted(path, _)) if range != Some(path) => {
+                Some(path.as_path())
+            }
+            _ => None,
+        };
         let truth = self.truth.iter().flat_map(TruthFile::files);
-        [self.left.as_path(), &self.right].into_iter().chain(truth).chain(non_occluded).chain(range)
+        [self.left.as_path(), &self.right].into_iter().chain(truth).chain(non_occluded).chain(range).chain(cameras)
+    }
+
+    /// The cameras of its images, which have this size; none where the data set does not say them.
+    ///
+    /// # Errors
+    /// If their file cannot be read, or is of images of another size.
+    pub fn calibration(&self, [width, height]: [u32; 2]) -> Result<Option<Calibration>> {
+        Ok(match &self.cameras {
+            None => None,
+            Some(SceneCameras::File(path)) => Some(Calibration::read(path, None, Reading::default())?),
+            Some(SceneCameras::Known(camera)) => Some(Calibration::typed(*camera)),
+            Some(SceneCameras::Shifted(path, factor)) => {
+                let bytes = contents::read_file(path, "the shift of a scene")?;
+                let text = String::from_utf8_lossy(&bytes);
+                let shift = text.trim().parse::<f64>().ok().filter(|shift| shift.is_finite());
+                let told: String = text.trim().chars().take(40).collect();
+                let shift = shift
+                    .with_context(|| format!("{path:?} has {told:?}, but a number of px is needed; correct it"))?;
+                let (focal, baseline) = VIEWS;
+                let scale = f64::from(*factor);
+                let [cx, cy] = [width, height].map(|side| (f64::from(side) - 1.0) / 2.0); // of what is not said
+                let camera = Camera { focal: focal / scale, baseline, doffs: shift / scale, cx, cy };
+                camera.validate().with_context(|| format!("{path:?}"))?;
+                Some(Calibration::typed(camera))
+            }
+        })
     }
 
     /// Disparities to search.
@@ -192,10 +245,39 @@ fn kitti(dataset: &Path, sides: &[[&str; 2]], [all, non_occluded]: [&str; 2]) ->
                 truth: all.or(non_occluded.clone()).map(truth),
                 non_occluded: non_occluded.map(NonOccluded::Truth),
                 range: Range::Known(KITTI),
+                cameras: None,
             });
         }
     }
     Ok(scenes)
+}
+
+/// A scene of Middlebury 2005 or 2006, if a folder is one.
+fn views(scene: &Path, set: &str, name: &str) -> Result<Option<Scene>> {
+    let [left, right] = ["view1.png", "view5.png"].map(|name| scene.join(name));
+    if !left.exists() || !right.exists() {
+        return Ok(None);
+    }
+    // An image that cannot be read is reported where it is matched.
+    let rows = image::image_dimensions(&left).map_or(REDUCED[0].0, |(_, rows)| rows);
+    let factor = REDUCED.iter().find(|(known, _)| *known == rows).map(|(_, factor)| *factor);
+    let factor = factor.with_context(|| {
+        format!(
+            "{left:?} has {rows} rows, but the images of Middlebury 2005 and 2006 have 1110, 555 or 370, by which the scale of their \
+             truths is known; give the others by --layout manifest with gt_scale"
+        )
+    })?;
+    let encoding = Encoding { scale: Some(factor.into()), ..Encoding::default() };
+    Ok(Some(Scene {
+        set: set.into(),
+        name: name.into(),
+        left,
+        right,
+        truth: existing(scene.join("disp1.png")).map(|path| TruthFile { path, mask: None, encoding }),
+        non_occluded: None,
+        range: Range::Known((256 / factor).next_multiple_of(16)),
+        cameras: existing(scene.join("dmin.txt")).map(|path| SceneCameras::Shifted(path, factor)),
+    }))
 }
 
 /// Folders with im0.png and im1.png, or folders of such folders.
@@ -206,8 +288,10 @@ fn folders(dataset: &Path) -> Result<Vec<Scene>> {
         let set = name_of(&folder);
         for name in names(&folder)? {
             let scene = folder.join(&name);
+            scenes.extend(views(&scene, &set, &name)?);
             let Some(left) = existing(scene.join("im0.png")) else { continue };
             let truth = |path| TruthFile { path, mask: None, encoding: Encoding::default() };
+            let calibration = existing(scene.join("calib.txt"));
             scenes.push(Scene {
                 set: set.clone(),
                 name,
@@ -215,7 +299,8 @@ fn folders(dataset: &Path) -> Result<Vec<Scene>> {
                 right: scene.join("im1.png"),
                 truth: existing(scene.join("disp0GT.pfm")).map(truth),
                 non_occluded: existing(scene.join("mask0nocc.png")).map(NonOccluded::Mask),
-                range: existing(scene.join("calib.txt")).map_or(Range::Unknown, Range::Calibration),
+                range: calibration.clone().map_or(Range::Unknown, Range::Calibration),
+                cameras: calibration.map(SceneCameras::File),
             });
         }
     }
@@ -242,7 +327,7 @@ fn vkitti2(dataset: &Path) -> Result<Vec<Scene>> {
             let camera = |kind: &str, camera: u32| frames.join(kind).join(format!("Camera_{camera}"));
             for file in names(&camera("rgb", 0))? {
                 let Some(number) = file.strip_prefix("rgb_").and_then(|name| name.split('.').next()) else { continue };
-                let encoding = Encoding { depth: Some(VKITTI2), ..Encoding::default() };
+                let encoding = Encoding { depth: Some(VKITTI2.focal * VKITTI2.baseline), ..Encoding::default() };
                 let depth = existing(camera("depth", 0).join(format!("depth_{number}.png")));
                 scenes.push(Scene {
                     set: format!("{scene}/{variant}"),
@@ -252,6 +337,7 @@ fn vkitti2(dataset: &Path) -> Result<Vec<Scene>> {
                     truth: depth.map(|path| TruthFile { path, mask: None, encoding }),
                     non_occluded: None,
                     range: Range::Known(KITTI),
+                    cameras: Some(SceneCameras::Known(VKITTI2)),
                 });
             }
         }
@@ -314,6 +400,7 @@ fn manifest(dataset: &Path) -> Result<Vec<Scene>> {
             truth: entry.gt.map(|gt| TruthFile { path: folder.join(gt), mask: None, encoding }),
             non_occluded: entry.mask.and_then(|masks| masks.nonocc).map(|mask| NonOccluded::Mask(folder.join(mask))),
             range,
+            cameras: None,
         };
         let Some(frames) = entry.frames else {
             scenes.push(scene);

@@ -654,6 +654,51 @@ fn middlebury_and_eth3d_in_their_layout() {
     assert!(text.strip_prefix("runtime ").unwrap().trim().parse::<f64>().unwrap() > 0.0);
 }
 
+/// Scenes of 2005 and 2006, whose truths have the disparities of the full size, and whose images were shifted.
+#[test]
+fn middlebury_2005_in_its_layout() {
+    let folder = tempfile::tempdir().unwrap();
+    for (name, rows, factor) in [("FullSize/Art", 1110, 1_u32), ("ThirdSize/Art", 370, 3)] {
+        let scene = folder.path().join("set").join(name);
+        for (image, view) in crate::support::pair(40, rows).iter().zip(["view1.png", "view5.png"]) {
+            put(&scene, view, |path| image.save(path).unwrap());
+        }
+        // 5 px; nothing is known of the left columns.
+        let truth = (0..40 * rows as usize).map(|i| if i % 40 < 8 { 0 } else { 5 * factor as u8 }).collect();
+        put(&scene, "disp1.png", |path| png8(path, 40, truth));
+        put(&scene, "dmin.txt", |path| fs::write(path, "21\n").unwrap());
+    }
+    let options = ["--method", "bm", "--maps", "maps", "--format", "depth-npy,points"];
+    let found = bench(folder.path(), "middlebury", &options);
+    for (place, (set, disparities, factor)) in [("FullSize", 256, 1.0), ("ThirdSize", 96, 3.0)].into_iter().enumerate()
+    {
+        let scene = &found["scenes"][place];
+        assert_eq!([&scene["set"], &scene["scene"]], [set, "Art"]);
+        assert_eq!(scene["disparities"], disparities);
+        assert!(scene["evaluation"]["a50"].as_f64().unwrap() < 0.1, "{scene}");
+        let npy = fs::read(folder.path().join(format!("maps/{set}/Art_depth.npy"))).unwrap();
+        let floats =
+            npy[npy.len() - 4 * 40 * 100..].chunks(4).map(|bytes| f32::from_le_bytes(bytes.try_into().unwrap()));
+        let mut depths: Vec<_> = floats.filter(|depth| depth.is_finite()).collect();
+        depths.sort_by(f32::total_cmp);
+        let expected = 3740.0 / factor * 0.16 / (5.0 + 21.0 / factor);
+        assert!(
+            (f64::from(depths[depths.len() / 2]) - expected).abs() < 1e-4,
+            "{}, {expected}",
+            depths[depths.len() / 2]
+        );
+        assert!(folder.path().join(format!("maps/{set}/Art_points.ply")).exists());
+    }
+    let damaged = folder.path().join("set/FullSize/Art/dmin.txt");
+    fs::write(damaged, "many").unwrap();
+    let args = ["bench", "set", "--layout", "middlebury", "--backend", "cpu", "--only", "Full"];
+    let output = run(folder.path(), &[&args[..], &options].concat());
+    assert_eq!(output.status.code(), Some(1));
+    assert!(stderr(&output).contains("dmin.txt\" has \"many\""), "{}", stderr(&output));
+    crate::support::pair(40, 500)[0].save(folder.path().join("set/FullSize/Art/view1.png")).unwrap();
+    refuses(folder.path(), &args, &["500 rows", "1110, 555 or 370", "manifest"]);
+}
+
 #[test]
 fn virtual_kitti_in_its_layout() {
     let folder = tempfile::tempdir().unwrap();

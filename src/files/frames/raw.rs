@@ -22,7 +22,7 @@ const PACKINGS: [(&str, Packing); 11] = [
     ("bgr24", BGR8),
     ("rgba", RGBA8),
     ("bgra", BGRA8),
-    ("yuv420p", Packing::Planar { columns: 1, rows: 1, alpha: false, full: false }),
+    ("yuv420p", Packing::Planar { columns: 1, rows: 1, alpha: false, full: false, bits: 8 }),
     ("nv12", Packing::Nv12),
     ("yuyv422", Packing::Yuv422 { luma: 0 }),
     ("yuyv", Packing::Yuv422 { luma: 0 }),

@@ -36,17 +36,22 @@ pub fn header(source: &mut impl BufRead) -> Result<Header> {
             _ => {} // interlacing, aspect ratio, comments
         }
     }
-    let planar = |columns, rows| Packing::Planar { columns, rows, alpha: false, full };
-    let packing = match colours {
+    // 420p10 and so on have samples of two bytes.
+    let deep = colours.split_once('p').and_then(|(form, bits)| {
+        Some((form, [9, 10, 12, 14, 16].into_iter().find(|known: &u32| bits == known.to_string())?))
+    });
+    let (form, bits) = deep.filter(|(form, _)| ["420", "422", "444"].contains(form)).unwrap_or((colours, 8));
+    let planar = |columns, rows| Packing::Planar { columns, rows, alpha: false, full, bits };
+    let packing = match form {
         "420" | "420jpeg" | "420mpeg2" | "420paldv" => planar(1, 1),
         "411" => planar(2, 0),
         "422" => planar(1, 0),
         "444" => planar(0, 0),
-        "444alpha" => Packing::Planar { columns: 0, rows: 0, alpha: true, full },
+        "444alpha" => Packing::Planar { columns: 0, rows: 0, alpha: true, full, bits },
         "mono" => Packing::Gray8,
         "mono9" | "mono10" | "mono12" | "mono14" | "mono16" => Packing::Gray16 { big: false },
-        other => bail!(
-            "the Y4M header says C{other}, but 420, 411, 422, 444 and mono are read; give ffmpeg -pix_fmt yuv420p, or gray16le \
+        _ => bail!(
+            "the Y4M header says C{colours}, but 420, 411, 422, 444 and mono are read; give ffmpeg -pix_fmt yuv420p, or gray16le \
              with -strict -1"
         ),
     };

@@ -190,7 +190,9 @@ fn picture(path: &Path, bytes: &[u8], depth: bool) -> Result<(u32, u32, Samples)
     let format = image::guess_format(bytes).ok();
     let Some(format @ (ImageFormat::Png | ImageFormat::Pnm)) = format else {
         let what = format.map_or("in no known format".into(), |format| format!("{format:?}"));
-        bail!("{path:?} is {what}, but a disparity map is PNG, PGM, PFM, NumPy or TIFF; save it as one of these");
+        bail!(
+            "{path:?} is {what}, but a disparity map is PNG, PGM, PFM, NumPy (.npy), TIFF or EXR; save it as one of these"
+        );
     };
     let decoder = decoder(path, bytes)?;
     let (width, height) = decoder.dimensions();

@@ -118,7 +118,8 @@ impl CameraInfo {
     /// # Errors
     /// If the numbers are those of no pair.
     pub fn pair(left: &Self, right: &Self, raw: bool) -> Result<Option<Calibration>> {
-        if left.projection[0] == 0.0 || right.projection[3] == 0.0 {
+        let is_apart = right.projection[3] != 0.0 || right.projection[7] != 0.0; // to the right, or below
+        if left.projection[0] == 0.0 || !is_apart {
             return Ok(None);
         }
         let [left_file, right_file] = [left, right].map(|info| Source::parse(info.yaml().as_bytes()));

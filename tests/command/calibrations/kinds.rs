@@ -45,6 +45,9 @@ fn two_of_many_cameras() {
     assert!(good(path, &text, &with("0,2")) == expected);
     assert!(good(path, &text, &with("0,1")) != expected);
     refused(path, &text, &RECTIFY, "3 cameras, cam0, cam1, cam2; give --calib-cams");
+    // A model that is not known is named, though its numbers are as few as no other's.
+    let fov = chain("fov").replace("[0.0158, -0.0197, 0.0204, -0.0072]", "[0.9]");
+    refused(path, &fov, &with("0,1"), "distortion_model \"fov\"");
     refused(path, &text, &with("2,0"), "exchange");
     refused(path, &text, &with("0,3"), "the cameras 0 to 2");
     refused(path, &text, &with("1,1"), "T is 0");
@@ -417,6 +420,47 @@ fn matrices_in_lines() {
         "fx 0 cx 0 fy cy 0 0 1",
     );
     refused(path, &format!("{text}0.1\n"), &RECTIFY, "--calib");
+}
+
+/// Single numbers of a rectified pair, as people write them, and as ORB-SLAM's settings have them.
+#[test]
+fn numbers_of_a_rectified_pair() {
+    let folder = scene();
+    let path = folder.path();
+    let calib = ["--calib", "calib"];
+    let plain = good(path, &pair(|_, _| ()), &calib);
+    for text in [
+        r#"{"fx": 50, "fy": 50, "cx": 29.5, "cy": 19.5, "baseline": 0.1}"#,
+        r#"{"focal_length": 50, "cx": 29.5, "cy": 19.5, "baseline_mm": 100, "width": 60, "height": 40}"#,
+        "left:\n  fx: 50.0\n  fy: 50.0\n  cx: 29.5\n  cy: 19.5\n  k1: 0.0\nright:\n  fx: 50.0\n  fy: 50.0\n  cx: 29.5\n  \
+         cy: 19.5\n  k1: 0.0\nbaseline: 0.1\n",
+        "%YAML:1.0\nCamera.type: \"PinHole\"\nCamera.fx: 50.0\nCamera.fy: 50.0\nCamera.cx: 29.5\nCamera.cy: 19.5\nCamera.k1: 0.0\n\
+         Camera.width: 60\nCamera.height: 40\nCamera.bf: 5.0\n",
+        "%YAML:1.0\nCamera.type: \"Rectified\"\nCamera1.fx: 50.0\nCamera1.fy: 50.0\nCamera1.cx: 29.5\nCamera1.cy: 19.5\n\
+         Stereo.b: 0.1\nORBextractor.nFeatures: 1200\n",
+    ] {
+        assert!(good(path, text, &calib) == plain, "{text}");
+        refused(path, text, &RECTIFY, "--calib");
+    }
+    // Principal points in other columns.
+    let apart = "left: {fx: 50, cx: 29.5, cy: 19.5}\nright: {fx: 50, cx: 30.5, cy: 19.5}\nbaseline: 0.1\n";
+    let shifted = r#"{"fx": 50, "cx": 29.5, "cy": 19.5, "baseline": 0.1, "doffs": 1}"#;
+    assert!(good(path, apart, &calib) == good(path, shifted, &calib));
+    assert!(good(path, apart, &calib) != plain);
+    let one = r#"{"fx": 50, "cx": 29.5, "cy": 19.5, "baseline": 0.1}"#;
+    for (from, to, words) in [
+        ("\"cy\": 19.5", "\"cy\": 19.5, \"width\": 99, \"height\": 40", "99x40"),
+        ("0.1}", "-0.1}", "more than 0"),
+        ("0.1}", "0.1, \"k1\": 0.2}", "not rectified"),
+        ("0.1}", "0.1, \"fy\": 60}", "square"),
+        ("\"cy\": 19.5, ", "", "it has no cy"),
+        ("0.1}", "0.1, \"camera\": {\"fx\": 51}}", "differ"),
+        ("50", "\"wide\"", "not a number"),
+    ] {
+        assert!(one.contains(from));
+        refused(path, &one.replace(from, to), &calib, words);
+    }
+    refused(path, &apart.replace("fx: 50, cx: 30.5", "fx: 52, cx: 30.5"), &calib, "focal lengths are 50 and 52");
 }
 
 /// The factory calibration of a ZED has all resolutions, and TY and TZ.

@@ -181,11 +181,101 @@ fn a_record_becomes_a_record_of_disparities_depths_and_points() {
     let mut without = drive(2);
     without.drain(..2);
     record(&folder.path().join("bare.mcap"), None, &without);
-    succeeds(folder.path(), &video("bare.mcap", [LEFT, RIGHT], "bare_out.mcap", &[]));
+    let output = succeeds(folder.path(), &video("bare.mcap", [LEFT, RIGHT], "bare_out.mcap", &[]));
+    assert!(stderr(&output).contains("only disparities are written"), "{}", stderr(&output));
     assert_eq!(read(&folder.path().join("bare_out.mcap")).keys().collect::<Vec<_>>(), ["/stereo/disparity"]);
     let focal = ["--focal", "50", "--baseline", "0.2"];
     succeeds(folder.path(), &video("bare.mcap", [LEFT, RIGHT], "given.mcap", &focal));
     assert_eq!(read(&folder.path().join("given.mcap"))["/stereo/depth"], all["/stereo/depth"][..2]);
+}
+
+/// The points of a message are those of a PLY: x, y and z, and the colours.
+#[track_caller]
+fn are_points(message: &[u8], ply: &[u8]) {
+    let end = ply.windows(11).position(|bytes| bytes == b"end_header\n").unwrap() + 11;
+    let points = &ply[end..];
+    let count = points.len() / 15;
+    assert!(count > 100, "{count}");
+    // What follows the points is is_dense.
+    let data = &message[message.len() - 1 - 16 * count..message.len() - 1];
+    assert_eq!(message[message.len() - 1 - 16 * count - 4..][..4], (16 * count as u32).to_le_bytes());
+    for (got, expected) in data.chunks(16).zip(points.chunks(15)) {
+        assert_eq!(got[..12], expected[..12]);
+        assert_eq!([got[14], got[13], got[12]], expected[12..]);
+    }
+}
+
+/// A record is written with the part, the farthest depth and the range that a single run has.
+#[test]
+fn points_of_a_record_are_those_of_a_single_run() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path();
+    record(&path.join("in.mcap"), None, &drive(2));
+    let [left, right] = frame(1);
+    left.save(path.join("l.png")).unwrap();
+    right.save(path.join("r.png")).unwrap();
+    let cameras = ["--focal", "50", "--baseline", "0.2", "--cx", "24", "--cy", "15"];
+    let options: [&[&str]; 4] = [
+        &["--disp", "16", "--crop", "6,4,40,22"],
+        &["--disp", "16", "--max-depth", "2"],
+        &["--disp", "auto"],
+        &["--disp", "auto", "--crop", "6,4,40,22", "--max-depth", "5", "--swap"],
+    ];
+    for more in options {
+        let swaps = more.contains(&"--swap");
+        let (topics, pair) =
+            if swaps { ([RIGHT, LEFT], ["r.png", "l.png"]) } else { ([LEFT, RIGHT], ["l.png", "r.png"]) };
+        let record =
+            ["video", "in.mcap", "--left", topics[0], "--right", topics[1], "-o", "out.mcap", "--backend", "cpu", "-q"];
+        let output = run(path, &[&record[..], &cameras, more].concat());
+        let alone = ["--points", "p.ply", "--depth", "d.npy", "--backend", "cpu", "-q"];
+        let expected = run(path, &[&pair[..], &alone, &cameras, more].concat());
+        assert_eq!((output.status.code(), expected.status.code()), (Some(0), Some(0)), "{more:?}: {}", stderr(&output));
+        let all = read(&path.join("out.mcap"));
+        let (_, points) = &all.iter().find(|(topic, _)| topic.ends_with("points2")).unwrap().1[1];
+        are_points(points, &fs::read(path.join("p.ply")).unwrap());
+        let (_, depth) = &all.iter().find(|(topic, _)| topic.ends_with("depth")).unwrap().1[1];
+        let floats = |bytes: &[u8]| -> Vec<f32> {
+            bytes.chunks(4).map(|bytes| f32::from_le_bytes(bytes.try_into().unwrap())).collect()
+        };
+        let npy = fs::read(path.join("d.npy")).unwrap();
+        let pixels = if more.contains(&"--crop") { 40 * 22 } else { 48 * 30 };
+        let [got, expected] = [depth, &npy].map(|bytes| floats(&bytes[bytes.len() - 4 * pixels..]));
+        assert!(got.iter().zip(&expected).all(|(a, b)| a == b || (a.is_nan() && b.is_nan())), "{more:?}");
+    }
+}
+
+/// Cameras one above the other, as their CameraInfo says.
+#[test]
+fn an_upper_and_a_lower_camera_are_known_by_their_projections() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path();
+    let [upper, lower] = frame(0).map(|image| image::imageops::rotate90(&image));
+    // P's eighth number, -f B; what follows P are binning and roi.
+    let mut below = Cdr::new(0).u32(48).u32(30).text("plumb_bob").u32(5);
+    let mut above = Cdr::new(0).u32(48).u32(30).text("plumb_bob").u32(5);
+    let matrix = [50.0, 0.0, 15.0, 0.0, 50.0, 24.0, 0.0, 0.0, 1.0];
+    for (info, shift) in [(&mut above, 0.0), (&mut below, -10.0)] {
+        let projection = [50.0, 0.0, 15.0, 0.0, 0.0, 50.0, 24.0, shift, 0.0, 0.0, 1.0, 0.0];
+        for value in [&[0.0; 5][..], &matrix, &ROTATION, &projection].concat() {
+            *info = std::mem::replace(info, Cdr(Vec::new())).number(value.to_le_bytes());
+        }
+    }
+    let infos = [above, below].map(|info| info.u32(0).u32(0).0);
+    let mut all = drive(0);
+    (all[0].3, all[1].3) = (infos[0].clone(), infos[1].clone());
+    for (topic, picture) in [LEFT, RIGHT].into_iter().zip([&upper, &lower]) {
+        all.push((topic, IMAGE, at(0), image(at(0), "mono8", [30, 48], picture.as_raw())));
+    }
+    record(&path.join("in.mcap"), None, &all);
+    let output = succeeds(path, &video("in.mcap", [LEFT, RIGHT], "out.mcap", &[]));
+    assert!(stderr(&output).contains("one above the other"), "{}", stderr(&output));
+    upper.save(path.join("l.png")).unwrap();
+    lower.save(path.join("r.png")).unwrap();
+    let cameras = ["--vertical", "--focal", "50", "--baseline", "0.2", "--cx", "15", "--cy", "24"];
+    succeeds(path, &[&["l.png", "r.png", "--points", "p.ply"], &SETTINGS[..], &cameras].concat());
+    let all = read(&path.join("out.mcap"));
+    are_points(&all["/stereo/points2"][0].1, &fs::read(path.join("p.ply")).unwrap());
 }
 
 #[test]

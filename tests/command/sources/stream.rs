@@ -139,6 +139,79 @@ fn frames_on_stdin_give_the_maps_of_files() {
     assert!(one == other);
 }
 
+/// Samples of 10 bits in two bytes, whose colours are four times those of 8 bits.
+#[test]
+fn frames_of_more_bits_give_the_maps_of_gray() {
+    let folder = folders(2);
+    let luma: Vec<Vec<u16>> =
+        (0..2).map(|n| beside(n).into_iter().map(|v| 4 * (16 + u16::from(v) * 219 / 255)).collect()).collect();
+    let words = |samples: &[u16]| samples.iter().flat_map(|sample| sample.to_le_bytes()).collect::<Vec<u8>>();
+    for (form, chroma) in [("420p10 XYSCSS=420P10", 2 * 48 * 15), ("422p10", 2 * 48 * 30), ("444p10", 2 * 96 * 30)] {
+        let frames = luma.iter().map(|luma| [b"FRAME\n".to_vec(), words(luma), words(&vec![512; chroma])].concat());
+        let y4m =
+            [format!("YUV4MPEG2 W96 H30 F25:1 C{form}\n").into_bytes(), frames.collect::<Vec<_>>().concat()].concat();
+        let args = [&["video", "-", "--split", "sbs", "-o", "deep"], &SETTINGS[..]].concat();
+        let output = with_stdin(folder.path(), &args, &y4m);
+        assert_eq!((output.status.code(), stderr(&output)), (Some(0), String::new()), "{form}");
+        let map = fs::read(folder.path().join("deep/000001.npy")).unwrap();
+        // The same, as a picture of 16 bits whose samples have 10.
+        let colour = |luma: &u16| ((298 * (i32::from(*luma) - 64) + 128) >> 8).clamp(0, 1023) as u16;
+        let picture = image::ImageBuffer::<image::Rgb<u16>, _>::from_raw(
+            96,
+            30,
+            luma[1].iter().flat_map(|l| [colour(l); 3]).collect(),
+        );
+        picture.unwrap().save(folder.path().join("deep.png")).unwrap();
+        let alone = ["deep.png", "--split", "sbs", "-o", "deep.npy", "--disp", "16", "--backend", "cpu", "-q"];
+        succeeds(folder.path(), &alone);
+        assert!(fs::read(folder.path().join("deep.npy")).unwrap() == map, "{form}");
+    }
+    let other = b"YUV4MPEG2 W96 H30 F25:1 C420p11\n";
+    let args = [&["video", "-", "--split", "sbs", "-o", "m"], &SETTINGS[..]].concat();
+    is_one_line_error(&with_stdin(folder.path(), &args, other), &["C420p11", "-pix_fmt"]);
+}
+
+/// Cameras one above the other in a stream, of whose images a part is matched over the range that it needs.
+#[test]
+fn options_of_cameras_do_the_same_to_a_stream() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path();
+    let upright: Vec<_> = (0..3).map(|number| frame(number).map(|image| image::imageops::rotate90(&image))).collect();
+    let bytes: Vec<u8> =
+        upright.iter().flat_map(|[upper, lower]| [upper.as_raw().clone(), lower.as_raw().clone()].concat()).collect();
+    let [upper, lower] = &upright[2];
+    upper.save(path.join("l.png")).unwrap();
+    lower.save(path.join("r.png")).unwrap();
+    let cameras = ["--vertical", "--focal", "50", "--baseline", "0.2", "--cx", "15", "--cy", "24", "--max-depth", "3"];
+    for range in [&["--disp", "16"][..], &["--disp", "auto"]] {
+        let options = [&["--crop", "3,6,24,40", "--backend", "cpu", "-q"], &cameras[..], range].concat();
+        let stream = [
+            "video",
+            "-",
+            "--split",
+            "tb",
+            "--raw-frames",
+            "30x96:gray",
+            "-o",
+            "m",
+            "--format",
+            "npy,depth-npy,points",
+        ];
+        let output = with_stdin(path, &[&stream[..], &options].concat(), &bytes);
+        assert_eq!((output.status.code(), stderr(&output)), (Some(0), String::new()), "{range:?}");
+        succeeds(
+            path,
+            &[&["l.png", "r.png", "-o", "o.npy", "--depth", "d.npy", "--points", "p.ply"], &options[..]].concat(),
+        );
+        for (one, other) in
+            [("o.npy", "m/000002.npy"), ("d.npy", "m/000002_depth.npy"), ("p.ply", "m/000002_points.ply")]
+        {
+            let [one, other] = [one, other].map(|name| fs::read(path.join(name)).unwrap());
+            assert!(one == other, "{range:?}");
+        }
+    }
+}
+
 #[test]
 fn a_stream_that_is_cut_or_none_is_told() {
     let folder = tempfile::tempdir().unwrap();

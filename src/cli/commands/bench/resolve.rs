@@ -72,7 +72,10 @@ pub fn resolve(typed: BenchArgs) -> Result<Bench> {
     let cameras = Cameras::resolve(&typed.cameras)?;
     let maps = MapFolder::resolve(&typed.maps, &typed.look)?;
     let formats = MapFolder::formats(maps.as_ref());
-    cameras.ensure_fit(output_files::asks_for_depth(formats), typed.look.scale_bar)?;
+    // Else the scenes may have cameras of their own.
+    if cameras.are_known() || scenes.iter().all(|scene| scene.cameras.is_none()) {
+        cameras.ensure_fit(output_files::asks_for_depth(formats), typed.look.scale_bar)?;
+    }
     output_files::ensure_rectified(formats, &cameras)?;
     for folder in [typed.report.as_ref(), submission.as_ref().map(|s| &s.folder)].into_iter().flatten() {
         places::ensure_folder(folder)?;
@@ -204,9 +207,10 @@ impl Bench {
         places::ensure_apart(outputs.iter().map(PathBuf::as_path), inputs)
     }
 
-    /// Whether anything is made from the depth.
-    pub fn needs_depth(&self) -> bool {
-        self.look.scale_bar || self.maps.as_ref().is_some_and(MapFolder::needs_depth)
+    /// Whether anything is made from the depth, where there is one, and whether anything cannot be made without.
+    pub fn needs_depth(&self) -> [bool; 2] {
+        let needs = self.maps.as_ref().is_some_and(MapFolder::needs_depth);
+        [needs || self.look.scale_bar, needs]
     }
 
     /// The disparities that all files of a scene with a variant can hold.

@@ -7,7 +7,7 @@ use crate::engine::compute::{Cameras, EngineNames, FrameMs};
 use crate::engine::diagnosis::{self, Evidence, Finding};
 use crate::engine::images;
 use crate::terminal::{Evaluation, Progress, percent, warnings};
-use anyhow::Result;
+use anyhow::{Result, ensure};
 use gpu_stereo::evaluation::{FloatMap, Scores};
 use gpu_stereo::files::datasets::Scene;
 use gpu_stereo::files::images::ImagePair;
@@ -31,12 +31,19 @@ pub struct Loaded {
     pub noc: Option<Truth>,
 }
 
-/// Reads a scene; `depth`: whether the cameras of its depth are wanted.
-pub fn load(scene: &Scene, input: &InputArgs, cameras: &Cameras, depth: bool) -> Result<Loaded> {
+/// Reads a scene; `depth`: whether the cameras of its depth are wanted, and whether they are needed. Where the options say no
+/// cameras, those are taken that the data set has.
+pub fn load(scene: &Scene, input: &InputArgs, cameras: &Cameras, [depth, needs_cameras]: [bool; 2]) -> Result<Loaded> {
     let disparities = scene.disparities()?;
     let ImagePair { left, right, mut doubts, .. } = images::read_pair(&scene.left, &scene.right, input)?;
     let size = (left.width(), left.height());
     let mut fitted = Params::sgm(1); // any: all variants have the cameras in common
+    let own = if depth && !cameras.are_known() { scene.calibration(size.into())? } else { None };
+    let cameras = &cameras.clone().or(own.as_ref());
+    ensure!(
+        !needs_cameras || cameras.are_known(),
+        "a depth or points need the cameras, which the data set does not tell; give --calib FILE, or --focal PX and --baseline M"
+    );
     cameras.fit(&mut fitted, size.into(), depth)?;
     let evidence = diagnosis::evidence(&left, &right, &fitted)?;
     let read = |truth: &TruthFile| cameras.truth(size.into(), |size| Ok(truth.read(size, &scene.left)?));

@@ -13,6 +13,7 @@ use crate::engine::pair::Pair;
 use crate::engine::pairs::Pattern;
 use crate::engine::store::{self, Item, Mode, Planned, Store};
 use crate::engine::{adapter, disk, images, output_files, places};
+use crate::terminal::message;
 use anyhow::{Context as _, Result, bail, ensure};
 use gpu_stereo::Params;
 use gpu_stereo::files::encoders;
@@ -37,6 +38,12 @@ pub fn resolve(typed: VideoArgs) -> Result<Video> {
     let cameras = Cameras::resolve(&typed.cameras)?.or(source.calibration());
     let to_record = encoders::ending(&typed.output) == "mcap";
     let in_record = (to_record && cameras.are_known()).then_some("a record");
+    if to_record && !cameras.are_known() {
+        message(
+            "note: the record has no camera_info of a pair beside both topics, so only disparities are written; give --calib FILE, or \
+             --focal PX and --baseline M, for depths and points",
+        );
+    }
     let asks = output_files::asks_for_depth(formats).or(in_record);
     cameras.ensure_fit(asks, typed.look.scale_bar || source.calibration().is_some())?;
     output_files::ensure_rectified(formats, &cameras)?;

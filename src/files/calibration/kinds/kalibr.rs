@@ -8,7 +8,7 @@ use crate::files::calibration::content::tree::{Tree, matrix, whole};
 use crate::files::calibration::lenses::{LensModel, of_model};
 use crate::files::calibration::reading::Reading;
 use crate::files::calibration::rig::{self, RigCamera, matrix_of};
-use crate::files::error::{Context as _, Result, bail};
+use crate::files::error::{Context as _, Error, Result, bail};
 
 pub fn is(tree: &Tree) -> bool {
     ["cam0.intrinsics", "cam0.camera_model", "cam1.intrinsics", "cam1.T_cn_cnm1"]
@@ -77,7 +77,12 @@ fn lens(tree: &Tree, name: &str, choice: LensModel) -> Result<(Matrix, Distortio
     let camera = matrix_of(std::array::from_fn(|i| numbers[own + i]), name)?;
     let what = format!("{name}.distortion_coeffs");
     let shapes = Distortion::PINHOLE_COUNTS.map(|count| (1, count));
-    let bent = matrix(tree, &[&what], &shapes)?.unwrap_or_default();
+    // A model that is not known may have another number of numbers.
+    let of = |error: Error| match word("distortion_model") {
+        Some(model) => error.context(format!("its {name} is of the distortion_model {model:?}")),
+        None => error,
+    };
+    let bent = matrix(tree, &[&what], &shapes).map_err(of)?.unwrap_or_default();
     if own > 0 {
         if bent.iter().any(|&number| number != 0.0) {
             bail!("its {what} are not 0, but a {model} camera has none; calibrate with {model}-none");

@@ -8,6 +8,7 @@ mod kalibr;
 mod kitti;
 mod middlebury;
 mod opencv;
+mod plain;
 mod source;
 
 pub use source::Source;

@@ -1,6 +1,6 @@
 //! A calibration file whose kind is known.
 
-use super::{basalt, camera_info, euroc, foundation_stereo, kalibr, kitti, middlebury, opencv, zed};
+use super::{basalt, camera_info, euroc, foundation_stereo, kalibr, kitti, middlebury, opencv, plain, zed};
 use crate::files::calibration::cameras::Found;
 use crate::files::calibration::content::tree::{Tree, has};
 use crate::files::calibration::content::{self, is_archive};
@@ -44,10 +44,11 @@ const LINES: [Kind<str>; 4] = [
 ];
 
 /// Files of YAML, JSON, XML or NumPy's.
-const TREES: [Kind<Tree>; 6] = [
+const TREES: [Kind<Tree>; 7] = [
     Kind { name: "Kalibr (camchain.yaml)", is: kalibr::is, read: kalibr::read, pair: None, several: true },
     Kind { name: "Basalt (calibration.json)", is: basalt::is, read: basalt::read, pair: None, several: true },
     Kind { name: "EuRoC (sensor.yaml)", is: euroc::is, read: euroc::read, pair: Some(euroc::pair), several: false },
+    Kind { name: PLAIN, is: plain::is, read: plain::read, pair: None, several: false },
     Kind { name: FOREIGN_KIND, is: |tree| foreign(tree).is_some(), read: refuse, pair: None, several: false },
     Kind {
         name: "ROS (camera_info)",
@@ -67,6 +68,8 @@ const TREES: [Kind<Tree>; 6] = [
 ];
 
 const FOREIGN_KIND: &str = "another program";
+/// Also of ORB-SLAM.
+const PLAIN: &str = "numbers of a rectified pair (fx, cx, cy, baseline)";
 
 /// Known kinds that are not read: a key that only their files have, and what they are called.
 const FOREIGN: [(&str, &str); 5] = [
@@ -168,6 +171,7 @@ impl Source {
     pub fn has_lenses(&self) -> bool {
         match &self.0 {
             Content::Lines(kind, _) => (kind.name).starts_with("ZED"),
+            Content::Tree(kind, _) if kind.name == PLAIN => false,
             Content::Tree(_, tree) => {
                 has(tree, DISTORTION.1) || content::canonical(tree).is_ok_and(|tree| has(&tree, DISTORTION.0[0]))
             }
