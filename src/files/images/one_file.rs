@@ -75,40 +75,81 @@ pub fn has_index(bytes: &[u8]) -> bool {
     index(bytes).is_some()
 }
 
+/// The directories of a file that is one of several: numbers by their tags.
+struct Directories<'a> {
+    tiff: &'a [u8],
+    /// Where they begin in the file.
+    at: usize,
+    big: bool,
+}
+
+/// The tag of the table of all images.
+const TABLE: usize = 0xb002;
+/// The tag of an image's number among those of one scene.
+const NUMBER: usize = 0xb101;
+
+impl<'a> Directories<'a> {
+    fn of(jpeg: &'a [u8]) -> Option<Self> {
+        let (_, at, segment) =
+            segments(jpeg).find(|(marker, _, segment)| *marker == 0xe2 && segment.starts_with(b"MPF\0"))?;
+        let tiff = &segment[4..];
+        let big = match tiff.first_chunk::<4>()? {
+            [b'I', b'I', 42, 0] => false,
+            [b'M', b'M', 0, 42] => true,
+            _ => return None,
+        };
+        Some(Self { tiff, at: at + 4, big })
+    }
+
+    fn two(&self, at: usize) -> Option<usize> {
+        let digits = *self.tiff.get(at..)?.first_chunk::<2>()?;
+        Some(usize::from(if self.big { u16::from_be_bytes(digits) } else { u16::from_le_bytes(digits) }))
+    }
+
+    fn four(&self, at: usize) -> Option<u32> {
+        let digits = *self.tiff.get(at..)?.first_chunk::<4>()?;
+        Some(if self.big { u32::from_be_bytes(digits) } else { u32::from_le_bytes(digits) })
+    }
+
+    /// The place of a tag's entry, in the first directory that has it: that of the index, that of the image.
+    fn entry(&self, tag: usize) -> Option<usize> {
+        let mut list = self.four(4)? as usize;
+        for _ in 0..2 {
+            let end = list.saturating_add(2 + 12 * self.two(list)?);
+            let mut places = (list.saturating_add(2)..end).step_by(12).take_while(|&place| place < self.tiff.len());
+            if let Some(place) = places.find(|&place| self.two(place) == Some(tag)) {
+                return Some(place);
+            }
+            list = self.four(end).filter(|&next| next > 0)? as usize;
+        }
+        None
+    }
+}
+
 /// The images of a JPEG file by its index, if it has one with two images at least.
 fn index(bytes: &[u8]) -> Option<Vec<Indexed>> {
-    let (_, at, segment) =
-        segments(bytes).find(|(marker, _, segment)| *marker == 0xe2 && segment.starts_with(b"MPF\0"))?;
-    let tiff = &segment[4..];
-    let big = match tiff.first_chunk::<4>()? {
-        [b'I', b'I', 42, 0] => false,
-        [b'M', b'M', 0, 42] => true,
-        _ => return None,
-    };
-    let two = |at: usize| -> Option<usize> {
-        let digits = *tiff.get(at..)?.first_chunk::<2>()?;
-        Some(usize::from(if big { u16::from_be_bytes(digits) } else { u16::from_le_bytes(digits) }))
-    };
-    let four = |at: usize| -> Option<u32> {
-        let digits = *tiff.get(at..)?.first_chunk::<4>()?;
-        Some(if big { u32::from_be_bytes(digits) } else { u32::from_le_bytes(digits) })
-    };
-    let list = four(4)? as usize;
-    let places = (0..two(list)?).map(|entry| list.saturating_add(2 + 12 * entry));
-    let entries = places.take_while(|&place| place < tiff.len()).find(|&place| two(place) == Some(0xb002))?;
-    let (size, first) = (four(entries + 4)? as usize, four(entries + 8)? as usize);
+    let all = Directories::of(bytes)?;
+    let entry = all.entry(TABLE)?;
+    let (size, first) = (all.four(entry + 4)? as usize, all.four(entry + 8)? as usize);
     // Of 16 bytes each; the place of the first image is 0, those of the others count from the index's own header.
     let image = |number: usize| -> Option<Indexed> {
         let entry = first.checked_add(16 * number)?;
-        let place = four(entry.checked_add(8)?)? as usize;
-        let start = if place == 0 { 0 } else { place.checked_add(at + 4)? };
-        Some(Indexed { kind: four(entry)? & 0xff_ffff, start, length: four(entry + 4)? as usize })
+        let place = all.four(entry.checked_add(8)?)? as usize;
+        let start = if place == 0 { 0 } else { place.checked_add(all.at)? };
+        Some(Indexed { kind: all.four(entry)? & 0xff_ffff, start, length: all.four(entry + 4)? as usize })
     };
     let images: Vec<_> = (0..size / 16).map_while(image).collect();
     (images.len() >= 2).then_some(images)
 }
 
-/// The left and the right one: images of different viewpoints are numbered from left to right.
+/// The number of an image among those of a scene, which are counted from the left viewpoint to the right one.
+fn number(jpeg: &[u8]) -> Option<u32> {
+    let all = Directories::of(jpeg)?;
+    all.four(all.entry(NUMBER)? + 8)
+}
+
+/// The left and the right one. Images of different viewpoints lie in the order of their numbers, from left to right, unless their own
+/// numbers say another order.
 fn two_views(images: &[Indexed], bytes: &[u8]) -> Result<[Range<usize>; 2]> {
     let mut views: Vec<_> = images.iter().filter(|image| image.kind == DISPARITY).collect();
     if views.len() < 2 {
@@ -128,7 +169,10 @@ fn two_views(images: &[Indexed], bytes: &[u8]) -> Result<[Range<usize>; 2]> {
         );
         Ok(range)
     };
-    Ok([place(views[0])?, place(views[1])?])
+    let views = [place(views[0])?, place(views[1])?];
+    let [first, second] = views.each_ref().map(|view| number(&bytes[view.clone()]));
+    let [left, right] = views;
+    Ok(if first.zip(second).is_some_and(|(first, second)| second < first) { [right, left] } else { [left, right] })
 }
 
 /// What the marker of a JPS file says: APP3 with a descriptor of separation, flags, layout and media type, a byte each.
@@ -224,6 +268,38 @@ mod tests {
             let (stated, length) = of(&[0x03_0000, 0]).unwrap();
             assert_eq!(stated, Some(Stated::Files([0..length - 8, length - 8..length])));
             assert!(of(&[0x03_0000, 0x01_0001]).unwrap_err().to_string().contains("no two views"));
+        }
+    }
+
+    /// What an image says of itself: its number, behind the index if it has one.
+    fn numbered(number: u32) -> Vec<u8> {
+        let directory =
+            [&1_u16.to_be_bytes()[..], &0xb101_u16.to_be_bytes(), &[0, 4, 0, 0, 0, 1], &number.to_be_bytes(), &[0; 4]];
+        let tiff = [b"MM\0\x2a", &8_u32.to_be_bytes()[..], &directory.concat()].concat();
+        jpeg(&[(0xe2, &[b"MPF\0", &tiff[..]].concat())])
+    }
+
+    #[test]
+    fn the_numbers_of_views_tell_their_order() {
+        for (numbers, swapped) in [([1, 2], false), ([2, 1], true), ([3, 3], false)] {
+            let second = numbered(numbers[1]);
+            assert_eq!(number(&second), Some(numbers[1]));
+            // The index of the first file is followed by its own directory.
+            let own = &numbered(numbers[0])[2 + 4 + 4 + 8..][..2 + 12 + 4];
+            let (table, own_at) = (8 + 2 + 12 + 4 + 18, 8 + 2 + 12 + 4);
+            let length = 2 + 4 + 4 + table + 32 + 6;
+            let mut tiff = [b"MM\0\x2a", &8_u32.to_be_bytes()[..], &[0, 1, 0xb0, 0x02, 0, 7]].concat();
+            tiff.extend([32_u32, table as u32, own_at as u32].map(u32::to_be_bytes).concat());
+            tiff.extend(own);
+            for entry in [[DISPARITY, length as u32, 0, 0], [DISPARITY, second.len() as u32, length as u32 - 10, 0]] {
+                tiff.extend(entry.map(u32::to_be_bytes).concat());
+            }
+            let mut bytes = jpeg(&[(0xe2, &[b"MPF\0", &tiff[..]].concat())]);
+            assert_eq!((bytes.len(), number(&bytes)), (length, Some(numbers[0])));
+            bytes.extend(&second);
+            let (first, second) = (0..length, length..bytes.len());
+            let views = if swapped { [second, first] } else { [first, second] };
+            assert_eq!(stated(Path::new("p.mpo"), &bytes).unwrap(), Some(Stated::Files(views)), "{numbers:?}");
         }
     }
 

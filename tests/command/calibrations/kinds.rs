@@ -442,6 +442,11 @@ fn numbers_of_a_rectified_pair() {
         assert!(good(path, text, &calib) == plain, "{text}");
         refused(path, text, &RECTIFY, "--calib");
     }
+    // R beside T, as one matrix.
+    let one = |t: &str| format!("K_left: {K}\nK_right: {K}\ndist_left: {D}\ndist_right: {D}\n{t}");
+    let beside = one("extrinsics: [[1, 0, 0, -0.1], [0, 1, 0, 0], [0, 0, 1, 0], [0, 0, 0, 1]]\n");
+    assert!(good(path, &beside, &RECTIFY) == good(path, &one(&format!("R: {R}\nT: {T}\n")), &RECTIFY));
+    refused(path, &one("extrinsics: [[1, 0, 0, -0.1], [0, 1, 0, 0]]\n"), &RECTIFY, "it has no R");
     // Principal points in other columns.
     let apart = "left: {fx: 50, cx: 29.5, cy: 19.5}\nright: {fx: 50, cx: 30.5, cy: 19.5}\nbaseline: 0.1\n";
     let shifted = r#"{"fx": 50, "cx": 29.5, "cy": 19.5, "baseline": 0.1, "doffs": 1}"#;

@@ -156,7 +156,7 @@ fn frames_of_more_bits_give_the_maps_of_gray() {
         let map = fs::read(folder.path().join("deep/000001.npy")).unwrap();
         // The same, as a picture of 16 bits whose samples have 10.
         let colour = |luma: &u16| ((298 * (i32::from(*luma) - 64) + 128) >> 8).clamp(0, 1023) as u16;
-        let picture = image::ImageBuffer::<image::Rgb<u16>, _>::from_raw(
+        let picture = image::ImageBuffer::<image::Rgb<u16>, Vec<u16>>::from_raw(
             96,
             30,
             luma[1].iter().flat_map(|l| [colour(l); 3]).collect(),

@@ -20,7 +20,7 @@ enum Of {
 /// words.
 type Row = (&'static str, Of, &'static [&'static str]);
 
-const ROWS: [Row; 23] = [
+const ROWS: [Row; 24] = [
     (
         "M",
         Of::Camera,
@@ -79,6 +79,19 @@ const ROWS: [Row; 23] = [
         &["r", "rot", "rotation", "rotationmatrix", "rotmatrix", "rotmat", "rmat", "rvec", "rotationvector", "om"],
     ),
     ("T", Of::Pair, &["t", "trans", "translation", "translationvector", "translationmatrix", "transvec", "tvec"]),
+    (
+        "RT",
+        Of::Pair,
+        &[
+            "rt",
+            "extrinsics",
+            "extrinsic",
+            "extrinsicmatrix",
+            "extrinsicsmatrix",
+            "transformation",
+            "transformationmatrix",
+        ],
+    ),
     (
         "Q",
         Of::Pair,
@@ -213,7 +226,7 @@ pub fn canonical(tree: &Tree) -> Result<Tree> {
     let mut origins: BTreeMap<String, &str> = BTreeMap::new();
     for (row, side, part, name, values) in named {
         let is_single = part.is_none() && values.len() == 1;
-        let takes_single = row.len() > 1;
+        let takes_single = row.len() > 1 && row != "RT";
         if part.is_none() && is_single != (takes_single && !["image_size", "image_shape"].contains(&row)) {
             continue;
         }
@@ -273,6 +286,15 @@ fn joined(tree: &mut Tree) -> Result<()> {
             values.push(all(tree, &["k3"]).map_or("0".into(), |k3| k3[0].clone()));
             tree.insert(bent, values);
         }
+    }
+    let both = ["RT.data", "RT"].iter().find_map(|name| tree.remove(*name));
+    let rows = both.as_deref().map(|numbers| numbers.as_chunks::<4>());
+    let has = |tree: &Tree, name: &str| tree.contains_key(name) || tree.contains_key(&format!("{name}.data"));
+    if let Some(([a, b, c, ..], [])) =
+        rows.filter(|(rows, _)| (3..=4).contains(&rows.len()) && !has(tree, "R") && !has(tree, "T"))
+    {
+        tree.insert("R".into(), [a, b, c].map(|row| row[..3].to_vec()).concat());
+        tree.insert("T".into(), [a, b, c].map(|row| row[3].clone()).to_vec());
     }
     for name in ["R", "T"] {
         let has = |tree: &Tree, name: &str| tree.keys().any(|key| key == name || key.starts_with(&format!("{name}.")));
