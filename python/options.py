@@ -24,7 +24,7 @@ class Options(TypedDict, total=False):
     channels: Literal["rgb", "bgr"]
     bits: Union[int, Literal["auto"]]
     confidence: bool
-    right: bool
+    right_map: bool
     timings: bool
     cameras: Union[Camera, Calibration, None]
     mask: Union[_Mask, tuple[_Mask, _Mask], None]

@@ -30,6 +30,7 @@ from gpu_stereo._native import (
     rectify,
     stream,
 )
+from gpu_stereo._options import Options
 
 __all__ = [
     "Adapter",
@@ -41,6 +42,7 @@ __all__ = [
     "InputError",
     "Matched",
     "Option",
+    "Options",
     "OutOfMemoryError",
     "Scores",
     "StageCheck",

@@ -3,11 +3,13 @@
 use crate::errors::{of_file, raised, wrong};
 use crate::images::{self, Channels, GivenPair};
 use crate::settings::{self, warn_in_python};
+use crate::work::detached;
 use gpu_stereo::backend::upright;
 use gpu_stereo::files::calibration::{Calibration, Fitted, KittiPair, LensModel, Reading, Scale, Unit};
 use gpu_stereo::files::images::Bits;
 use gpu_stereo::{Camera, Rectification, reference};
 use pyo3::prelude::*;
+use pyo3::types::PyType;
 use std::path::PathBuf;
 
 /// The cameras of a rectified pair, which turn disparities into depths.
@@ -65,6 +67,11 @@ impl PyCamera {
     #[getter]
     fn doffs(&self) -> f64 {
         self.0.doffs
+    }
+
+    fn __reduce__<'py>(this: &Bound<'py, Self>) -> (Bound<'py, PyType>, (f64, f64, f64, f64, f64)) {
+        let Camera { focal, baseline, doffs, cx, cy } = this.get().0;
+        (this.get_type(), (focal, baseline, cx, cy, doffs))
     }
 
     fn __repr__(&self) -> String {
@@ -151,12 +158,12 @@ fn fit(py: Python<'_>, calibration: &Calibration, given: [u32; 2]) -> PyResult<O
     if let Some(doubt) = calibration.doubt(&camera) {
         warn_in_python(py, &doubt)?;
     }
-    let rectification = py.detach(|| match (lenses, vertical) {
+    let rectification = detached(py, || match (lenses, vertical) {
         (Some(lenses), false) => Rectification::of_size(given, size, lenses).map(Some),
         (Some(lenses), true) => Rectification::vertical(given, size, lenses).map(Some),
         (None, true) => Rectification::turn(given).map(Some),
         (None, false) => Ok(None),
-    });
+    })?;
     Ok(OfSize { camera, rectification: rectification.map_err(raised)? })
 }
 
@@ -219,7 +226,7 @@ pub fn read_calibration(
         vertical,
         rectified_size,
     };
-    let read = py.detach(|| Calibration::read(&path, right.as_deref(), reading));
+    let read = detached(py, || Calibration::read(&path, right.as_deref(), reading))?;
     read.map(PyCalibration).map_err(|error| of_file(&error))
 }
 
@@ -244,7 +251,7 @@ fn scale(given: f64) -> PyResult<Scale> {
 ///     Samples from outside the given images are 0.
 ///
 /// >>> import gpu_stereo, numpy
-/// >>> calibration = gpu_stereo.read_calibration("python/tests/data/kalibr.yaml", rectify=True)
+/// >>> calibration = gpu_stereo.read_calibration("python/tests/data/camchain.yaml", rectify=True)
 /// >>> left, right, camera = gpu_stereo.rectify(*numpy.zeros((2, 480, 752), "uint8"), calibration)
 /// >>> left.shape
 /// (480, 752)
@@ -262,13 +269,13 @@ pub fn rectify<'py>(
     };
     let samples = given.samples();
     let pair = given.images(Channels::Rgb, Bits::Given(16))?;
-    let rectified = py.detach(|| {
+    let rectified = detached(py, || {
         let one = |image, side| {
             let image = reference::rectify(image, &rectification, side)?;
             if rectification.is_turned() { upright(&image, &rectification) } else { Ok(image) }
         };
         Ok((one(&pair.left, 0)?, one(&pair.right, 1)?))
-    });
+    })?;
     let (left, right) = rectified.map_err(raised)?;
     Ok((images::to_array(py, &left, samples)?, images::to_array(py, &right, samples)?, PyCamera(camera)))
 }

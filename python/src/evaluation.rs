@@ -4,6 +4,7 @@ use crate::errors::{of_file, raised, wrong};
 use crate::images::{array, is, shape_text, shaped};
 use crate::matched::PyMatched;
 use crate::settings::flags;
+use crate::work::detached;
 use gpu_stereo::evaluation::{self, FloatMap, Scores};
 use gpu_stereo::files::maps::{self, Encoding, EncodingOptions};
 use numpy::ndarray::ArrayView2;
@@ -158,7 +159,8 @@ pub fn evaluate(
             truth.height()
         )));
     }
-    let scores = py.detach(|| evaluation::evaluate(&estimate, &truth, mask.as_ref().map(|(_, has)| has.as_slice())));
+    let scores =
+        detached(py, || evaluation::evaluate(&estimate, &truth, mask.as_ref().map(|(_, has)| has.as_slice())))?;
     Ok(PyScores(scores.map_err(raised)?))
 }
 
@@ -220,7 +222,8 @@ pub fn read_disparity(
     invalid: Option<f64>,
 ) -> PyResult<Bound<'_, PyAny>> {
     let encoding = Encoding { scale, invalid, ..Encoding::default() };
-    let read = py.detach(|| maps::read(&path, encoding, EncodingOptions::ESTIMATE)).map_err(|error| of_file(&error))?;
+    let read =
+        detached(py, || maps::read(&path, encoding, EncodingOptions::ESTIMATE))?.map_err(|error| of_file(&error))?;
     for doubt in &read.doubts {
         crate::settings::warn_in_python(py, doubt)?;
     }

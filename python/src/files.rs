@@ -3,6 +3,7 @@
 use crate::errors::{of_file, wrong};
 use crate::images::to_array;
 use crate::settings::warn_in_python;
+use crate::work::detached;
 use gpu_stereo::files::images::{Arrangement, Bits, Split, read_both, read_pair as read_two};
 use pyo3::prelude::*;
 use std::path::PathBuf;
@@ -45,11 +46,11 @@ pub fn read_pair<'py>(
         found.ok_or_else(|| wrong(format!("split is {name:?}, but must be one of {names}")))
     };
     let split = split.map(named).transpose()?;
-    let pair = py.detach(|| match (&right, split) {
+    let pair = detached(py, || match (&right, split) {
         (Some(_), Some(_)) => Err(None),
         (Some(right), None) => read_two(&left, right, Bits::Auto).map_err(Some),
         (None, split) => read_both(&left, split.unwrap_or(Split::Auto), Bits::Auto).map_err(Some),
-    });
+    })?;
     let pair = pair.map_err(|error| match error {
         Some(error) => of_file(&error),
         None => {

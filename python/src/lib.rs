@@ -10,6 +10,7 @@ mod matcher;
 mod settings;
 mod stream;
 mod table;
+mod work;
 
 /// What gpu_stereo/__init__.py takes its names from.
 #[pyo3::pymodule]

@@ -104,10 +104,10 @@ impl PyMatched {
     }
 
     /// The disparities of the right image in pixels, before any check or filter: float32, NaN where there is none.
-    /// ``right[y, x]`` shows what ``left[y, x + disparity]`` shows. Needs ``right=True``.
+    /// ``right[y, x]`` shows what ``left[y, x + disparity]`` shows. Needs ``right_map=True``.
     #[getter]
     fn right(&self, py: Python<'_>) -> PyResult<Py<PyAny>> {
-        let map = self.maps.right.as_ref().ok_or_else(|| absent("right map", "right=True"))?;
+        let map = self.maps.right.as_ref().ok_or_else(|| absent("right map", "right_map=True"))?;
         kept(py, &self.right, || pixels(py, map))
     }
 

@@ -4,7 +4,8 @@ use crate::errors::{raised, wrong};
 use crate::images::GivenPair;
 use crate::matched::PyMatched;
 use crate::settings::{Request, ensure_count, warn};
-use gpu_stereo::backend::{Beforehand, Engine, Shape};
+use crate::work::{Maker, detached};
+use gpu_stereo::backend::{Beforehand, Engine, Shape, ensure_environment};
 use gpu_stereo::files::images::Bits;
 use gpu_stereo::{Error, Image, Params, PixelFormat, RangeSearch, StageCheck, reference};
 use pyo3::prelude::*;
@@ -19,6 +20,7 @@ pub struct Matcher {
     pub params: Params,
     pub before: Beforehand,
     ready: Mutex<Ready>,
+    maker: Maker,
 }
 
 /// An engine, and what it was made for.
@@ -45,16 +47,26 @@ impl Matcher {
 
     fn with(py: Python<'_>, request: Request, params: Params, size: [u32; 2], format: PixelFormat) -> PyResult<Self> {
         let mut notes = Vec::new();
-        let opened = py.detach(|| {
+        let opened = detached(py, || {
             params.validate()?;
+            if request.place.backend.takes_adapters() {
+                ensure_environment(&mut |note| notes.push(note))?;
+            }
             let before = Beforehand::of(&params)?;
             let shape = Shape { size: before.size(size), format };
             let engine = Engine::open(&request.place, None, shape, &before.params, &mut |note| notes.push(note))?;
             Ok((before, shape, engine))
-        });
+        })?;
         notes.iter().try_for_each(|note| warn(py, note))?;
         let (before, shape, engine) = opened.map_err(raised)?;
-        Ok(Self { request, size, params, before, ready: Mutex::new(Ready { engine: Some(engine), shape }) })
+        Ok(Self {
+            request,
+            size,
+            params,
+            before,
+            ready: Mutex::new(Ready { engine: Some(engine), shape }),
+            maker: Maker::here(),
+        })
     }
 
     /// Does something with the engine for samples of `format`.
@@ -77,6 +89,7 @@ impl Matcher {
 
     /// The images as the engine takes them.
     pub fn images(&self, given: &GivenPair<'_>, bits: Bits) -> PyResult<(Image, Image, u32)> {
+        self.maker.ensure_here("the matcher")?;
         given.ensure(self.size)?;
         let pair = given.images(self.request.channels, bits)?;
         Ok((pair.left, pair.right, pair.bits))
@@ -144,7 +157,7 @@ pub fn format(given: &GivenPair<'_>) -> PixelFormat {
 ///         its name, see :func:`adapters`.
 ///     channels: ``"rgb"``, or ``"bgr"`` as OpenCV reads files.
 ///     bits: the bits that samples of 16 bits use, 8 to 16; ``"auto"``: as many as the largest of a pair needs.
-///     confidence, right, timings: give these, too.
+///     confidence, right_map, timings: give these, too.
 ///     cameras: a :class:`Camera` for depths, or a :class:`Calibration`, which rectifies the pairs if it was read so.
 ///     mask: which pixels have content: an array of bool or uint8, or one for each image: ``(left, right)``.
 ///     weights: the network's weights, a file, with ``method="psmnet"``.
@@ -192,7 +205,7 @@ impl PyStereoMatcher {
     ///     A :class:`Matched`. Other threads run meanwhile.
     fn compute(&self, py: Python<'_>, left: &Bound<'_, PyAny>, right: &Bound<'_, PyAny>) -> PyResult<PyMatched> {
         let (left, right, _) = self.0.images(&GivenPair::new(left, right)?, self.0.request.bits)?;
-        py.detach(|| self.0.compute(&left, &right)).map_err(raised)
+        detached(py, || self.0.compute(&left, &right))?.map_err(raised)
     }
 
     /// Matches pair after pair, several of them in flight: while one is computed, the next one is fetched.
@@ -266,7 +279,7 @@ fn prepared(
 
 /// Sets the range from a coarse match of the pair.
 fn find_range(py: Python<'_>, request: &Request, [left, right]: [&Image; 2], params: &mut Params) -> PyResult<()> {
-    let found = py.detach(|| {
+    let found = detached(py, || {
         let rectified = match &params.rectify {
             Some(lenses) => Some([reference::rectify(left, lenses, 0)?, reference::rectify(right, lenses, 1)?]),
             None => None,
@@ -278,7 +291,7 @@ fn find_range(py: Python<'_>, request: &Request, [left, right]: [&Image; 2], par
         let min = params.min_disparity;
         search.found(&coarse.map, params)?;
         Ok(min)
-    });
+    })?;
     let min = found.map_err(raised)?;
     if request.min_is_given {
         let end = params.min_disparity + params.disparities as i32;
@@ -325,7 +338,7 @@ pub fn match_pair(
 ) -> PyResult<PyMatched> {
     let request = Request::new(py, disparities, preset, device, options)?;
     let (matcher, left, right) = prepared(py, [left, right], request)?;
-    py.detach(|| matcher.compute(&left, &right)).map_err(raised)
+    detached(py, || matcher.compute(&left, &right))?.map_err(raised)
 }
 
 /// Compares every stage of matching a pair with the definition, number by number.
@@ -357,7 +370,7 @@ pub fn check(
         return Err(wrong("device is \"reference\", which check compares with; give another one"));
     }
     let (matcher, left, right) = prepared(py, [left, right], request)?;
-    let stages = py.detach(|| matcher.check(&left, &right)).map_err(raised)?;
+    let stages = detached(py, || matcher.check(&left, &right))?.map_err(raised)?;
     Ok(stages.into_iter().map(PyStageCheck).collect())
 }
 

@@ -3,6 +3,7 @@
 use crate::cameras::Cameras;
 use crate::errors::{argument, in_python, raised, wrong};
 use crate::images::{self, Channels};
+use crate::work::detached;
 use gpu_stereo::backend::{Backend, Place};
 use gpu_stereo::files::images::Bits;
 use gpu_stereo::{Error, Masks, Method, Network, Params};
@@ -76,13 +77,13 @@ impl Request {
                 warn(py, &format!("{name} has no effect with {other} {value}"))?;
             }
         }
-        (common.confidence, common.right_map) = (more.confidence, more.right);
+        (common.confidence, common.right_map) = (more.confidence, more.right_map);
         common.network = match (more.weights, common.method) {
             (None, Method::Psmnet) => {
                 return Err(wrong("method psmnet needs the weights of a network; give weights, a file"));
             }
             (Some(path), Method::Psmnet) => {
-                Some(py.detach(|| Network::load(&path)).map_err(|error| crate::errors::of_file(&error))?)
+                Some(detached(py, || Network::load(&path))?.map_err(|error| crate::errors::of_file(&error))?)
             }
             (Some(_), _) => {
                 warn(py, &format!("weights have no effect with method {}", common.method))?;
@@ -129,7 +130,7 @@ impl Request {
 #[derive(Default)]
 struct More {
     confidence: bool,
-    right: bool,
+    right_map: bool,
     timings: bool,
     channels: Channels,
     bits: Bits,
@@ -143,7 +144,7 @@ impl More {
     fn take(&mut self, name: &str, value: &Bound<'_, PyAny>) -> PyResult<bool> {
         match name {
             "confidence" => self.confidence = switch(name, value)?,
-            "right" => self.right = switch(name, value)?,
+            "right_map" => self.right_map = switch(name, value)?,
             "timings" => self.timings = switch(name, value)?,
             "channels" => self.channels = Channels::named(&word(name, value)?)?,
             "bits" => {

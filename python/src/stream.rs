@@ -5,10 +5,12 @@ use crate::images::GivenPair;
 use crate::matched::PyMatched;
 use crate::matcher::{Computed, Matcher, format};
 use crate::settings::Request;
+use crate::work::{Maker, detached, pool};
 use gpu_stereo::files::images::Bits;
 use gpu_stereo::{Error, Image, PixelFormat, StereoStream};
 use pyo3::prelude::*;
 use pyo3::types::{PyDict, PyIterator};
+use rayon::ThreadPool;
 use std::sync::{Arc, Mutex, mpsc};
 use std::thread;
 
@@ -25,6 +27,7 @@ struct Running {
     bits: Option<Bits>,
     flow: Option<(PixelFormat, Flow)>,
     in_flight: usize,
+    maker: Maker,
     /// Whether no more pairs come, and the exception that ended them.
     ended: Option<Option<PyErr>>,
 }
@@ -60,7 +63,16 @@ impl PyStream {
             wrong(format!("in_flight is {in_flight}, but must be from 1 to {MOST}; 3 keep a device busy"))
         })?;
         let pairs = pairs.try_iter()?.unbind();
-        Ok(Self(Mutex::new(Running { pairs, source, capacity, bits: None, flow: None, in_flight: 0, ended: None })))
+        Ok(Self(Mutex::new(Running {
+            pairs,
+            source,
+            capacity,
+            bits: None,
+            flow: None,
+            in_flight: 0,
+            maker: Maker::here(),
+            ended: None,
+        })))
     }
 }
 
@@ -74,6 +86,7 @@ impl PyStream {
         let Ok(mut running) = self.0.try_lock() else {
             return Err(wrong("the stream is in use by another thread; give each thread one of its own"));
         };
+        running.maker.ensure_here("the stream")?;
         running.next(py)
     }
 }
@@ -106,9 +119,11 @@ impl Running {
 
     /// Begins to match a pair.
     fn push(&mut self, py: Python<'_>, pair: &Bound<'_, PyAny>) -> PyResult<()> {
-        let (left, right): (Bound<'_, PyAny>, Bound<'_, PyAny>) = pair.extract().map_err(|_| {
-            wrong(format!("a pair is of the type {}, but must be two images: (left, right)", pair.get_type()))
-        })?;
+        let images = || pair.try_iter().and_then(|images| images.take(3).collect::<PyResult<Vec<_>>>());
+        let Ok([left, right]) = images().and_then(|images| <[_; 2]>::try_from(images).map_err(|_| wrong(""))) else {
+            let kind = pair.get_type().name()?;
+            return Err(wrong(format!("a pair is of the type {kind}, but must be two images: (left, right)")));
+        };
         let given = GivenPair::new(&left, &right)?;
         let matcher = self.matcher(py, &given)?;
         let (left, right, bits) = matcher.images(&given, self.bits.unwrap_or(matcher.request.bits))?;
@@ -123,15 +138,15 @@ impl Running {
             )));
         }
         if self.flow.is_none() {
-            let stream = py.detach(|| matcher.stream(format, self.capacity)).map_err(raised)?;
+            let stream = detached(py, || matcher.stream(format, self.capacity))?.map_err(raised)?;
             let flow = match stream {
                 Some(stream) => Flow::Adapter(Box::new(stream)),
-                None => Flow::on_thread(Arc::clone(&matcher)),
+                None => Flow::on_thread(Arc::clone(&matcher), pool()?),
             };
             self.flow = Some((format, flow));
         }
         match &mut self.flow {
-            Some((_, flow)) => py.detach(|| flow.push(&matcher, left, right)).map_err(raised),
+            Some((_, flow)) => detached(py, || flow.push(&matcher, left, right))?.map_err(raised),
             None => Err(raised(ended())),
         }
     }
@@ -154,18 +169,18 @@ impl Running {
         let (Some((_, flow)), Source::Matcher(matcher)) = (&mut self.flow, &self.source) else {
             return Err(wrong("the stream has ended"));
         };
-        py.detach(|| flow.take(matcher)).map_err(raised)
+        detached(py, || flow.take(matcher))?.map_err(raised)
     }
 }
 
 impl Flow {
     /// Another thread computes.
-    fn on_thread(matcher: Arc<Matcher>) -> Self {
+    fn on_thread(matcher: Arc<Matcher>, pool: Arc<ThreadPool>) -> Self {
         let (pairs, given) = mpsc::channel::<(Image, Image)>();
         let (found, results) = mpsc::channel();
         thread::spawn(move || {
             for (left, right) in given {
-                if found.send(matcher.compute(&left, &right)).is_err() {
+                if found.send(pool.install(|| matcher.compute(&left, &right))).is_err() {
                     break; // nobody waits any more
                 }
             }

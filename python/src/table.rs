@@ -2,6 +2,7 @@
 
 use crate::errors::{argument, raised};
 use crate::settings::warn;
+use crate::work::detached;
 use gpu_stereo::backend;
 use gpu_stereo::{ParamOption, Params};
 use pyo3::prelude::*;
@@ -107,10 +108,10 @@ impl PyAdapter {
 #[pyfunction]
 pub fn adapters(py: Python<'_>) -> PyResult<Vec<PyAdapter>> {
     let mut notes = Vec::new();
-    let found = py.detach(|| {
+    let found = detached(py, || {
         backend::ensure_environment(&mut |note| notes.push(note))?;
         Ok(backend::adapters()?.iter().map(|adapter| adapter.get_info()).collect::<Vec<_>>())
-    });
+    })?;
     notes.iter().try_for_each(|note| warn(py, note))?;
     let listed = found.map_err(raised)?.into_iter().enumerate().map(|(index, info)| PyAdapter {
         index,

@@ -246,3 +246,20 @@ impl Engine {
 fn on_cpu_adapters(method: Method) -> bool {
     matches!(method, Method::Bp)
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::PixelFormat;
+
+    #[test]
+    fn pairs_without_pixels_are_refused() {
+        for backend in [Backend::Cpu, Backend::Reference] {
+            for size in [[0, 8], [8, 0], [0, 0]] {
+                let (place, shape) = (Place { backend, adapter: None }, Shape { size, format: PixelFormat::Gray8 });
+                let error = Engine::open(&place, None, shape, &Params::sgm(8), &mut |_| ()).unwrap_err();
+                assert!(error.to_string().contains("must have at least one pixel"), "{error}");
+            }
+        }
+    }
+}

@@ -183,6 +183,10 @@ impl Params {
     /// # Errors
     /// [`Error::Image`] if pairs of `width` x `height` pixels are not of it.
     pub fn accepts(&self, width: u32, height: u32) -> Result<(), Error> {
+        if width == 0 || height == 0 {
+            let text = format!("the images are {width}x{height}, but must have at least one pixel; give others");
+            return Err(Error::Image(text));
+        }
         self.rectify.as_ref().map_or(Ok(()), |rectification| rectification.suits(width, height))?;
         self.masks.as_ref().map_or(Ok(()), |masks| masks.accepts(width, height))
     }
