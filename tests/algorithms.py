@@ -205,7 +205,7 @@ class Chain:
         w, r, m = self.width, self.radius, self.smallest
         if self.case["method"] != "bm":
             return max(0, m + self.count) <= x <= w - 1 + min(0, m)
-        return max(0, m + self.count - 1) + r <= x <= w - 1 - r + min(0, m) and r <= y <= self.height - 1 - r
+        return max(0, m + self.count - 1) + r <= x <= w - 1 - max(r, -m) and r <= y <= self.height - 1 - r
 
     def halved_content(self, content):
         four = [(0, 0), (1, 0), (0, 1), (1, 1)]

@@ -61,14 +61,14 @@ impl Content {
 }
 
 /// The columns and rows in which OpenCV gives disparities: with [`Method::Bm`] those of StereoBM, whose blocks lie in the left
-/// image and, for all disparities, in the right one; else those of StereoSGBM, one column less at the left.
+/// image and, for all disparities from 0 on, in the right one; else those of StereoSGBM, one column less at the left.
 fn valid_rectangle(params: &Params, width: i64, height: i64) -> (Range<i64>, Range<i64>) {
     let smallest = i64::from(params.min_disparity);
     let behind = smallest + i64::from(params.disparities);
     match params.method {
         Method::Bm => {
             let r = i64::from(params.radius());
-            ((behind - 1).max(0) + r..width - r + smallest.min(0), r..height - r)
+            ((behind - 1).max(0) + r..width - r.max(-smallest), r..height - r)
         }
         Method::Sgm | Method::Bp | Method::Psmnet => (behind.max(0)..width + smallest.min(0), 0..height),
     }
