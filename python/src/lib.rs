@@ -7,6 +7,7 @@ mod files;
 mod images;
 mod matched;
 mod matcher;
+mod opencv;
 mod settings;
 mod stream;
 mod table;
@@ -34,4 +35,10 @@ mod _native {
     #[pymodule_export]
     #[allow(non_upper_case_globals)]
     const __version__: &str = env!("CARGO_PKG_VERSION");
+
+    /// What gpu_stereo.cv computes of given maps.
+    #[pymodule_init]
+    fn of_given_maps(module: &pyo3::Bound<'_, pyo3::types::PyModule>) -> pyo3::PyResult<()> {
+        crate::opencv::register(module)
+    }
 }
