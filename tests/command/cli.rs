@@ -477,7 +477,10 @@ fn bad_parameters() {
         (&["--disp", "16", "--prefilter-window", "1"], &["--prefilter-window is 1,"]),
         (&["--disp", "16", "--preset", "best"], &["--preset is best,", "classic, fast, balanced, strict, dense"]),
         (&["--disp", "16", "--preset", "fast", "--preset", "fast"], &["--preset"]),
-        (&["--disp", "16", "--cost", "l2"], &["--cost is l2,", "sad, ssd, zsad, bt, sad-xy, census, census-sobel"]),
+        (
+            &["--disp", "16", "--cost", "l2"],
+            &["--cost is l2,", "sad, ssd, zsad, bt, bt-gray, sad-xy, census, census-sobel"],
+        ),
         (&["--disp", "16", "--cost", "SAD"], &["--cost is SAD,"]),
         (&["--disp", "16", "--cost", "ncc"], &["--cost is ncc,", "method sgm", "take method bm"]),
         (

@@ -166,9 +166,6 @@ fn frames_of_more_bits_give_the_maps_of_gray() {
         succeeds(folder.path(), &alone);
         assert!(fs::read(folder.path().join("deep.npy")).unwrap() == map, "{form}");
     }
-    let other = b"YUV4MPEG2 W96 H30 F25:1 C420p11\n";
-    let args = [&["video", "-", "--split", "sbs", "-o", "m"], &SETTINGS[..]].concat();
-    is_one_line_error(&with_stdin(folder.path(), &args, other), &["C420p11", "-pix_fmt"]);
 }
 
 /// Cameras one above the other in a stream, of whose images a part is matched over the range that it needs.
@@ -224,7 +221,7 @@ fn a_stream_that_is_cut_or_none_is_told() {
     told(&of(&[]), b"", &["- is given alone", "--split sbs"]);
     told(&of(&split), b"", &["no byte"]);
     told(&of(&split), b"GIF89a", &["neither Y4M nor PAM", "--raw-frames"]);
-    told(&of(&split), b"YUV4MPEG2 W96 H30 C420p10\n", &["C420p10", "-pix_fmt"]);
+    told(&of(&split), b"YUV4MPEG2 W96 H30 C420p11\n", &["C420p11", "-pix_fmt"]);
     told(&of(&[&split[..], &["--resume"]].concat()), b"YUV4MPEG2 W96 H30 Cmono\n", &["--resume is for files"]);
     told(&of(&[&split[..], &["--raw-frames", "96:gray"]].concat()), b"", &["1280x480:yuyv"]);
     told(&of(&[&split[..], &["--raw-frames", "96x30:grey"]].concat()), b"", &["gray16le"]);

@@ -100,9 +100,12 @@ pub fn read(tree: &Tree, reading: Reading) -> Result<Found> {
         }
     }
     let projection = |side: usize, shift: f64| -> Result<[f64; 12]> {
-        let focal = find(tree, FOCAL, side)?.context("it has no focal length of both cameras")?;
-        let focal_y = find(tree, FOCAL_Y, side)?.unwrap_or(focal);
-        let needed = |names: &[&str]| find(tree, names, side)?.with_context(|| format!("it has no {}", names[0]));
+        // Of a rectified pair the left camera's numbers may stand for both.
+        let find =
+            |names: &[&str]| find(tree, names, side)?.map_or_else(|| find(tree, names, 0), |found| Ok(Some(found)));
+        let focal = find(FOCAL)?.context("it has no focal length of the left camera, nor of both")?;
+        let focal_y = find(FOCAL_Y)?.unwrap_or(focal);
+        let needed = |names: &[&str]| find(names)?.with_context(|| format!("it has no {}", names[0]));
         let (cx, cy) = (needed(COLUMN)?, needed(ROW)?);
         Ok([focal, 0.0, cx, shift * focal, 0.0, focal_y, cy, 0.0, 0.0, 0.0, 1.0, 0.0])
     };
