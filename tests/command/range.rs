@@ -129,7 +129,8 @@ fn each_pair_of_a_batch_has_its_own_range() {
     let mut rows = fs::read_to_string(path.join("maps/done.jsonl")).unwrap();
     for (number, range) in ranges.iter().enumerate() {
         let row = rows.lines().map(|row| serde_json::from_str::<Value>(row).unwrap());
-        let row = row.into_iter().find(|row| row["name"] == number.to_string()).unwrap();
+        let name = number.to_string();
+        let row = row.into_iter().find(|row| row["name"] == name).unwrap();
         assert_eq!(row["searched"], serde_json::json!(range));
         let [left, right] = ["left", "right"].map(|side| format!("{side}/{number}.png"));
         succeeds(path, &[&[&left, &right, "-o", "alone.png", "-q"], &AUTO[..]].concat());
