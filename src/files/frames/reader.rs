@@ -141,7 +141,7 @@ mod tests {
             (b"YUV4MPEG3 W2\n".to_vec(), None, "in place of YUV4MPEG2"),
             (y4m("W2 H0 Cmono", &[]), None, "2x0"),
             (y4m("Wx H0 Cmono", &[]), None, "\"Wx\""),
-            (y4m("W2 H2 C420p10", &[]), None, "C420p10"),
+            (y4m("W2 H2 C420p11", &[]), None, "C420p11"),
             (
                 y4m("W2 H1 Cmono", &[&[1, 2], &[1]]),
                 None,
