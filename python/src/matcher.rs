@@ -4,12 +4,14 @@ use crate::errors::{raised, wrong};
 use crate::images::GivenPair;
 use crate::matched::PyMatched;
 use crate::settings::{Request, ensure_count, warn};
-use crate::work::{Maker, detached};
+use crate::work::{Maker, detached, pool};
 use gpu_stereo::backend::{Beforehand, Engine, Shape, ensure_environment};
 use gpu_stereo::files::images::Bits;
 use gpu_stereo::{Error, Image, Params, PixelFormat, RangeSearch, StageCheck, reference};
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
+use rayon::ThreadPool;
+use std::borrow::Cow;
 use std::sync::{Arc, Mutex, PoisonError};
 
 /// Computes pairs of one size. What is in it is guarded, so that threads may share it; they compute one after the other.
@@ -20,6 +22,7 @@ pub struct Matcher {
     pub params: Params,
     pub before: Beforehand,
     ready: Mutex<Ready>,
+    pool: Arc<ThreadPool>,
     maker: Maker,
 }
 
@@ -65,22 +68,32 @@ impl Matcher {
             params,
             before,
             ready: Mutex::new(Ready { engine: Some(engine), shape }),
+            pool: pool()?,
             maker: Maker::here(),
         })
     }
 
-    /// Does something with the engine for samples of `format`.
-    fn with_engine<T>(&self, format: PixelFormat, work: impl FnOnce(&Engine) -> Result<T, Error>) -> Result<T, Error> {
+    /// Does something with the engine for samples of `format`, on the pool's threads. The lock is taken by the calling thread, which
+    /// must be none of these: one that waits for others takes up work of other callers, and would wait for its own lock.
+    fn with_engine<T: Send>(
+        &self,
+        format: PixelFormat,
+        work: impl FnOnce(&Engine) -> Result<T, Error> + Send,
+    ) -> Result<T, Error> {
         let mut ready = self.ready.lock().unwrap_or_else(PoisonError::into_inner);
         let shape = Shape { format, ..ready.shape };
         let (place, params) = (&self.request.place, &self.before.params);
         let mut quiet = |_| (); // it was said when the matcher was made
-        let engine = match ready.engine.take() {
-            Some(engine) if shape == ready.shape => engine,
-            Some(engine) => engine.again(place, shape, params, &mut quiet)?,
-            None => Engine::open(place, None, shape, params, &mut quiet)?,
-        };
-        let done = work(&engine);
+        let (kept, is_same) = (ready.engine.take(), shape == ready.shape);
+        let (engine, done) = self.pool.install(|| {
+            let engine = match kept {
+                Some(engine) if is_same => engine,
+                Some(engine) => engine.again(place, shape, params, &mut quiet)?,
+                None => Engine::open(place, None, shape, params, &mut quiet)?,
+            };
+            let done = work(&engine);
+            Ok((engine, done))
+        })?;
         // A device that was lost is opened anew the next time.
         ready.engine = (!matches!(done, Err(Error::Lost(_)))).then_some(engine);
         ready.shape = shape;
@@ -95,17 +108,24 @@ impl Matcher {
         Ok((pair.left, pair.right, pair.bits))
     }
 
-    /// Computes a pair. Python need not be held.
+    /// Computes a pair. Call it without Python, and not on the pool's threads.
     pub fn compute(&self, left: &Image, right: &Image) -> Computed {
         let timed = self.request.timings;
-        let (left, right) = (self.before.image(left, 0)?, self.before.image(right, 1)?);
-        let (maps, stages) = self.with_engine(left.format(), |engine| engine.compute(&left, &right, timed))?;
+        let (maps, stages) = self.with_engine(left.format(), |engine| {
+            engine.compute(&*self.before.image(left, 0)?, &*self.before.image(right, 1)?, timed)
+        })?;
         Ok(PyMatched::new(self.before.upright(maps), &self.params, timed.then_some(stages)))
     }
 
+    /// The images as the matcher of a stream takes them.
+    pub fn prepared<'a>(&self, left: &'a Image, right: &'a Image) -> Result<(Cow<'a, Image>, Cow<'a, Image>), Error> {
+        self.pool.install(|| Ok((self.before.image(left, 0)?, self.before.image(right, 1)?)))
+    }
+
     fn check(&self, left: &Image, right: &Image) -> Result<Vec<StageCheck>, Error> {
-        let (left, right) = (self.before.image(left, 0)?, self.before.image(right, 1)?);
-        self.with_engine(left.format(), |engine| engine.check(&left, &right))
+        self.with_engine(left.format(), |engine| {
+            engine.check(&*self.before.image(left, 0)?, &*self.before.image(right, 1)?)
+        })
     }
 
     /// The names of what computes.
@@ -205,7 +225,7 @@ impl PyStereoMatcher {
     ///     A :class:`Matched`. Other threads run meanwhile.
     fn compute(&self, py: Python<'_>, left: &Bound<'_, PyAny>, right: &Bound<'_, PyAny>) -> PyResult<PyMatched> {
         let (left, right, _) = self.0.images(&GivenPair::new(left, right)?, self.0.request.bits)?;
-        detached(py, || self.0.compute(&left, &right))?.map_err(raised)
+        py.detach(|| self.0.compute(&left, &right)).map_err(raised)
     }
 
     /// Matches pair after pair, several of them in flight: while one is computed, the next one is fetched.
@@ -338,7 +358,7 @@ pub fn match_pair(
 ) -> PyResult<PyMatched> {
     let request = Request::new(py, disparities, preset, device, options)?;
     let (matcher, left, right) = prepared(py, [left, right], request)?;
-    detached(py, || matcher.compute(&left, &right))?.map_err(raised)
+    py.detach(|| matcher.compute(&left, &right)).map_err(raised)
 }
 
 /// Compares every stage of matching a pair with the definition, number by number.
@@ -370,7 +390,7 @@ pub fn check(
         return Err(wrong("device is \"reference\", which check compares with; give another one"));
     }
     let (matcher, left, right) = prepared(py, [left, right], request)?;
-    let stages = detached(py, || matcher.check(&left, &right))?.map_err(raised)?;
+    let stages = py.detach(|| matcher.check(&left, &right)).map_err(raised)?;
     Ok(stages.into_iter().map(PyStageCheck).collect())
 }
 

@@ -5,12 +5,11 @@ use crate::images::GivenPair;
 use crate::matched::PyMatched;
 use crate::matcher::{Computed, Matcher, format};
 use crate::settings::Request;
-use crate::work::{Maker, detached, pool};
+use crate::work::Maker;
 use gpu_stereo::files::images::Bits;
 use gpu_stereo::{Error, Image, PixelFormat, StereoStream};
 use pyo3::prelude::*;
 use pyo3::types::{PyDict, PyIterator};
-use rayon::ThreadPool;
 use std::sync::{Arc, Mutex, mpsc};
 use std::thread;
 
@@ -138,15 +137,15 @@ impl Running {
             )));
         }
         if self.flow.is_none() {
-            let stream = detached(py, || matcher.stream(format, self.capacity))?.map_err(raised)?;
+            let stream = py.detach(|| matcher.stream(format, self.capacity)).map_err(raised)?;
             let flow = match stream {
                 Some(stream) => Flow::Adapter(Box::new(stream)),
-                None => Flow::on_thread(Arc::clone(&matcher), pool()?),
+                None => Flow::on_thread(Arc::clone(&matcher)),
             };
             self.flow = Some((format, flow));
         }
         match &mut self.flow {
-            Some((_, flow)) => detached(py, || flow.push(&matcher, left, right))?.map_err(raised),
+            Some((_, flow)) => py.detach(|| flow.push(&matcher, left, right)).map_err(raised),
             None => Err(raised(ended())),
         }
     }
@@ -169,18 +168,18 @@ impl Running {
         let (Some((_, flow)), Source::Matcher(matcher)) = (&mut self.flow, &self.source) else {
             return Err(wrong("the stream has ended"));
         };
-        detached(py, || flow.take(matcher))?.map_err(raised)
+        py.detach(|| flow.take(matcher)).map_err(raised)
     }
 }
 
 impl Flow {
     /// Another thread computes.
-    fn on_thread(matcher: Arc<Matcher>, pool: Arc<ThreadPool>) -> Self {
+    fn on_thread(matcher: Arc<Matcher>) -> Self {
         let (pairs, given) = mpsc::channel::<(Image, Image)>();
         let (found, results) = mpsc::channel();
         thread::spawn(move || {
             for (left, right) in given {
-                if found.send(pool.install(|| matcher.compute(&left, &right))).is_err() {
+                if found.send(matcher.compute(&left, &right)).is_err() {
                     break; // nobody waits any more
                 }
             }
@@ -191,7 +190,7 @@ impl Flow {
     fn push(&mut self, matcher: &Matcher, left: Image, right: Image) -> Result<(), Error> {
         match self {
             Self::Adapter(stream) => {
-                let (left, right) = (matcher.before.image(&left, 0)?, matcher.before.image(&right, 1)?);
+                let (left, right) = matcher.prepared(&left, &right)?;
                 let pushed = stream.try_push(&left, &right);
                 matcher.fault()?;
                 pushed?.map(drop).ok_or_else(|| Error::Misuse("the stream is full before its time".into()))

@@ -21,7 +21,7 @@ def run(*args: str) -> None:
 
 @pytest.mark.parametrize("checker", [("mypy", "--strict"), ("pyright", "-p", "typed/pyrightconfig.json")])
 def test_strict_checkers_accept_a_program(checker: tuple[str, ...]) -> None:
-    run(*checker, *(["typed/right.py"] if checker[0] == "mypy" else []))
+    run(*checker, *(["typed/right.py"] if checker[0] == "mypy" else ["--pythonpath", sys.executable]))
 
 
 def test_strict_checkers_find_what_is_wrong() -> None:
