@@ -19,6 +19,7 @@ pair whose actor died three times while it was computed counts as failed. docs/B
 from __future__ import annotations
 
 import argparse
+import collections
 import concurrent.futures
 import csv
 import hashlib
@@ -118,19 +119,21 @@ class Disparities:
         self.out = pathlib.Path(out)
         self.settings = settings
         self.matcher: gpu_stereo.StereoMatcher | None = None
-        # One thread reads the next pair while this one is computed.
-        self.reader = concurrent.futures.ThreadPoolExecutor(1)
+        # Threads read the next pairs and write the maps before while this one is computed.
+        self.files = concurrent.futures.ThreadPoolExecutor(3)
 
     def __call__(self, block: dict[str, np.ndarray]) -> dict[str, np.ndarray]:
         pairs = [{key: str(block[key][at]) for key in ("name", "left", "right")} for at in range(len(block["name"]))]
-        reading = [self.reader.submit(gpu_stereo.read_pair, pair["left"], pair["right"]) for pair in pairs[:2]]
-        rows = []
+        reading: collections.deque[concurrent.futures.Future[Any]] = collections.deque()
+        rows: list[dict[str, Any]] = []
+        writing: collections.deque[concurrent.futures.Future[dict[str, Any]]] = collections.deque()
         for at, pair in enumerate(pairs):
-            images = reading[at]
-            if at + 2 < len(pairs):
-                reading.append(self.reader.submit(gpu_stereo.read_pair, pairs[at + 2]["left"], pairs[at + 2]["right"]))
-            rows.append(self.row(pair, images))
-            reading[at] = images = None  # type: ignore[assignment]
+            for ahead in pairs[at + len(reading) : at + 2]:
+                reading.append(self.files.submit(gpu_stereo.read_pair, ahead["left"], ahead["right"]))
+            writing.append(self.files.submit(self.finish, pair, self.computed(pair, reading.popleft())))
+            if len(writing) > 2:
+                rows.append(writing.popleft().result())
+        rows += [row.result() for row in writing]
         # The same block has the same file, however often it is computed.
         key = hashlib.sha256("\n".join(pair["name"] for pair in pairs).encode()).hexdigest()[:32]
         buffer = pa.BufferOutputStream()
@@ -138,7 +141,7 @@ class Disparities:
         write_whole(self.out / "rows" / f"{key}.parquet", buffer.getvalue().to_pybytes())
         return {
             "name": np.array([row["name"] for row in rows], dtype=object),
-            "failed": np.array([row.get("error") is not None for row in rows]),
+            "failed": np.array([row["error"] is not None for row in rows]),
         }
 
     @property
@@ -149,47 +152,53 @@ class Disparities:
         """Where it is noted that the pair has been begun: one line for each time, with the process."""
         return self.out / "begun" / hashlib.sha256(pair["name"].encode()).hexdigest()[:32]
 
-    def row(self, pair: dict[str, str], images: concurrent.futures.Future[Any]) -> dict[str, Any]:
-        """Computes a pair. What fails is a row, too."""
+    def computed(self, pair: dict[str, str], images: concurrent.futures.Future[Any]) -> dict[str, Any]:
+        """The map of a pair and what is told of it, or why there is none."""
         note = self.begun(pair)
         note.parent.mkdir(parents=True, exist_ok=True)
         deaths = len(note.read_text(encoding="utf-8").splitlines()) if note.exists() else 0
         if deaths >= DEATHS:
-            return {**pair, "error": f"the process ended {deaths} times while it computed this pair"}
+            return {"error": f"the process ended {deaths} times while it computed this pair"}
         with open(note, "a", encoding="utf-8") as file:
             file.write(f"{os.getpid()}\n")
         try:
-            row = self.computed(pair, *images.result())
+            left, right = images.result()
+            started = time.perf_counter()
+            height, width = left.shape[:2]
+            if self.matcher is None or (self.matcher.width, self.matcher.height) != (width, height):
+                self.matcher = gpu_stereo.StereoMatcher(
+                    width, height, preset=self.settings["preset"], disparities=self.settings["disparities"],
+                    device=self.settings["device"], **self.settings["options"],
+                )  # fmt: skip
+            raw = self.matcher.compute(left, right).raw
         except (gpu_stereo.Error, OSError, ValueError) as error:
             if isinstance(error, gpu_stereo.DeviceError):
                 self.matcher = None
-            row = {"error": str(error)}
-        note.unlink(missing_ok=True)
-        return {**pair, **row}
-
-    def computed(self, pair: dict[str, str], left: np.ndarray, right: np.ndarray) -> dict[str, Any]:
-        """Matches a pair and writes its map."""
-        started = time.perf_counter()
-        height, width = left.shape[:2]
-        if self.matcher is None or (self.matcher.width, self.matcher.height) != (width, height):
-            self.matcher = gpu_stereo.StereoMatcher(
-                width, height, preset=self.settings["preset"], disparities=self.settings["disparities"],
-                device=self.settings["device"], **self.settings["options"],
-            )  # fmt: skip
-        raw = self.matcher.compute(left, right).raw
+            return {"error": str(error)}
         ms = 1000 * (time.perf_counter() - started)
-        png = png16(raw)
-        if not self.inline:
-            write_whole(self.out / f"{pair['name']}.png", png)
-        return {
-            "width": width, "height": height, "valid": float((raw != -32768).mean()), "ms": ms, "device": self.matcher.device,
-            "png": png if self.inline else None,
-        }  # fmt: skip
+        return {"raw": raw, "width": width, "height": height, "ms": ms, "device": self.matcher.device}
+
+    def finish(self, pair: dict[str, str], computed: dict[str, Any]) -> dict[str, Any]:
+        """Writes the map of a pair. The result is its row."""
+        row = {**pair, "error": None, **computed}
+        raw = row.pop("raw", None)
+        try:
+            if raw is not None:
+                row["valid"] = float((raw != -32768).mean())
+                png = png16(raw)
+                if self.inline:
+                    row["png"] = png
+                else:
+                    write_whole(self.out / f"{pair['name']}.png", png)
+        except (OSError, ValueError) as error:
+            row["error"] = str(error)
+        self.begun(pair).unlink(missing_ok=True)
+        return row
 
 
 def finished(out: pathlib.Path, retry: bool) -> set[str]:
     """The names of the pairs that have a row; with `retry` only of those that have a map."""
-    names = set()
+    names: set[str] = set()
     for path in (out / "rows").glob("*.parquet"):
         table = pq.read_table(path, columns=["name", "error"])
         names.update(row["name"] for row in table.to_pylist() if not retry or row["error"] is None)

@@ -6,6 +6,7 @@
 from __future__ import annotations
 
 import csv
+import hashlib
 import os
 import signal
 import subprocess
@@ -152,6 +153,19 @@ def test_maps_in_parquet(data: Path, tmp_path: Path) -> None:
     left, right = gpu_stereo.read_pair(found[0]["left"], found[0]["right"])
     same = gpu_stereo.match(left, right, disparities=64, device="cpu", preset="balanced", uniqueness=10)
     assert np.array_equal(gpu_stereo.read_disparity(path), same.disparity, equal_nan=True)
+
+
+def test_a_pair_that_ends_the_process_is_given_up(data: Path, tmp_path: Path) -> None:
+    out = tmp_path / "maps"
+    note = out / "begun" / hashlib.sha256(b"part0/2").hexdigest()[:32]
+    note.parent.mkdir(parents=True)
+    note.write_text("1\n2\n3\n")
+    started(data, out).communicate(timeout=600)
+    assert {row["name"]: row["error"] for row in rows(out)}["part0/2"].startswith("the process ended 3 times")
+    assert not (out / "part0" / "2.png").exists()
+    said, _ = started(data, out, "--retry").communicate(timeout=600)
+    assert f"1 computed, {PAIRS - 3} were there, 2 failed" in said.splitlines()
+    assert (out / "part0" / "2.png").exists()
 
 
 def test_other_settings_are_refused(data: Path, tmp_path: Path) -> None:
