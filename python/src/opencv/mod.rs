@@ -239,7 +239,11 @@ fn texture_of_response<'py>(
     block: usize,
 ) -> PyResult<Bound<'py, PyArray2<u32>>> {
     let shape = image.as_array().dim();
-    if image.as_array().is_empty() || !(3..=51).contains(&window) || window % 2 == 0 || !(1..=127).contains(&cap) {
+    if image.as_array().is_empty()
+        || !(3..=51).contains(&window)
+        || window.is_multiple_of(2)
+        || !(1..=127).contains(&cap)
+    {
         return Err(invalid("the window is odd, 3 to 51, the clip 1 to 127, and the image not empty"));
     }
     let (values, width) = rows(image.as_array());
