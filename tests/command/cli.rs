@@ -514,6 +514,7 @@ fn bad_parameters() {
         (&["--disp", "16", "--wls-sigma", "1,5"], &["--wls-sigma is 1,5,", "a number or off"]),
         (&["--disp", "16", "--shader-checks", "maybe"], &["--shader-checks is maybe,", "on, off"]),
         (&["--disp", "16", "--memory-check", "maybe"], &["--memory-check is maybe,", "on, off"]),
+        (&["--disp", "16", "--opencv-rules", "maybe"], &["--opencv-rules is maybe,", "on, off"]),
         (&["--disp", "16", "--schedule", "late"], &["--schedule is late,", "auto, per-thread, per-subgroup"]),
         (&["--disp", "16", "--uniqueness", "100"], &["--uniqueness is 100,", "99"]),
         (&["--disp", "16", "--lr-check", "-1"], &["--lr-check is -1,", "off"]),
