@@ -6,7 +6,7 @@ use std::path::Path;
 use syn::spanned::Spanned;
 use syn::visit::{self, Visit};
 
-/// Lines of a file of `src`.
+/// Lines of a file of `src` and of the Python module.
 const FILE: usize = 450;
 /// Lines of a function of `src`, from its signature to its last brace.
 const FUNCTION: usize = 80;
@@ -70,7 +70,7 @@ fn walk(path: &str, faults_found: &mut Vec<String>) -> usize {
         let inner = format!("{path}/{}", entry.file_name().to_str().unwrap());
         if entry.file_type().unwrap().is_dir() {
             read += walk(&inner, faults_found);
-        } else if inner.starts_with("src/") && inner.ends_with(".rs") {
+        } else if (inner.starts_with("src/") || inner.starts_with("python/src/")) && inner.ends_with(".rs") {
             faults_found.extend(faults(&inner, &std::fs::read_to_string(entry.path()).unwrap()));
             read += 1;
         }

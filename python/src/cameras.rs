@@ -1,8 +1,7 @@
 //! Cameras and calibrations.
 
-use crate::errors::{of_file, raised, wrong};
+use crate::errors::{ensure_count, in_python, of_file, raised, warn_in_python, wrong};
 use crate::images::{self, Channels, GivenPair};
-use crate::settings::{self, warn_in_python};
 use crate::work::detached;
 use gpu_stereo::backend::upright;
 use gpu_stereo::files::calibration::{Calibration, Fitted, KittiPair, LensModel, Reading, Scale, Unit};
@@ -102,7 +101,7 @@ impl PyCalibration {
 
     /// The cameras of images of ``width`` x ``height`` pixels, as they are once rectified.
     fn camera(&self, py: Python<'_>, width: i64, height: i64) -> PyResult<PyCamera> {
-        let size = [settings::ensure_count("width", width)?, settings::ensure_count("height", height)?];
+        let size = [ensure_count("width", width)?, ensure_count("height", height)?];
         Ok(PyCamera(fit(py, &self.0, size)?.camera))
     }
 
@@ -152,9 +151,8 @@ impl Cameras {
 }
 
 fn fit(py: Python<'_>, calibration: &Calibration, given: [u32; 2]) -> PyResult<OfSize> {
-    let Fitted { camera, lenses, size, vertical, .. } = py
-        .detach(|| calibration.fit(given[0], given[1]))
-        .map_err(|error| wrong(crate::errors::in_python(&error.to_string())))?;
+    let Fitted { camera, lenses, size, vertical, .. } =
+        py.detach(|| calibration.fit(given[0], given[1])).map_err(|error| wrong(in_python(&error.to_string())))?;
     if let Some(doubt) = calibration.doubt(&camera) {
         warn_in_python(py, &doubt)?;
     }

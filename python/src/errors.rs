@@ -1,7 +1,8 @@
-//! Errors of the library become the exceptions of gpu_stereo/_errors.py, with their texts.
+//! Errors of the library become the exceptions of gpu_stereo/_errors.py, with their texts; doubts become warnings.
 
 use gpu_stereo::{Error, files};
-use pyo3::PyErr;
+use pyo3::exceptions::PyUserWarning;
+use pyo3::prelude::*;
 
 pyo3::import_exception!(gpu_stereo._errors, DeviceError);
 pyo3::import_exception!(gpu_stereo._errors, FileError);
@@ -66,4 +67,23 @@ pub fn in_python(text: &str) -> String {
         rest = &after[end..];
     }
     shown + rest
+}
+
+/// A warning of Python's.
+pub fn warn(py: Python<'_>, text: &str) -> PyResult<()> {
+    let text = std::ffi::CString::new(text.replace('\0', " ")).unwrap_or_default();
+    PyErr::warn(py, &py.get_type::<PyUserWarning>(), &text, 1)
+}
+
+/// Refuses a number of rows or columns that is none.
+pub fn ensure_count(name: &str, count: i64) -> PyResult<u32> {
+    u32::try_from(count)
+        .ok()
+        .filter(|&count| count > 0)
+        .ok_or_else(|| raised(Error::Image(format!("{name} is {count}, but must be at least 1"))))
+}
+
+/// A text of the library about options, as a warning.
+pub fn warn_in_python(py: Python<'_>, text: &str) -> PyResult<()> {
+    warn(py, &in_python(text))
 }

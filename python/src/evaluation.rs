@@ -1,6 +1,6 @@
 //! Scores of maps.
 
-use crate::errors::{of_file, raised, wrong};
+use crate::errors::{of_file, raised, warn_in_python, wrong};
 use crate::images::{array, is, shape_text, shaped};
 use crate::matched::PyMatched;
 use crate::settings::flags;
@@ -225,7 +225,7 @@ pub fn read_disparity(
     let read =
         detached(py, || maps::read(&path, encoding, EncodingOptions::ESTIMATE))?.map_err(|error| of_file(&error))?;
     for doubt in &read.doubts {
-        crate::settings::warn_in_python(py, doubt)?;
+        warn_in_python(py, doubt)?;
     }
     let values = read.map.data().iter().map(|value| if value.is_finite() { *value } else { f32::NAN }).collect();
     shaped(py, values, [read.map.height() as usize, read.map.width() as usize], 1)

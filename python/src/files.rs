@@ -1,8 +1,7 @@
 //! Images from files.
 
-use crate::errors::{of_file, wrong};
+use crate::errors::{of_file, warn_in_python, wrong};
 use crate::images::to_array;
-use crate::settings::warn_in_python;
 use crate::work::detached;
 use gpu_stereo::files::images::{Arrangement, Bits, Split, read_both, read_pair as read_two};
 use pyo3::prelude::*;

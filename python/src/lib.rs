@@ -8,6 +8,7 @@ mod images;
 mod matched;
 mod matcher;
 mod opencv;
+mod pairs;
 mod settings;
 mod stream;
 mod table;
@@ -25,7 +26,7 @@ mod _native {
     #[pymodule_export]
     use crate::matched::PyMatched;
     #[pymodule_export]
-    use crate::matcher::{PyStageCheck, PyStereoMatcher, check, match_pair};
+    use crate::pairs::{PyStageCheck, PyStereoMatcher, check, match_pair};
     #[pymodule_export]
     use crate::stream::{PyStream, stream};
     #[pymodule_export]

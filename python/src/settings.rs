@@ -1,14 +1,13 @@
 //! Keywords become settings: what is to be computed, and where.
 
 use crate::cameras::Cameras;
-use crate::errors::{argument, in_python, raised, wrong};
+use crate::errors::{argument, of_file, raised, warn, wrong};
 use crate::images::{self, Channels};
 use crate::work::detached;
 use gpu_stereo::backend::{Backend, Place};
 use gpu_stereo::files::images::Bits;
-use gpu_stereo::{Error, Masks, Method, Network, Params};
+use gpu_stereo::{Masks, Method, Network, Params};
 use numpy::{PyArray2, PyArrayMethods as _, PyUntypedArrayMethods as _};
-use pyo3::exceptions::PyUserWarning;
 use pyo3::prelude::*;
 use pyo3::types::{PyBool, PyDict, PyFloat, PyInt, PyString, PyTuple};
 use std::path::PathBuf;
@@ -83,7 +82,7 @@ impl Request {
                 return Err(wrong("method psmnet needs the weights of a network; give weights, a file"));
             }
             (Some(path), Method::Psmnet) => {
-                Some(detached(py, || Network::load(&path))?.map_err(|error| crate::errors::of_file(&error))?)
+                Some(detached(py, || Network::load(&path))?.map_err(|error| of_file(&error))?)
             }
             (Some(_), _) => {
                 warn(py, &format!("weights have no effect with method {}", common.method))?;
@@ -250,23 +249,4 @@ pub fn flags(value: &Bound<'_, PyAny>, name: &str) -> PyResult<([u32; 2], Vec<bo
     };
     let side = |count: usize| u32::try_from(count).map_err(|_| wrong(format!("{name} is too large")));
     Ok(([side(columns)?, side(rows)?], has))
-}
-
-/// A warning of Python's.
-pub fn warn(py: Python<'_>, text: &str) -> PyResult<()> {
-    let text = std::ffi::CString::new(text.replace('\0', " ")).unwrap_or_default();
-    PyErr::warn(py, &py.get_type::<PyUserWarning>(), &text, 1)
-}
-
-/// Refuses a number of rows or columns that is none.
-pub fn ensure_count(name: &str, count: i64) -> PyResult<u32> {
-    u32::try_from(count)
-        .ok()
-        .filter(|&count| count > 0)
-        .ok_or_else(|| raised(Error::Image(format!("{name} is {count}, but must be at least 1"))))
-}
-
-/// A text of the library about options, as a warning.
-pub fn warn_in_python(py: Python<'_>, text: &str) -> PyResult<()> {
-    warn(py, &in_python(text))
 }

@@ -1,7 +1,6 @@
 //! The table of options, and of adapters.
 
-use crate::errors::{argument, raised};
-use crate::settings::warn;
+use crate::errors::{argument, raised, warn};
 use crate::work::detached;
 use gpu_stereo::backend;
 use gpu_stereo::{ParamOption, Params};
