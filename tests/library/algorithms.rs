@@ -283,6 +283,7 @@ fn cases() -> Vec<Case> {
             params.prefilter_cap = match option {
                 "sad-xy" => 63,
                 "census-sobel" => 32,
+                "bt-gray" => 96,
                 _ => Params::MAX_CAP,
             };
             (params.ad_weight, params.census_weight) = (64, 64);
