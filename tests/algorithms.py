@@ -624,7 +624,9 @@ class Chain:
             if as_stereo_bm:
                 if ratio > 0 and any(a <= s[best] + s[best] * ratio // 100 for a in rivals):
                     return INVALID
-            elif ratio > 0 and not all(a * (100 - ratio) > s[best] * 100 for a in rivals):
+            elif self.rules and ratio > 0 and any(a * (100 - ratio) < s[best] * 100 for a in rivals):
+                return INVALID
+            elif not self.rules and ratio > 0 and not all(a * (100 - ratio) > s[best] * 100 for a in rivals):
                 return INVALID
             v = 16 * (self.smallest + best)
             if self.case["subpixel"] != "off" and 0 < best < last:
@@ -632,6 +634,11 @@ class Chain:
                 if as_stereo_bm:
                     z = 128 * abs(a - c) // max(1, max(a, c) - b)
                     v += (z + 15) // 16 if a > c else -(z // 16)
+                    return v if self.points_inside(x, v) else INVALID
+                if self.rules:
+                    k = max(1, a + c - 2 * b)
+                    z = 16 * (a - c) + k
+                    v += z // (2 * k) if z >= 0 else -(-z // (2 * k))
                     return v if self.points_inside(x, v) else INVALID
                 k = max(a, c) - b if self.case["subpixel"] == "equiangular" else a + c - 2 * b
                 v += (16 * (a - c) + k - 1) // (2 * k)

@@ -1,4 +1,4 @@
-"""The keywords of a matcher, for type checkers. python/options.py writes this file."""
+"""The keywords of a matcher, for type checkers. python/tools/options.py writes this file."""
 
 from __future__ import annotations
 
@@ -99,7 +99,7 @@ class Options(TypedDict, total=False):
     wls_lambda: Union[float, Literal["off", False], None]
     # Intensity step that stops it, 1.5 unless given; switches it on
     wls_sigma: Union[float, Literal["off", False], None]
-    # Decide as OpenCV's StereoBM does; and no disparity where its range leaves the right image
+    # Decide as OpenCV's StereoBM and StereoSGBM do; and no disparity where its range leaves the right image
     opencv_rules: Union[bool, Literal["on", "off"], None]
     # Compile the kernels with checks of every index and loop: slower, the same result
     shader_checks: Union[bool, Literal["on", "off"], None]

@@ -41,11 +41,11 @@ def test_the_stubs_have_what_the_module_has() -> None:
 def test_the_keywords_are_those_of_the_table() -> None:
     sys.path.insert(0, str(HERE.parent))
     try:
-        spec = importlib.util.spec_from_file_location("options_of_the_table", HERE.parent / "options.py")
+        spec = importlib.util.spec_from_file_location("options_of_the_table", HERE.parent / "tools" / "options.py")
         assert spec and spec.loader
         module = importlib.util.module_from_spec(spec)
         spec.loader.exec_module(module)
         written = (HERE.parent / "gpu_stereo" / "_options.py").read_text()
-        assert module.written() == written, "python python/options.py > python/gpu_stereo/_options.py"
+        assert module.written() == written, "python python/tools/options.py > python/gpu_stereo/_options.py"
     finally:
         sys.path.pop(0)

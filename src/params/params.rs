@@ -97,7 +97,7 @@ pub struct Params {
     /// Smoothing by weighted least squares.
     pub wls: Option<Wls>,
     /// Decide as OpenCV's StereoBM where it decides otherwise: at the border of a prefiltered image, in the quotient of
-    /// [`Prefilter::Normalized`], and with [`Method::Bm`] about ties, uniqueness and the refinement. And give no disparity where
+    /// [`Prefilter::Normalized`], and about ties, uniqueness and the refinement, with [`Method::Sgm`] and [`Method::Bp`] as its StereoSGBM. And give no disparity where
     /// the range of disparities leaves the right image, or with [`Method::Bm`] a block either of them.
     pub opencv_rules: bool,
     /// Compute a confidence for each pixel, too.

@@ -34,6 +34,9 @@ fn largest_rival(here: u32) -> u32 {
     if STEREO_BM == 1u {
         return here + here * UNIQUENESS / 100u;
     }
+    if OPENCV_RULES == 1u {
+        return (max(here * 100u, 1u) - 1u) / (100u - UNIQUENESS); // equality does not fail; see `winner` for a cost of 0
+    }
     return here * 100u / (100u - UNIQUENESS);
 }
 
@@ -45,6 +48,13 @@ fn refinement(before: u32, here: u32, after: u32) -> i32 {
         let part = quotient(128u * max(before - min(before, after), after - min(before, after)),
             max(max(before, after) - here, 1u), 8u);
         return select(-i32(part >> 4u), i32((part + 15u) >> 4u), before > after);
+    }
+    if OPENCV_RULES == 1u {
+        // (16 (before - after) + k) / (2 k), towards zero, with the k of a parabola.
+        let k = max(before + after - 2u * here, 1u);
+        let forward = 16u * before + k >= 16u * after;
+        let size = select(16u * after - 16u * before - k, 16u * before + k - 16u * after, forward);
+        return select(-1, 1, forward) * i32(quotient(size, 2u * k, 5u));
     }
     let k = divisor(before, here, after);
     // 16 (before - after) >= -16 k: shifted by 8 whole steps the quotient is of positive numbers, and at most 16.

@@ -127,7 +127,9 @@ fn winner(totals: ptr<function, Totals>, least: Least, best_key: u32, x: i32) ->
         value += refinement(known.x, cost, known.y);
     }
     let limit = min(largest_rival(cost), COST_NONE - 1u);
-    if (UNIQUENESS > 0u && known.z <= limit) || !points_inside(x, value) {
+    // By the rules of StereoSGBM nothing is less than a cost of 0.
+    let nothing_less = OPENCV_RULES == 1u && STEREO_BM == 0u && cost == 0u;
+    if (UNIQUENESS > 0u && known.z <= limit && !nothing_less) || !points_inside(x, value) {
         value = INVALID;
     }
     var margin = 255u;

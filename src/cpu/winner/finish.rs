@@ -88,6 +88,12 @@ impl<T: Sum> Found<T> {
                 let quotient = T::quotient(128 * (a - c).unsigned_abs(), (a.max(c) - b).max(1) as u32) as i16;
                 if a > c { (quotient + 15) >> 4 } else { -(quotient >> 4) }
             }),
+            _ if params.opencv_rules => self.offsets(params, to.left, |a, b, c| {
+                let curve = (a + c - 2 * b).max(1);
+                let scaled = 16 * (a - c) + curve;
+                let quotient = T::quotient(scaled.unsigned_abs(), 2 * curve as u32) as i16;
+                if scaled < 0 { -quotient } else { quotient }
+            }),
             Subpixel::Parabola => self.offsets(params, to.left, |a, b, c| rounded::<T>(a - c, a + c - 2 * b)),
             Subpixel::Equiangular => self.offsets(params, to.left, |a, b, c| rounded::<T>(a - c, a.max(c) - b)),
         }
@@ -105,7 +111,7 @@ impl<T: Sum> Found<T> {
             let none = (rival == T::NONE.value()) | (ratio == 0);
             let ahead = match stereo_bm {
                 true => rival > best + best * ratio / 100,
-                false => rival.wrapping_mul(100 - ratio) > best * 100,
+                false => rival.wrapping_mul(100 - ratio) + u32::from(params.opencv_rules) > best * 100,
             };
             let unique = none | ahead;
             let value = 16 * (smallest + i32::from(label[x])) + i32::from(left[x]);

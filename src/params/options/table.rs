@@ -220,7 +220,7 @@ pub(super) const OPTIONS: &[ParamOption] = options! {
             "Intensity step that stops it, 1.5 unless given; switches it on"
             idle by "wls" if |params| params.wls.is_none();
         "opencv-rules" "on|off" switch opencv_rules
-            "Decide as OpenCV's StereoBM does; and no disparity where its range leaves the right image";
+            "Decide as OpenCV's StereoBM and StereoSGBM do; and no disparity where its range leaves the right image";
     }
     "Device" {
         "shader-checks" "on|off" switch shader_checks

@@ -59,7 +59,8 @@ pub(crate) fn winner_of_row(costs: &[u32], params: &Params) -> RowOfViews {
         let unique = ratio == 0
             || rival.is_none_or(|rival| match stereo_bm {
                 true => rival > cost(x, best) + cost(x, best) * ratio / 100,
-                false => rival * (100 - ratio) > cost(x, best) * 100,
+                // By the rules of StereoSGBM equality is enough.
+                false => rival * (100 - ratio) + u32::from(params.opencv_rules) > cost(x, best) * 100,
             });
         let mut value = 16 * disparity(best);
         if params.subpixel != Subpixel::Off && best > 0 && best + 1 < n {
@@ -72,6 +73,10 @@ pub(crate) fn winner_of_row(costs: &[u32], params: &Params) -> RowOfViews {
                 // 128 (before - after) / k in 1/256 px, towards zero, then to 1/16 px, upwards.
                 let k = (before.max(after) - here).max(1) as i32;
                 value += (128 * difference / k + 15) >> 4;
+            } else if params.opencv_rules {
+                // The parabola of StereoSGBM, towards zero.
+                let k = (before + after - 2 * here).max(1) as i32;
+                value += (16 * difference + k) / (2 * k);
             } else {
                 let k = match params.subpixel {
                     Subpixel::Equiangular => before.max(after) - here,

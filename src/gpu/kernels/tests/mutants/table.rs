@@ -214,6 +214,10 @@ pub(super) const MUTANTS: &[Mutant] = &[
     mutant("block_match_small", "(part + 15u)", "(part + 8u)", stereo_bm),
     mutant("block_match_small", "low_key ^ REVERSED", "low_key", stereo_bm_ties),
     mutant("block_match_small", "-i32(part >> 4u)", "-i32((part + 15u) >> 4u)", stereo_bm),
+    mutant("winner", "max(here * 100u, 1u) - 1u", "here * 100u", |params| {
+        (params.opencv_rules, params.p1, params.p2, params.uniqueness) = (true, 0, 0, 50);
+    }),
+    mutant("winner", "select(-1, 1, forward)", "1", |params| params.opencv_rules = true),
     mutant("block_match", "vec4(REVERSED);", "vec4(0u);", stereo_bm_columns),
     mutant("block_match", "around.least ^ REVERSED", "around.least", stereo_bm_columns),
     mutant("block_match", "0u - member * OWN", "member * OWN", |params| {

@@ -1,8 +1,8 @@
-"""Writes gpu_stereo/_options.py from the table of options of the installed package: python python/options.py > python/gpu_stereo/_options.py"""
+"""Writes gpu_stereo/_options.py from the table of options of the installed package: python python/tools/options.py > python/gpu_stereo/_options.py"""
 
 import gpu_stereo
 
-HEAD = '''"""The keywords of a matcher, for type checkers. python/options.py writes this file."""
+HEAD = '''"""The keywords of a matcher, for type checkers. python/tools/options.py writes this file."""
 
 from __future__ import annotations
 

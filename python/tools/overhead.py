@@ -1,6 +1,6 @@
 """What the module adds to a frame: the median time of StereoMatcher.compute beside the command's own frames, in turn.
 
-    python python/overhead.py [COMMAND] [--rounds N]     # COMMAND: the program, of the same profile as the module; target/debug/gpu-stereo
+    python python/tools/overhead.py [COMMAND] [--rounds N]     # COMMAND: the program, of the same profile as the module; target/debug/gpu-stereo
 
 Run it on an idle machine."""
 
@@ -13,7 +13,7 @@ from pathlib import Path
 
 import gpu_stereo
 
-ROOT = Path(__file__).resolve().parents[1]
+ROOT = Path(__file__).resolve().parents[2]
 PAIR = [ROOT / "data/motorcycle/left.png", ROOT / "data/motorcycle/right.png"]
 FRAMES = 40
 

@@ -2,8 +2,8 @@
 
 Needs gpu_stereo and opencv-contrib-python-headless in the environment, and the pairs of ../shared/data:
 
-    python python/compare_opencv.py             # prints the tables
-    python python/compare_opencv.py --write     # puts them into docs/OPENCV.md
+    python python/tools/compare_opencv.py             # prints the tables
+    python python/tools/compare_opencv.py --write     # puts them into docs/OPENCV.md
 
 The first table follows OpenCV's own test of its matchers (modules/stereo/test/test_stereomatching.cpp): the share of non-occluded
 pixels with known truth, 10 px (for StereoBM half a block, if that is more) off the border, whose disparity is wrong by more than
@@ -25,7 +25,7 @@ import numpy as np
 
 from gpu_stereo import cv
 
-ROOT = pathlib.Path(__file__).resolve().parents[1]
+ROOT = pathlib.Path(__file__).resolve().parents[2]
 DATA = ROOT.parent / "shared" / "data"
 # Set, levels of the truth a pixel, disparities, and the block of StereoSGBM in OpenCV's test.
 SCENES = {
@@ -161,7 +161,7 @@ def put(text: str, name: str, lines: list[str]) -> str:
 
 
 def main() -> int:
-    parser = argparse.ArgumentParser(prog="python/compare_opencv.py", description="Tables of gpu_stereo.cv beside OpenCV.")
+    parser = argparse.ArgumentParser(prog="python/tools/compare_opencv.py", description="Tables of gpu_stereo.cv beside OpenCV.")
     parser.add_argument("--write", action="store_true", help="into docs/OPENCV.md")
     given = parser.parse_args()
     # The numbers of OpenCV's test are small for us; the page says so.
