@@ -174,8 +174,12 @@ impl<'py> Given<'py> {
         for row in view.outer_iter() {
             match row.as_slice() {
                 Some(samples) => {
-                    let colors = |pixel: &[T]| [pixel[order[0]], pixel[order[1]], pixel[order[2]], full];
-                    all.extend(samples.chunks_exact(self.samples).flat_map(colors));
+                    let first = all.len();
+                    all.resize(first + row.len_of(Axis(0)) * 4, full);
+                    let colors = all[first..].as_chunks_mut::<4>().0;
+                    for (color, pixel) in colors.iter_mut().zip(samples.chunks_exact(self.samples)) {
+                        *color = [pixel[order[0]], pixel[order[1]], pixel[order[2]], full];
+                    }
                 }
                 None => all.extend(
                     row.outer_iter().flat_map(|pixel| [pixel[order[0]], pixel[order[1]], pixel[order[2]], full]),
