@@ -105,7 +105,27 @@ class StereoMatcher:
         self._numbers.speckleRange = integer("speckleRange", speckleRange)
 
 
-class StereoSGBM(StereoMatcher):
+class _Matcher(StereoMatcher):
+    """What both have beyond OpenCV's StereoMatcher."""
+
+    def getPreFilterCap(self) -> int:
+        """The clip of the horizontal derivative."""
+        return int(self._numbers.preFilterCap)
+
+    def setPreFilterCap(self, preFilterCap: int) -> None:
+        """The clip of the horizontal derivative."""
+        self._numbers.preFilterCap = integer("preFilterCap", preFilterCap)
+
+    def getUniquenessRatio(self) -> int:
+        """By how many per cent the best match is ahead."""
+        return int(self._numbers.uniquenessRatio)
+
+    def setUniquenessRatio(self, uniquenessRatio: int) -> None:
+        """By how many per cent the best match is ahead."""
+        self._numbers.uniquenessRatio = integer("uniquenessRatio", uniquenessRatio)
+
+
+class StereoSGBM(_Matcher):
     """Semi-global matching with OpenCV's numbers; see docs/OPENCV.md for what is equal and what differs."""
 
     MODE_SGBM = 0
@@ -179,22 +199,6 @@ class StereoSGBM(StereoMatcher):
         """The penalty of a larger step."""
         self._numbers.P2 = integer("P2", P2)
 
-    def getPreFilterCap(self) -> int:
-        """The clip of the horizontal derivative."""
-        return int(self._numbers.preFilterCap)
-
-    def setPreFilterCap(self, preFilterCap: int) -> None:
-        """The clip of the horizontal derivative."""
-        self._numbers.preFilterCap = integer("preFilterCap", preFilterCap)
-
-    def getUniquenessRatio(self) -> int:
-        """By how many per cent the best match is ahead."""
-        return int(self._numbers.uniquenessRatio)
-
-    def setUniquenessRatio(self, uniquenessRatio: int) -> None:
-        """By how many per cent the best match is ahead."""
-        self._numbers.uniquenessRatio = integer("uniquenessRatio", uniquenessRatio)
-
     def getMode(self) -> int:
         """One of MODE_SGBM, MODE_HH, MODE_SGBM_3WAY and MODE_HH4."""
         return int(self._numbers.mode)
@@ -204,7 +208,7 @@ class StereoSGBM(StereoMatcher):
         self._numbers.mode = integer("mode", mode)
 
 
-class StereoBM(StereoMatcher):
+class StereoBM(_Matcher):
     """Block matching with OpenCV's numbers; see docs/OPENCV.md for what is equal and what differs."""
 
     PREFILTER_NORMALIZED_RESPONSE = 0
@@ -291,14 +295,6 @@ class StereoBM(StereoMatcher):
         """The window of PREFILTER_NORMALIZED_RESPONSE, in pixels."""
         self._numbers.preFilterSize = integer("preFilterSize", preFilterSize)
 
-    def getPreFilterCap(self) -> int:
-        """The clip of the horizontal derivative."""
-        return int(self._numbers.preFilterCap)
-
-    def setPreFilterCap(self, preFilterCap: int) -> None:
-        """The clip of the horizontal derivative."""
-        self._numbers.preFilterCap = integer("preFilterCap", preFilterCap)
-
     def getTextureThreshold(self) -> int:
         """The sum of derivatives below which a block has no texture."""
         return int(self._numbers.textureThreshold)
@@ -306,14 +302,6 @@ class StereoBM(StereoMatcher):
     def setTextureThreshold(self, textureThreshold: int) -> None:
         """The sum of derivatives below which a block has no texture."""
         self._numbers.textureThreshold = integer("textureThreshold", textureThreshold)
-
-    def getUniquenessRatio(self) -> int:
-        """By how many per cent the best match is ahead."""
-        return int(self._numbers.uniquenessRatio)
-
-    def setUniquenessRatio(self, uniquenessRatio: int) -> None:
-        """By how many per cent the best match is ahead."""
-        self._numbers.uniquenessRatio = integer("uniquenessRatio", uniquenessRatio)
 
     def getSmallerBlockSize(self) -> int:
         """0, as in OpenCV."""
