@@ -1,7 +1,7 @@
 //! Which disparities a pair has, from a match of the pair at a lower resolution.
 
-use crate::reference::halved;
-use crate::{DisparityMap, Error, Image, Params, Pixels, Preset};
+use crate::reference::{halved, rectify};
+use crate::{DisparityMap, Error, Image, Params, Pixels, Preset, Rectification};
 
 /// Columns that the coarse pair has at most.
 const COLUMNS: u32 = 400;
@@ -57,6 +57,23 @@ impl RangeSearch {
         let mut params = Params::preset(Preset::Strict, left.width() / 2 + below as u32 + 1);
         params.min_disparity = -below;
         Ok(Self { left, right, params, halvings, width })
+    }
+
+    /// For a pair that is rectified before, if a rectification is given.
+    ///
+    /// # Errors
+    /// As [`RangeSearch::new`], and [`Error::Image`] if the images are not of the size that the rectification is for.
+    pub fn rectified(left: &Image, right: &Image, rectification: Option<&Rectification>) -> Result<Self, Error> {
+        match rectification {
+            Some(lenses) => Self::new(&rectify(left, lenses, 0)?, &rectify(right, lenses, 1)?),
+            None => Self::new(left, right),
+        }
+    }
+
+    /// Columns of the pair for each of the halved one.
+    #[must_use]
+    pub fn factor(&self) -> u32 {
+        1 << self.halvings
     }
 
     /// Sets the range of `params` from the coarse map. Call it with the map that the coarse pair and [`RangeSearch::params`] gave.

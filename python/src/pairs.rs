@@ -9,7 +9,7 @@ use crate::stream::PyStream;
 use crate::table;
 use crate::work::detached;
 use gpu_stereo::backend::{Backend, Engine, Shape};
-use gpu_stereo::{Image, Params, PixelFormat, RangeSearch, StageCheck, reference};
+use gpu_stereo::{Image, Params, PixelFormat, RangeSearch, StageCheck};
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
 use std::sync::Arc;
@@ -147,12 +147,7 @@ fn prepared(
 /// Sets the range from a coarse match of the pair.
 fn find_range(py: Python<'_>, request: &Request, [left, right]: [&Image; 2], params: &mut Params) -> PyResult<()> {
     let found = detached(py, || {
-        let rectified = match &params.rectify {
-            Some(lenses) => Some([reference::rectify(left, lenses, 0)?, reference::rectify(right, lenses, 1)?]),
-            None => None,
-        };
-        let [left, right] = rectified.as_ref().map_or([left, right], |[left, right]| [left, right]);
-        let search = RangeSearch::new(left, right)?;
+        let search = RangeSearch::rectified(left, right, params.rectify.as_ref())?;
         let engine = Engine::open(&request.place, None, Shape::of(&search.left), &search.params, &mut |_| ())?;
         let (coarse, _) = engine.compute(&search.left, &search.right, false)?;
         let min = params.min_disparity;

@@ -4,7 +4,7 @@ use super::engine;
 use crate::args::{self, DeviceArgs, Range};
 use anyhow::{Result, ensure};
 use gpu_stereo::backend::{Engine, Shape};
-use gpu_stereo::{DisparityMap, Image, Params, RangeSearch, reference};
+use gpu_stereo::{DisparityMap, Image, Params, RangeSearch};
 use std::ops::RangeInclusive;
 
 /// Matches pairs coarsely, where they are computed. Those of one size and format share a matcher.
@@ -24,8 +24,6 @@ struct Ready {
 pub struct Coarse {
     search: RangeSearch,
     map: DisparityMap,
-    /// Columns of the pair for each of the coarse one.
-    factor: i32,
 }
 
 impl RangeFinder {
@@ -36,19 +34,13 @@ impl RangeFinder {
 
     /// Matches a pair coarsely, once it is rectified as the settings say.
     pub fn coarse(&mut self, [left, right]: [&Image; 2], params: &Params) -> Result<Coarse> {
-        let rectified = match &params.rectify {
-            Some(lenses) => Some([reference::rectify(left, lenses, 0)?, reference::rectify(right, lenses, 1)?]),
-            None => None,
-        };
-        let [left, right] = rectified.as_ref().map_or([left, right], |[left, right]| [left, right]);
-        let search = RangeSearch::new(left, right)?;
+        let search = RangeSearch::rectified(left, right, params.rectify.as_ref())?;
         let engine = self.engine(&search)?;
         let computed = engine::frames(engine, &search.left, &search.right, &search.params, false, None, &|_| ());
         if computed.is_err() {
             self.ready = None; // the device may be lost
         }
-        let factor = left.width().div_ceil(search.left.width()).next_power_of_two() as i32;
-        Ok(Coarse { map: computed?.matched.map, search, factor })
+        Ok(Coarse { map: computed?.matched.map, search })
     }
 
     fn engine(&mut self, search: &RangeSearch) -> Result<&Engine> {
@@ -75,7 +67,7 @@ impl Coarse {
         self.search.found(&self.map, params)?;
         let (mut first, mut last) = params.searched().into_inner();
         // Those that were found lie at least so far within the range.
-        let margin = (last - first) / 32 + self.factor / 2 + 1;
+        let margin = (last - first) / 32 + self.search.factor() as i32 / 2 + 1;
         if let Some(held) = held {
             let (least, most) = (*held.start(), *held.end());
             first = if (least - margin..least).contains(&first) { least.min(last) } else { first };
