@@ -15,7 +15,13 @@ pub const VARIABLE: &str = "GPU_STEREO_INSTRUCTIONS";
 type Base = fearless_simd::Sse2;
 #[cfg(target_arch = "aarch64")]
 type Base = fearless_simd::Neon;
-#[cfg(not(any(target_arch = "x86_64", target_arch = "aarch64")))]
+#[cfg(all(target_arch = "wasm32", target_feature = "simd128"))]
+type Base = fearless_simd::WasmSimd128;
+#[cfg(not(any(
+    target_arch = "x86_64",
+    target_arch = "aarch64",
+    all(target_arch = "wasm32", target_feature = "simd128")
+)))]
 type Base = fearless_simd::Fallback;
 
 /// Code that is written once, with vectors of the crate `fearless_simd`, for every set.
@@ -35,7 +41,7 @@ pub struct Instructions {
 
 #[derive(Clone, Copy, Debug)]
 enum Set {
-    /// What the program is compiled for: on x86-64 SSE2.
+    /// What the program is compiled for: on x86-64 SSE2, in a browser vectors of 128 bits or none.
     Plain(Base),
     #[cfg(target_arch = "x86_64")]
     Avx2(fearless_simd::Avx2),
@@ -157,7 +163,13 @@ fn base() -> Option<Set> {
     return Level::baseline().as_sse2().map(Set::Plain);
     #[cfg(target_arch = "aarch64")]
     return Level::baseline().as_neon().map(Set::Plain);
-    #[cfg(not(any(target_arch = "x86_64", target_arch = "aarch64")))]
+    #[cfg(all(target_arch = "wasm32", target_feature = "simd128"))]
+    return Level::baseline().as_wasm_simd128().map(Set::Plain);
+    #[cfg(not(any(
+        target_arch = "x86_64",
+        target_arch = "aarch64",
+        all(target_arch = "wasm32", target_feature = "simd128")
+    )))]
     return Some(Set::Plain(fearless_simd::Fallback::new()));
 }
 
