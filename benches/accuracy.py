@@ -57,7 +57,7 @@ def arguments():
     parser.add_argument("--only", action="append", metavar="SCENE", help="scenes whose name contains this")
     parser.add_argument("--repeat", type=int, default=3, metavar="N", help="frames for the time, default 3")
     parser.add_argument("--means", action="store_true", help="print no table a scene")
-    parser.add_argument("--independent", action="store_true", help="hold every figure to tests/command/evaluation.py")
+    parser.add_argument("--independent", action="store_true", help="hold every figure to cli/tests/command/evaluation.py")
     parser.add_argument("--json", type=pathlib.Path, metavar="FILE", help="write everything measured")
     parser.add_argument("--data", type=pathlib.Path, metavar="FOLDER",
                         help="collection with a MANIFEST.json; default ../shared/data beside the checkout")
@@ -146,7 +146,7 @@ def opencv(given, scene):
 
 
 def figures(given, scene, found):
-    """Figures of a map in px, NaN where there is none, in per cent; held to tests/command/evaluation.py with --independent."""
+    """Figures of a map in px, NaN where there is none, in per cent; held to cli/tests/command/evaluation.py with --independent."""
     with tempfile.TemporaryDirectory() as folder:
         path = pathlib.Path(folder) / "map.npy"
         numpy.save(path, found.astype(numpy.float32))
@@ -206,7 +206,7 @@ def main():
             print(line(name, found))
         print()
     if given.independent:
-        print(f"{given.equal} figures of {len(results)} maps are those of tests/command/evaluation.py to 1e-6.")
+        print(f"{given.equal} figures of {len(results)} maps are those of cli/tests/command/evaluation.py to 1e-6.")
     if given.json is not None:
         given.json.write_text(json.dumps({"scenes": results, "means": means}, indent=1) + "\n")
 

@@ -70,9 +70,10 @@
 //! - `gpu`: the matcher on a device, by wgpu: [`StereoMatcher`], [`StereoStream`].
 //! - `cpu`: the module `gpu_stereo::cpu`, the matcher without a device.
 //! - `gpu` and `cpu` together: the module `gpu_stereo::backend`, which takes the best adapter of the machine or the CPU.
-//! - `cli` (default): the command `gpu-stereo`; brings all others along.
+//! - `vulkan`, `metal`, `dx12`, `gles`, `vulkan-portability`: the backends of wgpu of that name. In a browser there is WebGPU's.
 //!
-//! The library alone: `default-features = false, features = ["gpu"]`, or `["cpu"]`, or both.
+//! Default are `gpu`, `vulkan`, `metal` and `dx12`. A program that brings a device has chosen its backends: `default-features = false,
+//! features = ["gpu"]`. Without a device: `["cpu"]`. The command is a package of its own, gpu-stereo-cli.
 //!
 //! # Browsers
 //!

@@ -10,7 +10,7 @@ use syn::visit::{self, Visit};
 
 /// The roots of the crates that are read: the name that other crates have for it, and its file.
 const CRATES: [(&str, &str); 3] =
-    [("gpu_stereo", "src/lib.rs"), ("command", "src/cli/main.rs"), ("viewer", "viewer/src/main.rs")];
+    [("gpu_stereo", "src/lib.rs"), ("command", "cli/src/main.rs"), ("viewer", "viewer/src/main.rs")];
 
 /// The segments of a path, or of a module's name from its crate's on.
 type Segments = Vec<String>;

@@ -17,7 +17,7 @@ import time
 
 ROOT = os.path.dirname(os.path.dirname(os.path.abspath(__file__)))
 
-PACKAGES = ["-p", "gpu-stereo", "-p", "gpu-stereo-viewer"]
+PACKAGES = ["-p", "gpu-stereo", "-p", "gpu-stereo-cli", "-p", "gpu-stereo-viewer"]
 
 # Those that take longest begin first, so that no long one is left alone at the end.
 LONGEST = ["library", "lib", "command", "viewer"]

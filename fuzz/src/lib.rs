@@ -2,7 +2,7 @@
 
 /// How the command prints a text.
 #[allow(dead_code)]
-#[path = "../../src/cli/terminal/text.rs"]
+#[path = "../../cli/src/terminal/text.rs"]
 mod text;
 
 use gpu_stereo::evaluation::FloatMap;

@@ -1,6 +1,5 @@
 //! Every stage of the chain equals the reference to the bit for settings that between them hold every pair of values
 //! that may be combined; and, on demand, for the full product of costs, prefilters, paths and filters.
-#![cfg(feature = "cli")]
 
 use std::collections::{BTreeMap, BTreeSet};
 use std::io::Write as _;

@@ -2,6 +2,11 @@
 //! the drivers' interfaces once more: `cargo test --test library exactness::` runs one file, `.. exactness::bands` one test.
 #![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)]
 
+#[cfg(not(all(feature = "cpu", feature = "files", feature = "gpu")))]
+compile_error!(
+    "the tests need the features cpu, files and gpu: run `cargo test` in the repository's root without -p and without features"
+);
+
 mod algorithms;
 mod api;
 mod covering;

@@ -62,7 +62,7 @@ fn synthetic(random: &mut StdRng) -> Scene {
 
 /// The pairs of a manifest.
 fn shared() -> Option<Vec<Scene>> {
-    let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("../shared/data");
+    let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../shared/data");
     let Ok(manifest) = std::fs::read(folder.join("MANIFEST.json")) else {
         eprintln!("not tested: the pairs of ../shared/data, since it is not there");
         return None;

@@ -1,4 +1,4 @@
-"""Reads out.mcap by rosbags and by mcap, and compares it with map0.npy and so on: run by tests/command/sources/record.rs in its folder."""
+"""Reads out.mcap by rosbags and by mcap, and compares it with map0.npy and so on: run by cli/tests/command/sources/record.rs in its folder."""
 
 from pathlib import Path
 

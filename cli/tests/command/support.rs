@@ -30,7 +30,7 @@ pub fn not_tested(what: &str) {
 
 /// A folder of ../shared beside the checkout; where it is missing, says that `what` is not tested.
 pub fn shared(folder: &str, what: &str) -> Option<PathBuf> {
-    let found = Path::new(env!("CARGO_MANIFEST_DIR")).join("../shared").join(folder).canonicalize().ok();
+    let found = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../shared").join(folder).canonicalize().ok();
     if found.is_none() {
         not_tested(&format!("{what}, since there is no ../shared/{folder}"));
     }

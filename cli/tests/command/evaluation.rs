@@ -1,4 +1,4 @@
-//! Figures against a truth: tests/command/evaluation.py, which follows docs/EVALUATION.md alone, finds the same; every file
+//! Figures against a truth: cli/tests/command/evaluation.py, which follows docs/EVALUATION.md alone, finds the same; every file
 //! format is read, and what is no map is refused.
 
 use crate::support::{contents, not_tested, refuses, run, shared, stderr, stdout, succeeds};

@@ -1,5 +1,4 @@
 //! The built program as its users meet it: a file for each of its sides.
-#![cfg(feature = "cli")]
 #![allow(clippy::unwrap_used)]
 
 mod batch;

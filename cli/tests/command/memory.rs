@@ -9,7 +9,7 @@ use std::process::{Command, Output};
 fn limited(kibibytes: u64, arguments: &str) -> Output {
     let program = env!("CARGO_BIN_EXE_gpu-stereo");
     let line = format!("ulimit -v {kibibytes}; exec {program} {arguments}");
-    Command::new("sh").args(["-c", &line]).current_dir(env!("CARGO_MANIFEST_DIR")).output().unwrap()
+    Command::new("sh").args(["-c", &line]).current_dir(concat!(env!("CARGO_MANIFEST_DIR"), "/..")).output().unwrap()
 }
 
 const PAIR: &str = "data/corridor/left.png data/corridor/right.png";

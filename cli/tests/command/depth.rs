@@ -1,4 +1,4 @@
-//! Depth and points of the command: the files, read by tests/command/depth.py and computed again from the disparities; calibrations
+//! Depth and points of the command: the files, read by cli/tests/command/depth.py and computed again from the disparities; calibrations
 //! of every kind; and those that are no calibration.
 //!
 //! Everything runs on the CPU, so that no adapter is needed.
@@ -18,14 +18,14 @@ fn run(folder: &Path, args: &[&str]) -> Output {
     command.args(["left.png", "right.png", "--backend", "cpu"]).args(disparities).args(args).output().unwrap()
 }
 
-/// What tests/command/depth.py says of a folder; `None` where there is no Python, and then says so.
+/// What cli/tests/command/depth.py says of a folder; `None` where there is no Python, and then says so.
 fn read_again(folder: &Path, camera: [f64; 5], truth: Option<&Path>) -> Option<String> {
     let script = concat!(env!("CARGO_MANIFEST_DIR"), "/tests/command/depth.py");
     let mut python = Command::new("python3");
     python.arg(script).arg(folder).args(camera.map(|number| number.to_string())).args(truth);
     match python.output() {
         Ok(output) => {
-            assert!(output.status.success(), "tests/command/depth.py failed:\n{}", stderr(&output));
+            assert!(output.status.success(), "cli/tests/command/depth.py failed:\n{}", stderr(&output));
             Some(String::from_utf8(output.stdout).unwrap())
         }
         Err(error) => {
@@ -156,7 +156,7 @@ fn every_kind_of_calibration_gives_the_same_depth() {
 /// Against the ground truth of data/motorcycle.
 #[test]
 fn the_depth_of_known_points_is_right() {
-    let data = Path::new(env!("CARGO_MANIFEST_DIR")).join("data/motorcycle");
+    let data = Path::new(env!("CARGO_MANIFEST_DIR")).join("../data/motorcycle");
     let folder = tempfile::tempdir().unwrap();
     for name in ["left.png", "right.png"] {
         fs::copy(data.join(name), folder.path().join(name)).unwrap();
@@ -377,7 +377,7 @@ fn what_is_no_rectification_is_refused() {
     }
 }
 
-/// tests/command/rectify.py, where there is OpenCV; else it says that there is none.
+/// cli/tests/command/rectify.py, where there is OpenCV; else it says that there is none.
 #[test]
 fn the_rectification_is_that_of_opencv() {
     let script = concat!(env!("CARGO_MANIFEST_DIR"), "/tests/command/rectify.py");
@@ -388,6 +388,6 @@ fn the_rectification_is_that_of_opencv() {
     match code {
         Some(0) => {}
         Some(3) => std::io::stderr().write_all(told.as_bytes()).unwrap(),
-        _ => panic!("tests/command/rectify.py failed:\n{told}"),
+        _ => panic!("cli/tests/command/rectify.py failed:\n{told}"),
     }
 }

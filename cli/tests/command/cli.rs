@@ -1003,7 +1003,7 @@ fn the_help_and_the_readme_tell_the_defaults() {
         described.split_once("[default: ").unwrap().1.split_once(']').unwrap().0.into()
     };
     let options = || Params::OPTIONS.iter().map(|option| option.name).filter(|name| *name != "disp");
-    let readme = include_str!("../../README.md").replace("\\|", "/");
+    let readme = include_str!("../../../README.md").replace("\\|", "/");
     for name in options().chain(["preset", "backend"]) {
         let row = readme.lines().find(|line| line.starts_with(&format!("| `--{name} "))).expect(name);
         assert_eq!(row.split('|').nth(3).unwrap().trim(), default(name), "README.md, --{name}");
@@ -1134,7 +1134,7 @@ fn a_full_stdout_is_an_error() {
 
 #[test]
 fn the_gallery_shows_every_picture_and_they_are_small() {
-    let docs = Path::new(env!("CARGO_MANIFEST_DIR")).join("docs");
+    let docs = Path::new(env!("CARGO_MANIFEST_DIR")).join("../docs");
     let page = fs::read_to_string(docs.join("GALLERY.md")).unwrap();
     let links = page.split("](").skip(1).filter_map(|part| part.split_once(')'));
     let shown: Vec<_> = links.map(|(name, _)| name).filter(|name| name.starts_with("images/gallery/")).collect();
