@@ -237,6 +237,18 @@ impl DepthMap {
         let value = *self.data.get(y as usize * self.width as usize + x as usize)?;
         (value != Self::NONE).then(|| f64::from(value) * 1e-6)
     }
+
+    /// The depths in metres, row by row from the top, 0 where there is none: of each the nearest `f32`, as
+    /// `Outputs::depth` leaves it in a texture.
+    ///
+    /// ```
+    /// let map = gpu_stereo::DepthMap { width: 2, height: 1, data: vec![1_500_000, gpu_stereo::DepthMap::NONE] };
+    /// assert_eq!(map.metres(), [1.5, 0.0]);
+    /// ```
+    pub fn metres(&self) -> Vec<f32> {
+        // A double is near enough: no quotient of a 32-bit number lies so close to the middle between two floats.
+        self.data.iter().map(|&value| (f64::from(value) / 1e6) as f32).collect()
+    }
 }
 
 /// The disparities of the left image as a network gives them.

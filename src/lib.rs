@@ -124,7 +124,10 @@ pub use error::Error;
 pub use gpu::interop::{Inputs, Outputs, PixelBuffer, TextureLayer};
 #[cfg(feature = "gpu")]
 #[cfg_attr(docsrs, doc(cfg(feature = "gpu")))]
-pub use gpu::matcher::StereoMatcher;
+pub use gpu::map_layout::{MapFormat, MapLayout};
+#[cfg(feature = "gpu")]
+#[cfg_attr(docsrs, doc(cfg(feature = "gpu")))]
+pub use gpu::matcher::{StereoMatcher, TimedSpan, Timestamps};
 #[cfg(feature = "gpu")]
 #[cfg_attr(docsrs, doc(cfg(feature = "gpu")))]
 pub use gpu::reading::Reading;

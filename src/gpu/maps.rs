@@ -1,6 +1,7 @@
 //! From the bytes of the device's buffers to maps.
 
 use crate::gpu::layout::{Frame, Sizes};
+use crate::gpu::map_layout::{MapFormat, MapLayout};
 use crate::{ConfidenceMap, DepthMap, DisparityMap, Labels, Matched, Params, Unrounded};
 
 /// The bytes of the maps of a frame, in the order in which they lie in the buffer that is read back.
@@ -77,25 +78,18 @@ pub(crate) fn unrounded_of(frame: &Frame, columns: usize, bytes: &[u8]) -> Unrou
 
 /// A disparity map from the bytes of its buffer.
 pub(crate) fn map_of(frame: &Frame, bytes: &[u8]) -> DisparityMap {
-    let Frame { width, height, map_stride, .. } = *frame;
-    let mut data = Vec::with_capacity(width as usize * height as usize);
-    for row in bytes.chunks_exact(4 * map_stride as usize).take(height as usize) {
-        data.extend(row[..2 * width as usize].chunks_exact(2).map(|v| i16::from_le_bytes([v[0], v[1]])));
-    }
-    DisparityMap { width, height, data }
+    let layout = MapLayout::new(MapFormat::Disparity, frame);
+    DisparityMap { width: frame.width, height: frame.height, data: layout.pixels(bytes, i16::from_le_bytes) }
 }
 
 /// A confidence from the bytes of its buffer.
 pub(crate) fn confidence_of(frame: &Frame, bytes: &[u8]) -> ConfidenceMap {
-    let Frame { width, height, map_stride, .. } = *frame;
-    let rows = bytes.chunks_exact(2 * map_stride as usize).take(height as usize);
-    ConfidenceMap { width, height, data: rows.flat_map(|row| &row[..width as usize]).copied().collect() }
+    let layout = MapLayout::new(MapFormat::Confidence, frame);
+    ConfidenceMap { width: frame.width, height: frame.height, data: layout.pixels(bytes, |[value]| value) }
 }
 
 /// A depth from the bytes of its buffer.
 pub(crate) fn depth_of(frame: &Frame, bytes: &[u8]) -> DepthMap {
-    let Frame { width, height, map_stride, .. } = *frame;
-    let rows = bytes.chunks_exact(8 * map_stride as usize).take(height as usize);
-    let words = rows.flat_map(|row| row[..4 * width as usize].chunks_exact(4));
-    DepthMap { width, height, data: words.map(|v| u32::from_le_bytes([v[0], v[1], v[2], v[3]])).collect() }
+    let layout = MapLayout::new(MapFormat::Depth, frame);
+    DepthMap { width: frame.width, height: frame.height, data: layout.pixels(bytes, u32::from_le_bytes) }
 }

@@ -8,6 +8,7 @@ pub(crate) mod edits;
 pub(crate) mod interop;
 pub(crate) mod kernels;
 pub(crate) mod layout;
+pub(crate) mod map_layout;
 pub(crate) mod maps;
 pub(crate) mod matcher;
 pub(crate) mod plan;

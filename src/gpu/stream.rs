@@ -2,12 +2,14 @@
 
 use std::collections::VecDeque;
 
+use crate::gpu::matcher::Stamps;
 use crate::gpu::readback::{self, Mapping};
 use crate::gpu::scopes;
-use crate::{Error, Image, Matched, Params, Reading, StereoMatcher};
+use crate::{Error, Image, Inputs, Matched, Outputs, Params, Reading, StereoMatcher};
 
 /// Matches a stream of pairs: while the kernels of one pair run, the next one is uploaded and the one before is read
-/// back. Results come in the order of the pairs.
+/// back. Results come in the order of the pairs, which are the host's ([`StereoStream::try_push`]) or in the caller's textures and
+/// buffers ([`StereoStream::try_push_inputs`]).
 ///
 /// At most [`StereoStream::capacity`] pairs are in flight, from the push until their result is taken.
 /// [`StereoStream::try_push`] refuses a pair beyond that, so that a source can wait; [`StereoStream::push_or_drop`] drops it,
@@ -142,6 +144,56 @@ impl StereoStream {
         Ok(Some(self.number(reading, Some(upload))))
     }
 
+    /// As [`StereoStream::try_push`], of a pair in the caller's textures or buffers, or one that was uploaded with
+    /// [`StereoMatcher::upload`]; the result comes to the host all the same, and `outputs` names where it is left besides. Nothing is
+    /// copied: the work is submitted, so what is submitted later may overwrite the pair and the outputs.
+    ///
+    /// ```no_run
+    /// # use gpu_stereo::{Error, Inputs, Outputs, StereoStream, wgpu};
+    /// /// Each pair from the textures of a decoder that has written them.
+    /// fn frame(stream: &mut StereoStream, [left, right]: [&wgpu::Texture; 2]) -> Result<(), Error> {
+    ///     while stream.try_push_inputs(&Inputs::textures(left, right), &Outputs::default())?.is_none() {
+    ///         if let Some(frame) = stream.next_blocking() {
+    ///             println!("pair {}: {:?}", frame.number, frame.result?.map.get(0, 0));
+    ///         }
+    ///     }
+    ///     Ok(())
+    /// }
+    /// ```
+    ///
+    /// # Errors
+    /// As [`StereoMatcher::record`], and then the pair has no number; the stream goes on.
+    pub fn try_push_inputs(&mut self, inputs: &Inputs<'_>, outputs: &Outputs<'_>) -> Result<Option<u64>, Error> {
+        self.matcher.pulse.check()?;
+        let frame = self.matcher.prepared(inputs, outputs, false)?;
+        if self.in_flight() >= self.capacity {
+            return Ok(None);
+        }
+        let reading = self.matcher.start(|encoder| {
+            self.matcher.record_prepared(encoder, &frame, &mut Stamps::default());
+            self.matcher.has_recorded(encoder, &frame);
+        })?;
+        Ok(Some(self.number(reading, None)))
+    }
+
+    /// As [`StereoStream::try_push_inputs`], but a pair beyond those that may be in flight is dropped, as by
+    /// [`StereoStream::push_or_drop`]; its outputs keep what they hold.
+    ///
+    /// # Errors
+    /// As [`StereoStream::try_push_inputs`].
+    pub fn push_inputs_or_drop(&mut self, inputs: &Inputs<'_>, outputs: &Outputs<'_>) -> Result<u64, Error> {
+        match self.try_push_inputs(inputs, outputs)? {
+            Some(number) => Ok(number),
+            None => Ok(self.drop_one()),
+        }
+    }
+
+    /// The pair is dropped: its result says so.
+    fn drop_one(&mut self) -> u64 {
+        self.dropped += 1;
+        self.number(Reading::failed(Error::Dropped { in_flight: self.capacity }), None)
+    }
+
     fn number(&mut self, reading: Reading, upload: Option<(wgpu::Buffer, Mapping)>) -> u64 {
         let number = self.pushed;
         self.pushed += 1;
@@ -181,11 +233,10 @@ impl StereoStream {
     /// # Errors
     /// As [`StereoStream::try_push`].
     pub fn push_or_drop(&mut self, left: &Image, right: &Image) -> Result<u64, Error> {
-        if let Some(number) = self.try_push(left, right)? {
-            return Ok(number);
+        match self.try_push(left, right)? {
+            Some(number) => Ok(number),
+            None => Ok(self.drop_one()),
         }
-        self.dropped += 1;
-        Ok(self.number(Reading::failed(Error::Dropped { in_flight: self.capacity }), None))
     }
 
     /// The next result in the order of the pairs; `None` if no pair is in flight. If the future is dropped before it is done,

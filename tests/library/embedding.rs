@@ -12,14 +12,14 @@ use gpu_stereo::{
 use wgpu::{BufferUsages, TextureFormat, TextureUsages};
 
 /// A device, and its queue.
-struct Gpu {
-    name: String,
-    device: wgpu::Device,
-    queue: wgpu::Queue,
+pub struct Gpu {
+    pub name: String,
+    pub device: wgpu::Device,
+    pub queue: wgpu::Queue,
 }
 
 /// A device with 16-bit textures where the adapter has them, and one with WebGPU's default limits and no feature.
-fn devices() -> Vec<Gpu> {
+pub fn devices() -> Vec<Gpu> {
     let deep = wgpu::Features::TEXTURE_FORMAT_16BIT_NORM;
     let full = support::device_with(|features, _| *features |= deep);
     let bare = support::device_with(|features, limits| {
@@ -30,12 +30,12 @@ fn devices() -> Vec<Gpu> {
 }
 
 impl Gpu {
-    fn texture(&self, size: (u32, u32), format: TextureFormat, usage: TextureUsages) -> wgpu::Texture {
+    pub fn texture(&self, size: (u32, u32), format: TextureFormat, usage: TextureUsages) -> wgpu::Texture {
         support::texture(&self.device, size, format, usage)
     }
 
     /// A texture of an image's bytes.
-    fn filled(&self, image: &Image, format: TextureFormat) -> wgpu::Texture {
+    pub fn filled(&self, image: &Image, format: TextureFormat) -> wgpu::Texture {
         let size = (image.width(), image.height());
         let texture = self.texture(size, format, TextureUsages::TEXTURE_BINDING | TextureUsages::COPY_DST);
         let mut bytes = bytes_of(image);
@@ -49,20 +49,20 @@ impl Gpu {
     }
 
     /// A texture to be shown something in.
-    fn target(&self, size: (u32, u32), format: TextureFormat) -> wgpu::Texture {
+    pub fn target(&self, size: (u32, u32), format: TextureFormat) -> wgpu::Texture {
         self.texture(size, format, TextureUsages::RENDER_ATTACHMENT | TextureUsages::COPY_SRC)
     }
 
-    fn buffer(&self, size: u64, usage: BufferUsages) -> wgpu::Buffer {
+    pub fn buffer(&self, size: u64, usage: BufferUsages) -> wgpu::Buffer {
         self.device.create_buffer(&wgpu::BufferDescriptor { label: None, size, usage, mapped_at_creation: false })
     }
 
-    fn encoder(&self) -> wgpu::CommandEncoder {
+    pub fn encoder(&self) -> wgpu::CommandEncoder {
         self.device.create_command_encoder(&wgpu::CommandEncoderDescriptor::default())
     }
 
     /// The bytes of a buffer that may be copied from.
-    fn read(&self, buffer: &wgpu::Buffer) -> Vec<u8> {
+    pub fn read(&self, buffer: &wgpu::Buffer) -> Vec<u8> {
         let staging = self.buffer(buffer.size(), BufferUsages::MAP_READ | BufferUsages::COPY_DST);
         let mut encoder = self.encoder();
         encoder.copy_buffer_to_buffer(buffer, 0, &staging, 0, buffer.size());
@@ -73,7 +73,7 @@ impl Gpu {
     }
 
     /// The bytes of a texture, row by row without padding.
-    fn read_texture(&self, texture: &wgpu::Texture) -> Vec<u8> {
+    pub fn read_texture(&self, texture: &wgpu::Texture) -> Vec<u8> {
         let row = texture.width() * texture.format().block_copy_size(None).unwrap();
         let pitch = row.next_multiple_of(256);
         let buffer = self.buffer(u64::from(pitch * texture.height()), BufferUsages::COPY_SRC | BufferUsages::COPY_DST);
@@ -546,7 +546,11 @@ fn what_does_not_fit_is_refused_and_nothing_is_recorded() {
         Mistake { inputs: pixels(&storage, 256, 84), outputs: to, says: &["1056 bytes", "836 are needed", "byte 256"] },
         Mistake { inputs: pixels(&storage, 0, !3), outputs: to, says: &["needed from byte 0"] },
         Mistake { inputs: from, outputs: to.disparity(&wide), says: &["the output disparity", "21x10", "20x10"] },
-        Mistake { inputs: from, outputs: to.disparity(&good), says: &["Rgba8Unorm", "R32Float or R16Sint"] },
+        Mistake {
+            inputs: from,
+            outputs: to.disparity(&good),
+            says: &["Rgba8Unorm", "R32Float or R16Sint or R16Float"],
+        },
         Mistake {
             inputs: from,
             outputs: to.disparity(&unwritable),

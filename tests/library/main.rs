@@ -9,6 +9,7 @@ compile_error!(
 
 mod algorithms;
 mod api;
+mod callers;
 mod covering;
 mod embedding;
 mod exactness;

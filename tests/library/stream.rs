@@ -308,3 +308,77 @@ fn what_the_caller_submitted_is_read() {
     queue.submit([encoder.finish()]);
     assert_eq!(matcher.read_blocking().unwrap(), expected(&left, &right, &params));
 }
+
+/// Pairs in the caller's textures, in those that were uploaded and of the host's, in turns: each has its own result, whatever is
+/// written into the textures once it was pushed.
+#[test]
+fn a_stream_takes_pairs_from_textures() {
+    for setup in [support::device(), support::bare_device()] {
+        let Some((adapter, device, queue)) = setup else { return };
+        let (width, height) = (61, 33);
+        let mut params = Params::sgm(16);
+        params.confidence = true;
+        let matcher = support::matcher(&device, &queue, (width, height), PixelFormat::Gray8, &params).unwrap();
+        let mut stream = StereoStream::new(matcher, 3).unwrap();
+        let texture = |format, usage| support::texture(&device, (width, height), format, usage);
+        let usage = wgpu::TextureUsages::TEXTURE_BINDING | wgpu::TextureUsages::COPY_DST;
+        let views = [(); 2].map(|()| texture(wgpu::TextureFormat::R8Unorm, usage));
+        let target = texture(wgpu::TextureFormat::R32Float, wgpu::TextureUsages::RENDER_ATTACHMENT);
+        let write = |texture: &wgpu::Texture, image: &Image| {
+            let gpu_stereo::Pixels::Gray8(samples) = image.pixels() else { panic!("made from gray") };
+            let layout = wgpu::TexelCopyBufferLayout { offset: 0, bytes_per_row: Some(width), rows_per_image: None };
+            queue.write_texture(texture.as_image_copy(), samples, layout, texture.size());
+        };
+        let inputs = Inputs::textures(&views[0], &views[1]);
+        let to = Outputs::default().disparity(&target);
+        let mut taken = 0;
+        let mut take = |stream: &mut StereoStream| {
+            let frame = stream.next_blocking().unwrap();
+            let (left, right) = support::pair(width, height, taken);
+            assert_eq!(frame.number, taken);
+            let case = format!("pair {taken} on {}", adapter.get_info().name);
+            assert!(frame.result.unwrap() == expected(&left, &right, &params), "{case}");
+            taken += 1;
+        };
+        for seed in 0..12 {
+            let (left, right) = support::pair(width, height, seed);
+            write(&views[0], &left);
+            write(&views[1], &right);
+            if stream.in_flight() == stream.capacity() {
+                assert!(stream.try_push_inputs(&inputs, &to).unwrap().is_none());
+                take(&mut stream);
+            }
+            let number = match seed % 3 {
+                0 => stream.try_push(&left, &right).unwrap().unwrap(),
+                1 => stream.try_push_inputs(&inputs, &to).unwrap().unwrap(),
+                _ => {
+                    stream.matcher().upload(&left, &right).unwrap();
+                    stream.try_push_inputs(&Inputs::Uploaded, &Outputs::default()).unwrap().unwrap()
+                }
+            };
+            assert_eq!(number, seed);
+        }
+        while stream.in_flight() > 0 {
+            take(&mut stream);
+        }
+
+        // What does not fit has no number; what is too much is dropped.
+        let wide = support::texture(&device, (width + 1, height), wgpu::TextureFormat::R8Unorm, usage);
+        let error = stream.try_push_inputs(&Inputs::textures(&views[0], &wide), &to).unwrap_err();
+        assert!(matches!(error, Error::Image(_)) && error.to_string().contains("62x33"), "{error}");
+        let error = stream.push_inputs_or_drop(&inputs, &to.depth(&target)).unwrap_err();
+        assert!(error.to_string().contains("Params::depth"), "{error}");
+        assert_eq!(stream.in_flight(), 0);
+        let numbers: Vec<u64> = (0..5).map(|_| stream.push_inputs_or_drop(&inputs, &to).unwrap()).collect();
+        assert_eq!(numbers, [12, 13, 14, 15, 16]);
+        let (left, right) = support::pair(width, height, 11);
+        for number in numbers {
+            let frame = stream.next_blocking().unwrap();
+            assert_eq!(frame.number, number);
+            match frame.result {
+                Ok(matched) => assert!(number < 15 && matched == expected(&left, &right, &params), "pair {number}"),
+                Err(error) => assert!(number >= 15 && matches!(error, Error::Dropped { .. }), "{error}"),
+            }
+        }
+    }
+}

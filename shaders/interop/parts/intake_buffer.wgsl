@@ -2,5 +2,6 @@
 @group(0) @binding(3) var<storage, read> image: array<u32>;
 
 fn unit_at(x: u32, y: u32) -> u32 {
-    return extractBits(image[y * dispatch.stride + x / IN_WORD], x % IN_WORD * BITS, BITS);
+    let at = x + dispatch.own.x * UNITS_A_PIXEL;
+    return extractBits(image[(y + dispatch.own.y) * dispatch.stride + at / IN_WORD], at % IN_WORD * BITS, BITS);
 }

@@ -13,7 +13,7 @@ fn samples(values: vec4<f32>, largest: f32) -> vec4<u32> {
 }
 
 fn unit_at(x: u32, y: u32) -> u32 {
-    let values = textureLoad(image, vec2(x / UNITS_A_PIXEL, y), 0);
+    let values = textureLoad(image, vec2(x / UNITS_A_PIXEL + dispatch.own.x, y + dispatch.own.y), 0);
     switch FORMAT {
         case GRAY8: {
             return samples(values, 255.0).x;

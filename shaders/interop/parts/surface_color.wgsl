@@ -6,7 +6,7 @@ alias Shown = vec4<f32>;
 @group(0) @binding(3) var<storage, read> colors: array<u32>;
 
 fn shown_at(at: vec2<u32>) -> Shown {
-    let value = map_value(map[at.y * frame.map_stride + at.x / 2u], at.x);
+    let value = stereo_disparity(map[stereo_disparity_word(at.x, at.y, 4u * frame.map_stride)], at.x);
     let index = clamp(value - 16 * frame.min_disparity, 0, i32(arrayLength(&colors)) - 1);
-    return select(vec4<f32>(unpack(colors[index])) / 255.0, vec4(0.0, 0.0, 0.0, 1.0), value == INVALID);
+    return select(vec4<f32>(unpack(colors[index])) / 255.0, vec4(0.0, 0.0, 0.0, 1.0), value == STEREO_INVALID);
 }

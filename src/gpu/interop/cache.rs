@@ -7,7 +7,7 @@ use std::sync::{Mutex, MutexGuard, PoisonError};
 use crate::Error;
 use crate::gpu::interop::context::Context;
 use crate::gpu::interop::pipelines::{CallerResource, MatcherResource, Pipeline, Prepared, bind, compile};
-use crate::gpu::interop::resources::{Seen, TextureLayer};
+use crate::gpu::interop::resources::{PixelBuffer, Seen, TextureLayer};
 use crate::gpu::interop::work::{LANES, Work, WriteMethod};
 use crate::gpu::layout::Frame;
 use crate::gpu::scopes;
@@ -16,7 +16,7 @@ use wgpu::TextureFormat;
 /// Bind groups that are kept: those of eight pairs, and of all that may be shown of them.
 const KEPT: usize = 32;
 
-/// Hashes that are kept of targets which can be drawn to.
+/// Hashes that are kept of targets which can be drawn to, and of query sets that can be written to.
 const KNOWN: usize = 64;
 
 /// All that a bind group follows from.
@@ -27,6 +27,7 @@ struct Key {
     map: Option<wgpu::Buffer>,
     layer: Option<Seen>,
     buffer: Option<(wgpu::Buffer, u64, u64, u32)>,
+    origin: [u32; 2],
     frame: Frame,
     disparities: u32,
 }
@@ -41,11 +42,12 @@ impl Key {
         let (layer, buffer) = match resource {
             CallerResource::Layer(..) if matches!(work.method(), Some(WriteMethod::Draw(_))) => (None, None),
             CallerResource::Layer(layer, format) => (Some(layer.seen(format)), None),
-            CallerResource::Buffer { buffer, offset, bytes, bytes_per_row } => {
+            CallerResource::Buffer(PixelBuffer { buffer, offset, bytes_per_row, .. }, bytes) => {
                 (None, Some((buffer.clone(), offset, bytes, bytes_per_row)))
             }
         };
-        Self { work, source, map, layer, buffer, frame: *context.frame, disparities: context.params.disparities }
+        let (origin, frame, disparities) = (resource.origin(), *context.frame, context.params.disparities);
+        Self { work, source, map, layer, buffer, origin, frame, disparities }
     }
 }
 
@@ -58,8 +60,15 @@ struct Kept {
     /// Targets that are drawn to, from the second time on: a window gives another texture each time. The latest used one
     /// comes last.
     targets: Vec<(Seen, wgpu::TextureView)>,
-    /// Hashes of targets, which do not keep them alive.
+    /// Hashes of targets and of query sets, which do not keep them alive.
     known: VecDeque<u64>,
+}
+
+impl Kept {
+    fn remember(&mut self, hash: u64) {
+        self.known.truncate(KNOWN - 1);
+        self.known.push_front(hash);
+    }
 }
 
 /// The pipelines and bind groups for the caller's resources.
@@ -88,6 +97,21 @@ impl PassCache {
         kept.bind_groups.clear();
         kept.targets.clear();
         kept.known.clear();
+    }
+
+    /// Tries the caller's resource out, unless it passed before.
+    pub(crate) fn tried(
+        &self,
+        resource: &impl std::hash::Hash,
+        trial: impl FnOnce() -> Result<(), Error>,
+    ) -> Result<(), Error> {
+        let hash = self.hasher.hash_one(resource);
+        if self.kept().known.contains(&hash) {
+            return Ok(());
+        }
+        trial()?;
+        self.kept().remember(hash);
+        Ok(())
     }
 
     /// The work between one resource of the caller's and one of the matcher's.
@@ -128,7 +152,7 @@ impl PassCache {
                 bind_group
             }
         };
-        let label = work.files()[1];
+        let label = work.name();
         let Frame { width, height, .. } = *context.frame;
         match (pipeline, resource) {
             (Pipeline::Render(pipeline), CallerResource::Layer(layer, format)) => {
@@ -147,7 +171,7 @@ impl PassCache {
                 };
                 Ok(Prepared::Compute { label, pipeline, bind_group, workgroups })
             }
-            (Pipeline::Render(_), CallerResource::Buffer { .. }) => unreachable!("nothing is drawn into a buffer"),
+            (Pipeline::Render(_), CallerResource::Buffer(..)) => unreachable!("nothing is drawn into a buffer"),
         }
     }
 
@@ -181,11 +205,10 @@ impl PassCache {
         #[cfg(not(target_arch = "wasm32"))]
         scopes::guarded(context.device, || {
             let mut encoder = context.device.create_command_encoder(&wgpu::CommandEncoderDescriptor::default());
-            prepared.record(&mut encoder);
+            prepared.record(&mut encoder, || None);
             encoder.finish()
         })?;
-        kept.known.truncate(KNOWN - 1);
-        kept.known.push_front(hash);
+        kept.remember(hash);
         Ok(prepared)
     }
 }

@@ -15,7 +15,7 @@ impl Context<'_> {
             Some(format) => format!("make the matcher for PixelFormat::{format:?}"),
             None => "copy or draw it into a texture of such a format".into(),
         };
-        self.check_texture(name, input, &formats, &remedy)?;
+        self.check_texture(name, input, input.origin.is_some(), &formats, &remedy)?;
         let usage = input.texture.usage();
         match usage.contains(TextureUsages::TEXTURE_BINDING) {
             true => Ok(()),
@@ -23,21 +23,36 @@ impl Context<'_> {
         }
     }
 
+    /// `part`: the matcher's size is that of a part of the texture.
     pub(super) fn check_texture(
         &self,
         name: &str,
-        &TextureLayer { texture, layer }: &TextureLayer<'_>,
+        &TextureLayer { texture, layer, origin }: &TextureLayer<'_>,
+        part: bool,
         formats: &[TextureFormat],
         remedy: &str,
     ) -> Result<(), Error> {
         self.check_owner(name, texture)?;
         let Frame { width, height, .. } = *self.frame;
+        let (columns, rows) = (texture.width(), texture.height());
         let flat = texture.dimension() == wgpu::TextureDimension::D2;
-        if (texture.width(), texture.height()) != (width, height) || !flat {
-            let given =
-                format!("is a texture of {}x{} in {:?}", texture.width(), texture.height(), texture.dimension());
+        let [x, y] = origin.unwrap_or_default();
+        let fits = |at: u32, side: u32, whole: u32| whole.checked_sub(at).is_some_and(|rest| rest >= side);
+        if part && flat && !(fits(x, width, columns) && fits(y, height, rows)) {
+            let given = format!("begins at column {x}, row {y} of a texture of {columns}x{rows}");
+            let allowed = format!("the matcher takes {width}x{height} pixels from there on");
+            return Err(refused(name, &given, &allowed, "begin further left or above, or resize the matcher"));
+        }
+        if (!part && (columns, rows) != (width, height)) || !flat {
+            let given = format!("is a texture of {columns}x{rows} in {:?}", texture.dimension());
             let allowed = format!("the matcher has {width}x{height} in D2");
-            return Err(refused(name, &given, &allowed, "make the texture of that size, or resize the matcher"));
+            let remedy =
+                "make the texture of that size, resize the matcher, or name a part of an input (TextureLayer::at)";
+            return Err(refused(name, &given, &allowed, remedy));
+        }
+        if origin.is_some() && !part {
+            let given = format!("begins at column {x}, row {y} of its texture");
+            return Err(refused(name, &given, &"must be a whole layer", "give it without TextureLayer::at"));
         }
         if (texture.sample_count(), texture.mip_level_count()) != (1, 1) {
             let (samples, levels) = (texture.sample_count(), texture.mip_level_count());
@@ -100,8 +115,8 @@ impl Context<'_> {
 
     /// Bytes of the image, from its offset on.
     pub(super) fn check_pixels(&self, name: &str, pixels: &PixelBuffer<'_>) -> Result<u64, Error> {
-        let &PixelBuffer { buffer, offset, bytes_per_row } = pixels;
-        let row = u64::from(self.frame.width) * u64::from(self.format.bytes_per_pixel());
+        let &PixelBuffer { buffer, offset, bytes_per_row, origin: [x, y] } = pixels;
+        let row = (u64::from(x) + u64::from(self.frame.width)) * u64::from(self.format.bytes_per_pixel());
         let limits = self.device.limits();
         self.check_buffer(name, buffer, (BufferUsages::STORAGE, "STORAGE"))?;
         let alignment = limits.min_storage_buffer_offset_alignment;
@@ -110,10 +125,14 @@ impl Context<'_> {
             return Err(refused(name, &format!("begins at byte {offset}"), &allowed, "copy it to such a place"));
         }
         if !bytes_per_row.is_multiple_of(4) || u64::from(bytes_per_row) < row {
-            let allowed = format!("must have a multiple of 4, at least {row} in {:?}", self.format);
+            let allowed = format!(
+                "must have a multiple of 4, at least {row} for {} columns from column {x} on in {:?}",
+                self.frame.width, self.format
+            );
             return Err(refused(name, &format!("has {bytes_per_row} bytes a row"), &allowed, "pad the rows"));
         }
-        let bytes = u64::from(self.frame.height - 1) * u64::from(bytes_per_row) + row.next_multiple_of(4);
+        let rows_before = u64::from(y) + u64::from(self.frame.height - 1);
+        let bytes = rows_before * u64::from(bytes_per_row) + row.next_multiple_of(4);
         long_enough(name, buffer, offset, bytes)?;
         let most = limits.max_storage_buffer_binding_size;
         if bytes > most {
@@ -122,6 +141,21 @@ impl Context<'_> {
         }
         Ok(bytes)
     }
+}
+
+/// Both parts of a pair begin in the same row, unless they are parts of one picture.
+pub(super) fn same_rows(one_picture: bool, rows: [u32; 2]) -> Result<(), Error> {
+    if one_picture || rows[0] == rows[1] {
+        return Ok(());
+    }
+    let given = format!("begins in row {}", rows[1]);
+    let allowed = format!("the left one begins in row {} of another picture", rows[0]);
+    Err(refused(
+        "the right input",
+        &given,
+        &allowed,
+        "take both from the same row: a rectified pair has its rows in common",
+    ))
 }
 
 /// Whether `bytes` bytes lie in a buffer from `offset` on.

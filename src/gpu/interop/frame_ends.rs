@@ -2,7 +2,7 @@
 
 use crate::Error;
 use crate::gpu::interop::cache::PassCache;
-use crate::gpu::interop::checks::long_enough;
+use crate::gpu::interop::checks::{long_enough, same_rows};
 use crate::gpu::interop::context::Context;
 use crate::gpu::interop::pipelines::{CallerResource, MatcherResource, Prepared};
 use crate::gpu::interop::refusal::{lacks, refused};
@@ -35,6 +35,8 @@ impl Context<'_> {
                     self.check_input(name, side)?;
                     regions.read(name, (*side).into());
                 }
+                let one = (left.texture, left.layer.unwrap_or(0)) == (right.texture, right.layer.unwrap_or(0));
+                same_rows(one, [left, right].map(|side| side.origin.unwrap_or_default()[1]))?;
                 [left, right].map(|side| {
                     let format = side.texture.format();
                     let work = Work::Intake { textured: true, format: self.format, srgb: format.is_srgb() };
@@ -43,17 +45,14 @@ impl Context<'_> {
             }
             Inputs::Buffers { left, right } => {
                 let bytes = [self.check_pixels(names[0], &left)?, self.check_pixels(names[1], &right)?];
+                let one = (left.buffer, left.offset) == (right.buffer, right.offset);
+                same_rows(one, [left, right].map(|side| side.origin[1]))?;
                 let work = Work::Intake { textured: false, format: self.format, srgb: false };
-                let side = |name, PixelBuffer { buffer, offset, bytes_per_row }: PixelBuffer<'a>, bytes| {
-                    (
-                        name,
-                        Region::Bytes(buffer, offset, offset + bytes),
-                        CallerResource::Buffer { buffer, offset, bytes, bytes_per_row },
-                    )
-                };
-                [side(names[0], left, bytes[0]), side(names[1], right, bytes[1])].map(|(name, spot, resource)| {
-                    regions.read(name, spot);
-                    (resource, work)
+                let sides = [(names[0], left, bytes[0]), (names[1], right, bytes[1])];
+                sides.map(|(name, pixels, bytes)| {
+                    let PixelBuffer { buffer, offset, .. } = pixels;
+                    regions.read(name, Region::Bytes(buffer, offset, offset + bytes));
+                    (CallerResource::Buffer(pixels, bytes), work)
                 })
             }
         };
@@ -81,7 +80,7 @@ impl Context<'_> {
             let there = |name| there(name, map, map_bytes, "right_map");
             if let Some(target) = maps.disparity {
                 let map = there(disparity)?;
-                let formats = [TextureFormat::R32Float, TextureFormat::R16Sint];
+                let formats = [TextureFormat::R32Float, TextureFormat::R16Sint, TextureFormat::R16Float];
                 let method = self.method(disparity, target, &formats)?;
                 let sixteenths = target.texture.format() == formats[1];
                 let work = if sixteenths { Work::Sixteenths(method) } else { Work::Pixels(method) };
@@ -96,16 +95,30 @@ impl Context<'_> {
                 prepared.push(self.copied(copy, there(copy)?, place, regions)?);
             }
         }
-        let there = |name| there(name, self.confidence, map_bytes / 2, "confidence");
+        let confidence = |name| there(name, self.confidence, map_bytes / 2, "confidence");
         if let Some(target) = outputs.confidence {
             let name = "the output confidence";
-            let map = there(name)?;
+            let map = confidence(name)?;
             let method = self.method(name, target, &[TextureFormat::R8Unorm])?;
             prepared.push(self.shown(cache, name, target, Work::Confidence(method), map, regions)?);
         }
         if let Some(place) = outputs.confidence_buffer {
             let name = "the output confidence_buffer";
-            prepared.push(self.copied(name, there(name)?, place, regions)?);
+            prepared.push(self.copied(name, confidence(name)?, place, regions)?);
+        }
+        let depth = |name| there(name, self.depth, 2 * map_bytes, "depth");
+        if let Some(target) = outputs.depth {
+            let name = "the output depth";
+            let map = depth(name)?;
+            let formats = [TextureFormat::R32Float, TextureFormat::R32Uint, TextureFormat::R16Float];
+            let method = self.method(name, target, &formats)?;
+            let whole = target.texture.format() == TextureFormat::R32Uint;
+            let work = if whole { Work::Micrometres(method) } else { Work::Metres(method) };
+            prepared.push(self.shown(cache, name, target, work, map, regions)?);
+        }
+        if let Some(place) = outputs.depth_buffer {
+            let name = "the output depth_buffer";
+            prepared.push(self.copied(name, depth(name)?, place, regions)?);
         }
         Ok(prepared)
     }
@@ -120,15 +133,23 @@ impl Context<'_> {
         regions: &mut Regions<'a>,
     ) -> Result<Prepared, Error> {
         regions.write(name, target.into())?;
+        let most = self.device.limits().max_storage_buffer_binding_size;
+        if bytes > most {
+            let (given, allowed) = (format!("shows {bytes} bytes"), format!("the device allows {most} a binding"));
+            return Err(refused(name, &given, &allowed, "request larger limits, or take a copy in a buffer"));
+        }
         let format = target.texture.format().remove_srgb_suffix();
         cache.prepare(self, name, work, CallerResource::Layer(target, format), MatcherResource::Buffer(map, bytes))
     }
 
     /// How a target is filled.
     fn method(&self, name: &str, target: TextureLayer<'_>, formats: &[TextureFormat]) -> Result<WriteMethod, Error> {
-        self.check_texture(name, &target, formats, "use a texture of such a format")?;
+        self.check_texture(name, &target, false, formats, "use a texture of such a format")?;
         let (usage, format) = (target.texture.usage(), target.texture.format().remove_srgb_suffix());
-        let storable = matches!(target.texture.format(), TextureFormat::R32Float | TextureFormat::Rgba8Unorm);
+        let storable = matches!(
+            target.texture.format(),
+            TextureFormat::R32Float | TextureFormat::R32Uint | TextureFormat::Rgba8Unorm
+        );
         if usage.contains(TextureUsages::RENDER_ATTACHMENT) {
             return Ok(WriteMethod::Draw(format));
         }

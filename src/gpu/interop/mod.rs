@@ -14,9 +14,11 @@ mod work;
 
 pub(crate) use cache::PassCache;
 pub(crate) use context::Context;
+pub(crate) use pipelines::Prepared;
 pub(crate) use regions::Regions;
 pub use resources::{Inputs, Outputs, PixelBuffer, TextureLayer};
 #[cfg(test)]
 pub(crate) use tests::{are_made, texts};
 #[cfg(test)]
 pub(crate) use work::SHADERS;
+pub(crate) use work::VALUES;

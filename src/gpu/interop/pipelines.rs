@@ -1,9 +1,9 @@
 //! Pipelines, bind groups and recorded work.
 
 use crate::gpu::interop::context::Context;
-use crate::gpu::interop::resources::TextureLayer;
+use crate::gpu::interop::resources::{PixelBuffer, TextureLayer};
 use crate::gpu::interop::work::{Work, WriteMethod};
-use crate::gpu::layout::Dispatch;
+use crate::gpu::layout::{Dispatch, IntakeOwn};
 use crate::gpu::scopes;
 use crate::{Error, color};
 use wgpu::TextureFormat;
@@ -13,15 +13,19 @@ use wgpu::TextureFormat;
 pub(super) enum CallerResource<'a> {
     /// Seen in a format.
     Layer(TextureLayer<'a>, TextureFormat),
-    Buffer {
-        buffer: &'a wgpu::Buffer,
-        offset: u64,
-        bytes: u64,
-        bytes_per_row: u32,
-    },
+    /// And how many bytes of it.
+    Buffer(PixelBuffer<'a>, u64),
 }
 
 impl CallerResource<'_> {
+    /// Column and row of the first pixel.
+    pub(super) fn origin(&self) -> [u32; 2] {
+        match self {
+            CallerResource::Layer(layer, _) => layer.origin.unwrap_or_default(),
+            CallerResource::Buffer(pixels, _) => pixels.origin,
+        }
+    }
+
     /// The error for a resource that passed the checks and that the device refused.
     pub(super) fn refused(&self, context: &Context<'_>, name: &str, error: Error) -> Error {
         let error = context.pulse.cause(error);
@@ -32,7 +36,7 @@ impl CallerResource<'_> {
                 format!("create the texture with {format:?} among its view_formats, or in that format")
             }
             CallerResource::Layer(..) => "it was destroyed or serves another purpose: create another texture".into(),
-            CallerResource::Buffer { .. } => "it was destroyed: create another buffer".into(),
+            CallerResource::Buffer(..) => "it was destroyed: create another buffer".into(),
         };
         Error::Image(format!("{name} was refused by the device: {text}; {remedy}"))
     }
@@ -60,10 +64,20 @@ pub(crate) enum Prepared {
 }
 
 impl Prepared {
-    pub(crate) fn record(&self, encoder: &mut wgpu::CommandEncoder) {
+    /// Whether it is a pass, not a copy.
+    pub(crate) fn is_pass(&self) -> bool {
+        !matches!(self, Prepared::Copy { .. })
+    }
+
+    /// `writes`: the timestamps that the pass writes, if it is one.
+    pub(crate) fn record<'a>(
+        &self,
+        encoder: &mut wgpu::CommandEncoder,
+        writes: impl FnOnce() -> Option<wgpu::ComputePassTimestampWrites<'a>>,
+    ) {
         match self {
             Prepared::Compute { label, pipeline, bind_group, workgroups: [x, y] } => {
-                let descriptor = wgpu::ComputePassDescriptor { label: Some(label), timestamp_writes: None };
+                let descriptor = wgpu::ComputePassDescriptor { label: Some(label), timestamp_writes: writes() };
                 let mut pass = encoder.begin_compute_pass(&descriptor);
                 pass.set_pipeline(pipeline);
                 pass.set_bind_group(0, bind_group, &[]);
@@ -81,6 +95,11 @@ impl Prepared {
                 };
                 let mut pass = encoder.begin_render_pass(&wgpu::RenderPassDescriptor {
                     label: Some(label),
+                    timestamp_writes: writes().map(|writes| wgpu::RenderPassTimestampWrites {
+                        query_set: writes.query_set,
+                        beginning_of_pass_write_index: writes.beginning_of_pass_write_index,
+                        end_of_pass_write_index: writes.end_of_pass_write_index,
+                    }),
                     color_attachments: &[Some(attachment)],
                     ..Default::default()
                 });
@@ -119,14 +138,15 @@ pub(super) fn bind(
 ) -> wgpu::BindGroup {
     let uniform = |label, contents: &[u8]| filled(context, label, wgpu::BufferUsages::UNIFORM, contents);
     let frame = uniform("gpu-stereo.frame", bytemuck::bytes_of(context.frame));
-    let stride = if let CallerResource::Buffer { bytes_per_row, .. } = resource { bytes_per_row / 4 } else { 0 };
+    let stride = if let CallerResource::Buffer(pixels, _) = resource { pixels.bytes_per_row / 4 } else { 0 };
     let mut colors = None;
     let mut dispatch = None;
     let (source, view);
     let mut entries = vec![(0, frame.as_entire_binding())];
     match end {
         MatcherResource::Texture(texture) => {
-            let block = Dispatch { stride, ..Dispatch::default() };
+            let [x, y] = resource.origin();
+            let block = Dispatch { stride, own: IntakeOwn { x, y }.into(), ..Dispatch::default() };
             let block = dispatch.insert(uniform("gpu-stereo.dispatch", bytemuck::bytes_of(&block)));
             source = texture.create_view(&wgpu::TextureViewDescriptor::default());
             entries.push((1, block.as_entire_binding()));
@@ -148,7 +168,7 @@ pub(super) fn bind(
             view = layer.view(format);
             entries.push((if method.is_some() { 4 } else { 3 }, wgpu::BindingResource::TextureView(&view)));
         }
-        (CallerResource::Buffer { buffer, offset, bytes, .. }, _) => {
+        (CallerResource::Buffer(PixelBuffer { buffer, offset, .. }, bytes), _) => {
             let size = wgpu::BufferSize::new(bytes);
             entries.push((3, wgpu::BindingResource::Buffer(wgpu::BufferBinding { buffer, offset, size })));
         }
@@ -156,7 +176,7 @@ pub(super) fn bind(
     let entries: Vec<_> =
         entries.into_iter().map(|(binding, resource)| wgpu::BindGroupEntry { binding, resource }).collect();
     context.device.create_bind_group(&wgpu::BindGroupDescriptor {
-        label: Some(&format!("gpu-stereo.{}", work.files()[1])),
+        label: Some(&format!("gpu-stereo.{}", work.name())),
         layout,
         entries: &entries,
     })
@@ -164,7 +184,7 @@ pub(super) fn bind(
 
 /// The pipeline of a piece of work.
 pub(super) fn compile(device: &wgpu::Device, work: Work) -> (wgpu::BindGroupLayout, Pipeline) {
-    let label = format!("gpu-stereo.{}", work.files()[1]);
+    let label = format!("gpu-stereo.{}", work.name());
     let label = Some(label.as_str());
     let layout = device.create_bind_group_layout(&wgpu::BindGroupLayoutDescriptor { label, entries: &work.entries() });
     let pipeline_layout = device.create_pipeline_layout(&wgpu::PipelineLayoutDescriptor {

@@ -31,7 +31,7 @@ impl Region<'_> {
 pub(crate) struct Regions<'a>(Vec<(&'static str, Region<'a>)>);
 
 impl<'a> From<TextureLayer<'a>> for Region<'a> {
-    fn from(TextureLayer { texture, layer }: TextureLayer<'a>) -> Self {
+    fn from(TextureLayer { texture, layer, .. }: TextureLayer<'a>) -> Self {
         Self::Layer(texture, layer.unwrap_or(0))
     }
 }

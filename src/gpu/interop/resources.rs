@@ -20,18 +20,29 @@ pub(super) type Seen = (wgpu::Texture, u32, TextureFormat);
 /// A layer of a texture. The matcher makes the view of it itself: wgpu does not say in which format a view shows its
 /// texture, and a view in another format would give wrong pixels. A reference to a texture of one layer is one.
 ///
-/// The texture is of the matcher's device and size, two-dimensional, with one mip level and one sample a pixel.
+/// The texture is of the matcher's device and size, two-dimensional, with one mip level and one sample a pixel. An input may be a
+/// rectangle of a larger one: [`TextureLayer::at`].
 #[derive(Clone, Copy, Debug)]
 pub struct TextureLayer<'a> {
     pub(super) texture: &'a wgpu::Texture,
     /// None where the texture must have no other.
     pub(super) layer: Option<u32>,
+    /// Column and row of the first pixel; None where the texture has the matcher's size.
+    pub(super) origin: Option<[u32; 2]>,
 }
 
 impl<'a> TextureLayer<'a> {
     /// Layer `layer` of an array of textures, from 0 on.
     pub fn new(texture: &'a wgpu::Texture, layer: u32) -> Self {
-        Self { texture, layer: Some(layer) }
+        Self { texture, layer: Some(layer), origin: None }
+    }
+
+    /// The rectangle of the matcher's size whose first pixel is column `x`, row `y` of the texture: an input that is a part of a
+    /// larger picture, such as one half of a picture that holds both views. [`Inputs`] says what that does to disparities.
+    #[must_use]
+    pub fn at(mut self, x: u32, y: u32) -> Self {
+        self.origin = Some([x, y]);
+        self
     }
 
     /// A view of it in a format of the texture's bytes.
@@ -54,7 +65,7 @@ impl<'a> TextureLayer<'a> {
 
 impl<'a> From<&'a wgpu::Texture> for TextureLayer<'a> {
     fn from(texture: &'a wgpu::Texture) -> Self {
-        Self { texture, layer: None }
+        Self { texture, layer: None, origin: None }
     }
 }
 
@@ -64,17 +75,43 @@ pub struct PixelBuffer<'a> {
     pub(super) buffer: &'a wgpu::Buffer,
     pub(super) offset: u64,
     pub(super) bytes_per_row: u32,
+    /// Column and row of the first pixel.
+    pub(super) origin: [u32; 2],
 }
 
 impl<'a> PixelBuffer<'a> {
     /// An image whose first pixel is at byte `offset`, a multiple of the device's `min_storage_buffer_offset_alignment`,
     /// and whose rows begin `bytes_per_row` from each other, a multiple of 4.
     pub fn new(buffer: &'a wgpu::Buffer, offset: u64, bytes_per_row: u32) -> Self {
-        Self { buffer, offset, bytes_per_row }
+        Self { buffer, offset, bytes_per_row, origin: [0, 0] }
+    }
+
+    /// The rectangle of the matcher's size whose first pixel is column `x`, row `y` of the image that begins at the buffer's offset: as
+    /// [`TextureLayer::at`].
+    #[must_use]
+    pub fn at(mut self, x: u32, y: u32) -> Self {
+        self.origin = [x, y];
+        self
     }
 }
 
 /// Where [`crate::StereoMatcher::record`] takes a pair from.
+///
+/// **Parts of larger pictures.** With [`TextureLayer::at`] and [`PixelBuffer::at`] the pair is a rectangle of each picture, of the matcher's
+/// size; nothing is copied by the caller. Both begin in the same row, unless both are parts of one picture. Their columns may differ:
+/// if the left one begins at column l and the right one at r, a disparity of the whole pictures is the matcher's plus l - r. So a
+/// range from m on is found with [`Params::min_disparity`](crate::Params::min_disparity) = m - (l - r), and depths are right if
+/// l - r is added to [`Camera::doffs`](crate::Camera::doffs). Pixels outside the rectangles are never read: at their borders the maps
+/// are those of images cut out beforehand.
+///
+/// ```
+/// # use gpu_stereo::{Inputs, TextureLayer, wgpu};
+/// /// Both views side by side in one texture of twice the matcher's width.
+/// fn side_by_side(texture: &wgpu::Texture) -> Inputs<'_> {
+///     let half = |x| TextureLayer::from(texture).at(x, 0);
+///     Inputs::textures(half(0), half(texture.width() / 2))
+/// }
+/// ```
 #[derive(Clone, Copy, Debug, Default)]
 #[non_exhaustive]
 pub enum Inputs<'a> {
@@ -118,7 +155,10 @@ impl<'a> Inputs<'a> {
 /// method names a target. A target is a `&wgpu::Texture` of one layer, or a [`TextureLayer`]. No two of them, and no input, may
 /// overlap.
 ///
-/// Textures need the usage `RENDER_ATTACHMENT`; for `R32Float` and `Rgba8Unorm` `STORAGE_BINDING` does, too.
+/// Textures need the usage `RENDER_ATTACHMENT`; for `R32Float`, `R32Uint` and `Rgba8Unorm` `STORAGE_BINDING` does, too. What a texture
+/// holds is the same on every device, to the bit: a value that a format cannot hold is rounded by the shader, to the nearest one, of two
+/// to the even one. `R16Float` can be filtered on every device, `R32Float` with wgpu's feature `FLOAT32_FILTERABLE`; a sampler
+/// that filters mixes the values of pixels without a disparity with others.
 ///
 /// ```
 /// # use gpu_stereo::{Outputs, wgpu};
@@ -132,6 +172,8 @@ pub struct Outputs<'a> {
     pub(super) right: ViewTargets<'a>,
     pub(super) confidence: Option<TextureLayer<'a>>,
     pub(super) confidence_buffer: Option<BufferTarget<'a>>,
+    pub(super) depth: Option<TextureLayer<'a>>,
+    pub(super) depth_buffer: Option<BufferTarget<'a>>,
 }
 
 /// Where the map of one view goes.
@@ -150,7 +192,8 @@ pub(super) struct BufferTarget<'a> {
 }
 
 impl<'a> Outputs<'a> {
-    /// The disparity into a texture: `R32Float` in pixels, -2048 where there is none; or `R16Sint` in 1/16 px, -32768
+    /// The disparity into a texture: `R32Float` in pixels, -2048 where there is none; `R16Sint` in 1/16 px, -32768
+    /// where there is none; or `R16Float` in pixels, which is rounded from 128 px on (to 1/8 px, from 256 px on to 1/4 px and so on), -2048
     /// where there is none.
     #[must_use]
     pub fn disparity(mut self, target: impl Into<TextureLayer<'a>>) -> Self {
@@ -180,6 +223,23 @@ impl<'a> Outputs<'a> {
     #[must_use]
     pub fn confidence_buffer(mut self, buffer: &'a wgpu::Buffer, offset: u64) -> Self {
         self.confidence_buffer = Some(BufferTarget { buffer, offset });
+        self
+    }
+
+    /// The depth into a texture, 0 where there is none: `R32Float` in metres, the nearest float
+    /// ([`DepthMap::metres`](crate::DepthMap::metres)); `R32Uint` in micrometres, as in [`DepthMap`](crate::DepthMap); or `R16Float` in
+    /// metres, the nearest number of 11 binary digits, at least 2^-14. The matcher needs [`crate::Params::depth`].
+    #[must_use]
+    pub fn depth(mut self, target: impl Into<TextureLayer<'a>>) -> Self {
+        self.depth = Some(target.into());
+        self
+    }
+
+    /// As [`Outputs::depth`], but a copy of [`crate::StereoMatcher::depth`] into a buffer with the usage `COPY_DST`, from byte
+    /// `offset` on, a multiple of 4: micrometres.
+    #[must_use]
+    pub fn depth_buffer(mut self, buffer: &'a wgpu::Buffer, offset: u64) -> Self {
+        self.depth_buffer = Some(BufferTarget { buffer, offset });
         self
     }
 

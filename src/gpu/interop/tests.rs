@@ -1,5 +1,7 @@
 //! The bytes that arrive, every value of them; every pipeline without a driver; and that a wrong shader is found.
 
+mod values;
+
 use super::pipelines::{compile, filled};
 use super::work::{Work, WriteMethod};
 use super::*;
@@ -31,6 +33,12 @@ fn works() -> Vec<Work> {
         Work::Pixels(WriteMethod::Store(TextureFormat::R32Float)),
         Work::Sixteenths(WriteMethod::Draw(TextureFormat::R16Sint)),
         Work::Confidence(WriteMethod::Draw(TextureFormat::R8Unorm)),
+        Work::Pixels(WriteMethod::Draw(TextureFormat::R16Float)),
+        Work::Metres(WriteMethod::Draw(TextureFormat::R32Float)),
+        Work::Metres(WriteMethod::Store(TextureFormat::R32Float)),
+        Work::Metres(WriteMethod::Draw(TextureFormat::R16Float)),
+        Work::Micrometres(WriteMethod::Draw(TextureFormat::R32Uint)),
+        Work::Micrometres(WriteMethod::Store(TextureFormat::R32Uint)),
     ]);
     works
 }
@@ -88,6 +96,7 @@ struct Stand {
     params: Params,
     sources: [wgpu::Texture; 2],
     output: wgpu::Buffer,
+    depth: wgpu::Buffer,
 }
 
 fn texture(device: &wgpu::Device, size: [u32; 2], format: TextureFormat, usage: wgpu::TextureUsages) -> wgpu::Texture {
@@ -110,12 +119,14 @@ impl Stand {
         let usage = wgpu::TextureUsages::STORAGE_BINDING | wgpu::TextureUsages::COPY_SRC;
         let source = || texture(device, [TEXELS, rows], TextureFormat::Rgba32Uint, usage);
         let map_stride = width.div_ceil(2).next_multiple_of(4);
-        let output = device.create_buffer(&wgpu::BufferDescriptor {
-            label: None,
-            size: u64::from(4 * map_stride * height),
-            usage: wgpu::BufferUsages::STORAGE | wgpu::BufferUsages::COPY_DST,
-            mapped_at_creation: false,
-        });
+        let map = |words_a_pair: u32| {
+            device.create_buffer(&wgpu::BufferDescriptor {
+                label: None,
+                size: u64::from(4 * words_a_pair * map_stride * height),
+                usage: wgpu::BufferUsages::STORAGE | wgpu::BufferUsages::COPY_DST,
+                mapped_at_creation: false,
+            })
+        };
         Self {
             device: device.clone(),
             queue: queue.clone(),
@@ -124,13 +135,14 @@ impl Stand {
             format,
             params: Params::sgm(16),
             sources: [source(), source()],
-            output,
+            output: map(1),
+            depth: map(2),
         }
     }
 
     fn context(&self) -> Context<'_> {
-        let Self { device, queue, pulse, frame, format, params, sources, output } = self;
-        let (right, confidence, depth) = (None, Some(output), None);
+        let Self { device, queue, pulse, frame, format, params, sources, output, depth } = self;
+        let (right, confidence, depth) = (None, Some(output), Some(depth));
         Context { device, queue, pulse, frame, format: *format, params, sources, output, right, confidence, depth }
     }
 
@@ -152,37 +164,58 @@ impl Stand {
         bytes.chunks_exact(pitch as usize).flat_map(|bytes| &bytes[..row as usize]).copied().collect()
     }
 
-    /// What the source of the right image holds, once it was taken from a texture or a buffer.
-    fn taken(&self, image: &Image, format: Option<TextureFormat>) -> Vec<u8> {
+    /// What the source of the right image holds, once it was taken from a texture or a buffer: from all of it, or with an
+    /// `origin` from a part of a larger one.
+    fn taken(&self, image: &Image, format: Option<TextureFormat>, origin: Option<[u32; 2]>) -> Vec<u8> {
         let cache = PassCache::default();
-        let row = image.width() * image.format().bytes_per_pixel();
-        let mut bytes = image.bytes().to_vec();
+        let pixel = image.format().bytes_per_pixel() as usize;
+        let [x, y] = origin.unwrap_or_default().map(|at| at as usize);
+        let around = usize::from(origin.is_some());
+        let [width, height] = [x + image.width() as usize + around, y + image.height() as usize + around];
+        let row = pixel * width;
+        let mut bytes = vec![0x77; row * height];
+        let rows = bytes.chunks_exact_mut(row).skip(y);
+        for (to, from) in rows.zip(image.bytes().chunks_exact(pixel * image.width() as usize)) {
+            to[pixel * x..][..from.len()].copy_from_slice(from);
+        }
         let prepared = match format {
             Some(format) => {
                 if matches!(format, TextureFormat::Bgra8Unorm | TextureFormat::Bgra8UnormSrgb) {
                     bytes.chunks_exact_mut(4).for_each(|pixel| pixel.swap(0, 2));
                 }
                 let usage = wgpu::TextureUsages::TEXTURE_BINDING | wgpu::TextureUsages::COPY_DST;
-                let texture = texture(&self.device, [image.width(), image.height()], format, usage);
-                let layout = wgpu::TexelCopyBufferLayout { offset: 0, bytes_per_row: Some(row), rows_per_image: None };
+                let texture = texture(&self.device, [width as u32, height as u32], format, usage);
+                let bytes_per_row = Some(row as u32);
+                let layout = wgpu::TexelCopyBufferLayout { offset: 0, bytes_per_row, rows_per_image: None };
                 self.queue.write_texture(texture.as_image_copy(), &bytes, layout, texture.size());
-                self.context().before(&cache, &Inputs::textures(&texture, &texture), &mut Regions::default())
+                let layer = TextureLayer::from(&texture);
+                let layer = if let Some([x, y]) = origin { layer.at(x, y) } else { layer };
+                self.context().before(&cache, &Inputs::textures(layer, layer), &mut Regions::default())
             }
             None => {
-                let pitch = row.next_multiple_of(4) as usize + 8;
-                let mut padded = vec![0x77; pitch * image.height() as usize];
-                for (to, from) in padded.chunks_exact_mut(pitch).zip(bytes.chunks_exact(row as usize)) {
-                    to[..from.len()].copy_from_slice(from);
+                let pitch = row.next_multiple_of(4) + 8;
+                let mut padded = vec![0x77; pitch * height];
+                for (to, from) in padded.chunks_exact_mut(pitch).zip(bytes.chunks_exact(row)) {
+                    to[..row].copy_from_slice(from);
                 }
                 let buffer = filled(&self.context(), "image", wgpu::BufferUsages::STORAGE, &padded);
-                let pixels = PixelBuffer::new(&buffer, 0, pitch as u32);
+                let pixels = PixelBuffer::new(&buffer, 0, pitch as u32).at(x as u32, y as u32);
                 self.context().before(&cache, &Inputs::buffers(pixels, pixels), &mut Regions::default())
             }
         };
-        let mut encoder = self.device.create_command_encoder(&wgpu::CommandEncoderDescriptor::default());
-        prepared.unwrap().iter().for_each(|work| work.record(&mut encoder));
-        self.queue.submit([encoder.finish()]);
+        self.submit(&prepared.unwrap());
         self.read(&self.sources[1])
+    }
+
+    /// Writes the outputs.
+    fn leave(&self, outputs: &Outputs<'_>) {
+        self.submit(&self.context().after(&PassCache::default(), outputs, &mut Regions::default()).unwrap());
+    }
+
+    fn submit(&self, work: &[Prepared]) {
+        let mut encoder = self.device.create_command_encoder(&wgpu::CommandEncoderDescriptor::default());
+        work.iter().for_each(|work| work.record(&mut encoder, || None));
+        self.queue.submit([encoder.finish()]);
     }
 }
 
@@ -209,10 +242,13 @@ fn every_value_arrives_as_it_is() {
             for kind in kinds(format) {
                 let mut expected = image.bytes().to_vec();
                 expected.resize(16 * (TEXELS * stand.sources[0].height()) as usize, 0);
-                let got = stand.taken(&image, kind);
-                let first = got.iter().zip(&expected).position(|(a, b)| a != b);
-                let name = adapter.get_info().name;
-                assert!(first.is_none(), "byte {first:?} of {format:?} from {kind:?}, {width} wide, on {name}");
+                for origin in [None, Some([3, 2])] {
+                    let got = stand.taken(&image, kind, origin);
+                    let first = got.iter().zip(&expected).position(|(a, b)| a != b);
+                    let name = adapter.get_info().name;
+                    let case = format!("{format:?} from {kind:?}, {width} wide, from {origin:?} on, on {name}");
+                    assert!(first.is_none(), "byte {first:?} of {case}");
+                }
             }
         }
     }
@@ -222,45 +258,54 @@ fn every_value_arrives_as_it_is() {
 #[test]
 fn a_mutated_shader_is_caught() {
     let Some((_, device, queue)) = device() else { return };
-    let mutants: [(&str, &str, &str); 11] = [
+    let mutants: [(&str, &str, &str); 22] = [
         ("intake", "x == row", "x > row"),
         ("intake", "(i % IN_WORD * BITS)", "(i % 2u * BITS)"),
         ("intake_texture", "vec4(0.5)", "vec4(0.0)"),
         ("intake_texture", "0.0031308", "0.031308"),
         ("intake_texture", "1.0 / 2.4", "1.0 / 2.2"),
         ("intake_texture", "deep.zw, vec2((x & 1u) == 1u)", "deep.xy, vec2((x & 1u) == 1u)"),
-        ("intake_buffer", "y * dispatch.stride", "y * (dispatch.stride - 1u)"),
-        ("surface_pixels", "at.x)) / 16.0", "at.x)) / 17.0"),
-        ("surface_sixteenths", "at.x / 2u]", "at.x / 4u]"),
-        ("surface_color", "value == INVALID", "false"),
-        ("surface_confidence", "(at.x & 3u) * 8u", "(at.x & 1u) * 8u"),
+        ("intake_buffer", ".y) * dispatch.stride", ".y) * (dispatch.stride - 1u)"),
+        ("intake_buffer", "dispatch.own.x * UNITS_A_PIXEL", "dispatch.own.x * 2u"),
+        ("intake_buffer", "y + dispatch.own.y", "y"),
+        ("intake_texture", "+ dispatch.own.x", ""),
+        ("intake_texture", "y + dispatch.own.y", "y + dispatch.own.x"),
+        ("surface_pixels", "/ 16.0", "/ 17.0"),
+        ("surface_values", "x / 2u", "x / 4u"),
+        ("surface_color", "value == STEREO_INVALID", "false"),
+        ("surface_values", "(x & 3u) * 8u", "(x & 1u) * 8u"),
+        ("surface_values", "half - 1u + ((n >> dropped) & 1u)", "half"),
+        ("surface_values", "half - 1u + ((n >> dropped) & 1u)", "0u"),
+        ("surface_values", "second % 1000000u != 0u", "false"),
+        ("surface_values", "<< 3u", "<< 2u"),
+        ("surface_metres", "micrometres == 0u", "false"),
+        ("surface_metres", "0.00006103515625", "0.0"),
+        ("surface_micrometres", "8u * frame", "4u * frame"),
     ];
     let seen = || {
         let mut seen = Vec::new();
         for format in FORMATS {
             let image = all_values(format, 33);
             let stand = Stand::new(&device, &queue, 33, image.height(), format);
-            seen.extend(kinds(format).into_iter().map(|kind| stand.taken(&image, kind)));
+            let origins = [None, Some([3, 2])];
+            let all = kinds(format).into_iter().flat_map(|kind| origins.map(|origin| (kind, origin)));
+            seen.extend(all.map(|(kind, origin)| stand.taken(&image, kind, origin)));
         }
         // A map with all that one may hold, and the same bytes as a confidence.
         let stand = Stand::new(&device, &queue, 35, 9, PixelFormat::Gray8);
         let bytes: Vec<u8> = (0..stand.output.size() as u32).map(|i| (i * 37 % 256) as u8).collect();
         queue.write_buffer(&stand.output, 0, &bytes);
         queue.write_buffer(&stand.output, 4, &i16::MIN.to_le_bytes().repeat(2));
+        queue.write_buffer(&stand.depth, 0, bytemuck::cast_slice(&values::depths(40 * 9 + 140_000)[..40 * 9]));
+        queue.write_buffer(&stand.depth, 4 * 40 * 4, bytemuck::cast_slice(&values::depths(150_000)[5000..][..40 * 5]));
         let usage = wgpu::TextureUsages::RENDER_ATTACHMENT | wgpu::TextureUsages::COPY_SRC;
-        let formats =
-            [TextureFormat::R32Float, TextureFormat::R16Sint, TextureFormat::Rgba8Unorm, TextureFormat::R8Unorm];
+        use TextureFormat::{R8Unorm, R16Float, R16Sint, R32Float, R32Uint, Rgba8Unorm};
+        let formats = [R32Float, R16Sint, R16Float, Rgba8Unorm, R8Unorm, R32Float, R16Float, R32Uint];
         let textures = formats.map(|format| texture(&device, [35, 9], format, usage));
-        let outputs = [
-            Outputs::default().disparity(&textures[0]).color(&textures[2]).confidence(&textures[3]),
-            Outputs::default().disparity(&textures[1]),
-        ];
-        let mut encoder = device.create_command_encoder(&wgpu::CommandEncoderDescriptor::default());
-        for outputs in &outputs {
-            let prepared = stand.context().after(&PassCache::default(), outputs, &mut Regions::default()).unwrap();
-            prepared.iter().for_each(|work| work.record(&mut encoder));
-        }
-        queue.submit([encoder.finish()]);
+        let to = Outputs::default();
+        stand.leave(&to.disparity(&textures[0]).color(&textures[3]).confidence(&textures[4]).depth(&textures[5]));
+        stand.leave(&to.disparity(&textures[1]).depth(&textures[6]));
+        stand.leave(&to.disparity(&textures[2]).depth(&textures[7]));
         seen.extend(textures.iter().map(|texture| stand.read(texture)));
         seen
     };

@@ -14,7 +14,7 @@ macro_rules! wgsl {
 }
 
 /// The files that are no stages of the chain.
-pub(crate) const SHADERS: [(&str, &str); 9] = wgsl!(
+pub(crate) const SHADERS: [(&str, &str); 12] = wgsl!(
     "interop" / "intake",
     "interop/parts" / "intake_texture",
     "interop/parts" / "intake_buffer",
@@ -23,8 +23,14 @@ pub(crate) const SHADERS: [(&str, &str); 9] = wgsl!(
     "interop/parts" / "surface_pixels",
     "interop/parts" / "surface_sixteenths",
     "interop/parts" / "surface_color",
-    "interop/parts" / "surface_confidence"
+    "interop/parts" / "surface_confidence",
+    "interop/parts" / "surface_metres",
+    "interop/parts" / "surface_micrometres",
+    "interop/parts" / "surface_values"
 );
+
+/// How a shader reads the matcher's buffers.
+pub(crate) const VALUES: &str = include_str!("../../../shaders/interop/parts/surface_values.wgsl");
 
 /// How a texture is filled.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
@@ -41,38 +47,52 @@ pub(super) enum Work {
     Sixteenths(WriteMethod),
     Color(WriteMethod),
     Confidence(WriteMethod),
+    Metres(WriteMethod),
+    Micrometres(WriteMethod),
 }
 
 impl Work {
     /// The files of its text.
-    pub(super) fn files(self) -> [&'static str; 2] {
-        let of = |method, shown| match method {
-            WriteMethod::Draw(_) => ["surface_draw", shown],
-            WriteMethod::Store(_) => ["surface_store", shown],
+    pub(super) fn files(self) -> Vec<&'static str> {
+        let main = match self.method() {
+            None => "intake",
+            Some(WriteMethod::Draw(_)) => "surface_draw",
+            Some(WriteMethod::Store(_)) => "surface_store",
         };
+        let values = self.method().map(|_| "surface_values");
+        [main, self.name()].into_iter().chain(values).collect()
+    }
+
+    /// The file that is its own.
+    pub(super) fn name(self) -> &'static str {
         match self {
-            Work::Intake { textured: true, .. } => ["intake", "intake_texture"],
-            Work::Intake { textured: false, .. } => ["intake", "intake_buffer"],
-            Work::Pixels(method) => of(method, "surface_pixels"),
-            Work::Sixteenths(method) => of(method, "surface_sixteenths"),
-            Work::Color(method) => of(method, "surface_color"),
-            Work::Confidence(method) => of(method, "surface_confidence"),
+            Work::Intake { textured: true, .. } => "intake_texture",
+            Work::Intake { textured: false, .. } => "intake_buffer",
+            Work::Pixels(_) => "surface_pixels",
+            Work::Sixteenths(_) => "surface_sixteenths",
+            Work::Color(_) => "surface_color",
+            Work::Confidence(_) => "surface_confidence",
+            Work::Metres(_) => "surface_metres",
+            Work::Micrometres(_) => "surface_micrometres",
         }
     }
 
     pub(super) fn method(self) -> Option<WriteMethod> {
         match self {
             Work::Intake { .. } => None,
-            Work::Pixels(method) | Work::Sixteenths(method) | Work::Color(method) | Work::Confidence(method) => {
-                Some(method)
-            }
+            Work::Pixels(method)
+            | Work::Sixteenths(method)
+            | Work::Color(method)
+            | Work::Confidence(method)
+            | Work::Metres(method)
+            | Work::Micrometres(method) => Some(method),
         }
     }
 
     /// The whole text.
     pub(super) fn source(self) -> String {
         let number = |name: &str, value: u32| format!("const {name}: u32 = {value}u; ");
-        let mut constants = number("LANES", LANES) + NO_OWN;
+        let mut constants = number("LANES", LANES);
         if let Work::Intake { format, srgb, .. } = self {
             let (bits, units) = match format.bytes_per_pixel() {
                 bytes @ 1..=4 => (8 * bytes, 1),
@@ -88,8 +108,16 @@ impl Work {
             let rest = [("BITS", bits), ("UNITS_A_PIXEL", units), ("SRGB", srgb.into())];
             constants.extend(rest.map(|(name, value)| number(name, value)));
         }
+        if let Some(WriteMethod::Draw(format) | WriteMethod::Store(format)) = self.method() {
+            constants.push_str(NO_OWN);
+            constants += &number("DIGITS", if format == TextureFormat::R16Float { 11 } else { 24 });
+        }
         if let Some(WriteMethod::Store(format)) = self.method() {
-            let texel = if format == TextureFormat::R32Float { "r32float" } else { "rgba8unorm" };
+            let texel = match format {
+                TextureFormat::R32Float => "r32float",
+                TextureFormat::R32Uint => "r32uint",
+                _ => "rgba8unorm",
+            };
             constants.push_str(&format!("alias Target = texture_storage_2d<{texel}, write>; "));
         }
         let text = format!("{}\n{constants}\n", self.fragments());
@@ -100,8 +128,8 @@ impl Work {
 
     fn fragments(self) -> String {
         let text = |name| SHADERS.iter().find(|(file, _)| *file == name).map_or("", |(_, text)| text);
-        let [main, own] = self.files();
-        [text(main), text(own), include_str!("../../../shaders/shared/common.wgsl")].join("\n")
+        let own = self.files().into_iter().map(text);
+        own.chain([include_str!("../../../shaders/shared/common.wgsl")]).collect::<Vec<_>>().join("\n")
     }
 
     /// What it is bound to.

@@ -19,6 +19,6 @@ pub(crate) use sizes::Sizes;
 #[cfg(test)]
 pub(crate) use uniforms::Own;
 pub(crate) use uniforms::{
-    BeliefOwn, CoarseOwn, Dispatch, FillOwn, Frame, GrayOwn, HistogramOwn, ImageOwn, LayerOwn, NO_OWN, PathOwn,
-    PlaneOwn, RoundOwn, SmoothOwn, StartOwn, TEXELS, TEXTURE_ROW, ValidityOwn, WindowOwn,
+    BeliefOwn, CoarseOwn, Dispatch, FillOwn, Frame, GrayOwn, HistogramOwn, ImageOwn, IntakeOwn, LayerOwn, NO_OWN,
+    PathOwn, PlaneOwn, RoundOwn, SmoothOwn, StartOwn, TEXELS, TEXTURE_ROW, ValidityOwn, WindowOwn,
 };

@@ -169,4 +169,6 @@ own! {
     ValidityOwn { side: u32 }
     /// Of `fill_between` and `fill_rays`.
     FillOwn { occlusions: u32 }
+    /// Of `intake`.
+    IntakeOwn { x: u32, y: u32 }
 }

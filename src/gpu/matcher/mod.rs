@@ -10,6 +10,9 @@ mod shared_kernels;
 mod stereo_matcher;
 mod timed;
 mod timer;
+mod timestamps;
 mod upload;
 
 pub use stereo_matcher::StereoMatcher;
+pub(crate) use timestamps::Stamps;
+pub use timestamps::{TimedSpan, Timestamps};

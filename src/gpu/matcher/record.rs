@@ -1,9 +1,11 @@
 //! The work of a frame, recorded into the caller's encoder.
 
-use crate::gpu::interop::{Context, Inputs, Outputs, Regions};
+use crate::gpu::interop::{Context, Inputs, Outputs, Prepared, Regions};
 use crate::gpu::matcher::stereo_matcher::StereoMatcher;
+use crate::gpu::matcher::timestamps::{Stamps, TimedSpan, Timestamps};
 use crate::gpu::recording::{Step, Written, record_steps};
 use crate::gpu::scopes;
+use crate::gpu::uploads::Uploaded;
 use crate::{Error, Method, Network};
 
 /// Multiplications of a network that are submitted at once: a CPU adapter has some tenths of a second to do with them.
@@ -27,6 +29,53 @@ impl StereoMatcher {
         inputs: &Inputs<'_>,
         outputs: &Outputs<'_>,
     ) -> Result<(), Error> {
+        self.record_with(encoder, inputs, outputs, None).map(|_| ())
+    }
+
+    /// As [`StereoMatcher::record`], and the passes write timestamps into the caller's queries. Returns what is between which of
+    /// them, in the order of the work.
+    ///
+    /// ```no_run
+    /// # use gpu_stereo::{Error, Inputs, Outputs, StereoMatcher, Timestamps, wgpu};
+    /// # fn program(matcher: &StereoMatcher, encoder: &mut wgpu::CommandEncoder, device: &wgpu::Device) -> Result<(), Error> {
+    /// let queries = device.create_query_set(&wgpu::QuerySetDescriptor {
+    ///     label: None,
+    ///     ty: wgpu::QueryType::Timestamp,
+    ///     count: matcher.stage_queries(),
+    /// });
+    /// let timestamps = Timestamps::stages(&queries, 0);
+    /// for span in matcher.record_timed(encoder, &Inputs::Uploaded, &Outputs::default(), timestamps)? {
+    ///     println!("{}: from query {} to query {}", span.name, span.begin, span.end);
+    /// }
+    /// # Ok(())
+    /// # }
+    /// ```
+    ///
+    /// # Errors
+    /// As [`StereoMatcher::record`]; [`Error::Misuse`] if the query set has not the type `Timestamp` or too few queries, or is another
+    /// device's: then nothing is recorded.
+    pub fn record_timed(
+        &self,
+        encoder: &mut wgpu::CommandEncoder,
+        inputs: &Inputs<'_>,
+        outputs: &Outputs<'_>,
+        timestamps: Timestamps<'_>,
+    ) -> Result<Vec<TimedSpan>, Error> {
+        self.record_with(encoder, inputs, outputs, Some(timestamps))
+    }
+
+    /// The most queries that [`Timestamps::stages`] writes for a frame of the present size and settings.
+    pub fn stage_queries(&self) -> u32 {
+        2 * (self.runs(true).len() as u32 + 2) // and what takes the pair, and what writes the outputs
+    }
+
+    fn record_with(
+        &self,
+        encoder: &mut wgpu::CommandEncoder,
+        inputs: &Inputs<'_>,
+        outputs: &Outputs<'_>,
+        timestamps: Option<Timestamps<'_>>,
+    ) -> Result<Vec<TimedSpan>, Error> {
         self.pulse.check()?;
         if !self.pulse.owns(encoder) {
             return Err(Error::Misuse(
@@ -35,6 +84,27 @@ impl StereoMatcher {
                     .into(),
             ));
         }
+        let frame = self.prepared(inputs, outputs, timestamps.is_some_and(|timestamps| timestamps.stages))?;
+        let (mut stamps, spans) = Stamps::new(self, timestamps, &frame.names())?;
+        let recorded = scopes::guarded_or_left(&self.device, || self.record_prepared(encoder, &frame, &mut stamps));
+        recorded.map_err(|error| match self.pulse.cause(error) {
+            Error::Lost(text) if scopes::refusal(&text).is_some() => Error::Misuse(format!(
+                "the encoder refused the work: {}; end its open passes before, and begin with a new encoder",
+                scopes::refusal(&text).unwrap_or_default()
+            )),
+            other => other,
+        })?;
+        self.has_recorded(encoder, &frame);
+        Ok(spans)
+    }
+
+    /// A frame whose inputs and outputs are checked, and all of whose work is made. `stages`: with a pass for each stage.
+    pub(crate) fn prepared(
+        &self,
+        inputs: &Inputs<'_>,
+        outputs: &Outputs<'_>,
+        stages: bool,
+    ) -> Result<PreparedFrame<'_>, Error> {
         let context = self.interop();
         let mut regions = Regions::default();
         let before = context.before(&self.passes, inputs, &mut regions)?;
@@ -49,25 +119,38 @@ impl StereoMatcher {
             })?),
             _ => None,
         };
-        let recorded = scopes::guarded_or_left(&self.device, || {
-            if let Some(pair) = &uploaded {
-                self.record_sources(encoder, &pair.buffer);
-            }
-            before.iter().for_each(|work| work.record(encoder));
-            self.record_chain(encoder);
-            after.iter().for_each(|work| work.record(encoder));
-        });
-        recorded.map_err(|error| match self.pulse.cause(error) {
-            Error::Lost(text) if scopes::refusal(&text).is_some() => Error::Misuse(format!(
-                "the encoder refused the work: {}; end its open passes before, and begin with a new encoder",
-                scopes::refusal(&text).unwrap_or_default()
-            )),
-            other => other,
-        })?;
-        let held = (self.recorded.clone(), uploaded.map(|pair| pair.held));
+        Ok(PreparedFrame { uploaded, before, runs: self.runs(stages), stages, after })
+    }
+
+    /// Records a frame.
+    pub(crate) fn record_prepared(
+        &self,
+        encoder: &mut wgpu::CommandEncoder,
+        frame: &PreparedFrame<'_>,
+        stamps: &mut Stamps<'_>,
+    ) {
+        if let Some(pair) = &frame.uploaded {
+            self.record_sources(encoder, &pair.buffer);
+        }
+        frame.before.iter().for_each(|work| work.record(encoder, || stamps.next()));
+        for steps in &frame.runs {
+            let label = if frame.stages { steps[0].stage() } else { "gpu-stereo" };
+            record_steps(encoder, label, steps, stamps.next());
+        }
+        frame.after.iter().for_each(|work| work.record(encoder, || stamps.next()));
+    }
+
+    /// A frame was recorded: until it is done, or the encoder dropped, what it needs is kept.
+    pub(crate) fn has_recorded(&self, encoder: &wgpu::CommandEncoder, frame: &PreparedFrame<'_>) {
+        let held = (self.recorded.clone(), frame.uploaded.as_ref().map(|pair| pair.held.clone()));
         encoder.on_submitted_work_done(move || drop(held));
         self.has_computed();
-        Ok(())
+    }
+
+    /// The steps of each compute pass, which ends where something is copied or cleared; or also with each stage.
+    pub(super) fn runs(&self, stages: bool) -> Vec<&[Step]> {
+        let together = |a: &Step, b: &Step| a.copy_to.is_none() && !b.clears && !(stages && a.stage() != b.stage());
+        self.steps.chunk_by(together).collect()
     }
 
     fn interop(&self) -> Context<'_> {
@@ -95,7 +178,7 @@ impl StereoMatcher {
     /// Records the work of one frame that is submitted at once, of a network in [`Pieces`].
     pub(super) fn record_at_once(&self, encoder: &mut wgpu::CommandEncoder) {
         let mut pieces = Pieces::new(self);
-        for steps in self.steps.chunk_by(|a, b| a.copy_to.is_none() && !b.clears) {
+        for steps in self.runs(false) {
             record_steps(encoder, "gpu-stereo", steps, None);
             pieces.recorded(encoder, steps);
         }
@@ -115,10 +198,29 @@ impl StereoMatcher {
 
     /// Records the work of one frame, from the uploaded pair to [`StereoMatcher::output`].
     pub(crate) fn record_chain(&self, encoder: &mut wgpu::CommandEncoder) {
-        // A compute pass ends where something is copied or cleared.
-        for steps in self.steps.chunk_by(|a, b| a.copy_to.is_none() && !b.clears) {
+        for steps in self.runs(false) {
             record_steps(encoder, "gpu-stereo", steps, None);
         }
+    }
+}
+
+/// A frame that only has to be recorded.
+pub(crate) struct PreparedFrame<'a> {
+    /// The pair that was uploaded last, if it is taken.
+    uploaded: Option<Uploaded>,
+    before: Vec<Prepared>,
+    /// The steps of each compute pass of the chain.
+    runs: Vec<&'a [Step]>,
+    stages: bool,
+    after: Vec<Prepared>,
+}
+
+impl PreparedFrame<'_> {
+    /// The name of the stage of each pass, in their order.
+    fn names(&self) -> Vec<&'static str> {
+        let passes = |all: &[Prepared], name| vec![name; all.iter().filter(|work| work.is_pass()).count()];
+        let chain = self.runs.iter().map(|steps| steps[0].stage()).collect();
+        [passes(&self.before, "intake"), chain, passes(&self.after, "outputs")].concat()
     }
 }
 

@@ -7,6 +7,7 @@ use crate::gpu::chain::Ends;
 use crate::gpu::device::Pulse;
 use crate::gpu::interop::PassCache;
 use crate::gpu::layout::{Sizes, source_layout};
+use crate::gpu::map_layout::{MapFormat, MapLayout};
 use crate::gpu::maps::MapBytes;
 use crate::gpu::matcher::build::{build, ensure_memory};
 use crate::gpu::matcher::shared_kernels::SharedKernels;
@@ -196,8 +197,8 @@ impl StereoMatcher {
     }
 
     /// Where [`StereoMatcher::record`] leaves the disparity map: `i16` in 1/16 px, two pixels a word, the left one in
-    /// the low half, each row padded to a multiple of 16 bytes; [`DisparityMap::INVALID`](crate::DisparityMap::INVALID) where there is none. The buffer
-    /// may be longer. After [`StereoMatcher::resize`] or [`StereoMatcher::set_params`] it may be another one.
+    /// the low half, each row padded to a multiple of 16 bytes; [`DisparityMap::INVALID`](crate::DisparityMap::INVALID) where there is none.
+    /// [`StereoMatcher::layout`] says the same in numbers. The buffer may be longer. After [`StereoMatcher::resize`] or [`StereoMatcher::set_params`] it may be another one.
     pub fn output(&self) -> &wgpu::Buffer {
         &self.ends.output
     }
@@ -218,6 +219,11 @@ impl StereoMatcher {
     /// [`DepthMap`](crate::DepthMap), each row padded to a multiple of 32 bytes. The buffer may be longer.
     pub fn depth(&self) -> Option<&wgpu::Buffer> {
         self.ends.depth.as_ref()
+    }
+
+    /// How maps of a format lie in the matcher's buffers, and in the copies that [`Outputs`](crate::Outputs) makes of them.
+    pub fn layout(&self, format: MapFormat) -> MapLayout {
+        MapLayout::new(format, &self.sizes.frame)
     }
 
     /// Whether a pair is what the matcher was made for.

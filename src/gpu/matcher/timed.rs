@@ -3,7 +3,7 @@
 use crate::gpu::matcher::record::Pieces;
 use crate::gpu::matcher::stereo_matcher::StereoMatcher;
 use crate::gpu::matcher::timer::Timer;
-use crate::gpu::recording::{Step, record_steps};
+use crate::gpu::recording::record_steps;
 use crate::gpu::{readback, scopes};
 use crate::{Error, Image, Matched, StageTime};
 
@@ -16,8 +16,7 @@ impl StereoMatcher {
     #[cfg(not(target_arch = "wasm32"))]
     pub fn compute_timed_blocking(&self, left: &Image, right: &Image) -> Result<(Matched, Vec<StageTime>), Error> {
         // Neighbouring steps of a stage are timed together.
-        let runs: Vec<&[Step]> =
-            self.steps.chunk_by(|a, b| a.stage() == b.stage() && a.copy_to.is_none() && !b.clears).collect();
+        let runs = self.runs(true);
         let count = 2 * runs.len() as u32;
         let timed = self.device.features().contains(wgpu::Features::TIMESTAMP_QUERY);
         if !timed || count > wgpu::QUERY_SET_MAX_QUERIES {
