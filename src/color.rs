@@ -1,8 +1,10 @@
 //! The colours of a disparity map: the same on the host, in the command's pictures and in textures.
 
+use std::fmt;
 use std::ops::RangeInclusive;
+use std::str::FromStr;
 
-use crate::DisparityMap;
+use crate::{DisparityMap, Error};
 
 /// A map from a share of a range to a colour. No colour is near black, which stands for no disparity: where a map begins or
 /// ends nearly black, that part is left out.
@@ -38,6 +40,11 @@ impl Colors {
         ("gray", Self::Gray),
     ];
 
+    /// Its name.
+    pub fn name(self) -> &'static str {
+        Self::ALL.iter().find(|(_, colors)| *colors == self).map_or("", |(name, _)| name)
+    }
+
     /// Red, green and blue of a share from 0 to 1, of small disparities to large ones; shares below and above are clamped.
     pub fn at(self, share: f64) -> [u8; 3] {
         // What is left out would be darker than a sixth of white.
@@ -58,6 +65,22 @@ impl Colors {
             }
             None => [(place * 255.0).round() as u8; 3],
         }
+    }
+}
+
+impl fmt::Display for Colors {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.pad(self.name())
+    }
+}
+
+impl FromStr for Colors {
+    type Err = Error;
+
+    /// Those of this name.
+    fn from_str(text: &str) -> Result<Self, Error> {
+        let named = Self::ALL.iter().find(|(name, _)| *name == text).map(|(_, colors)| *colors);
+        named.ok_or_else(|| Error::no_name("colors", text, Self::ALL.iter().map(|(name, _)| *name)))
     }
 }
 

@@ -185,6 +185,7 @@ pub struct ConfidenceMap {
 
 /// The index of each pixel's winner, before any test of it: what a method assigns to every pixel.
 #[derive(Clone, Debug, PartialEq, Eq)]
+#[non_exhaustive]
 pub struct Labels {
     /// Pixels a row.
     pub width: u32,
@@ -200,6 +201,7 @@ pub struct Labels {
 
 /// What a labelling costs: the smaller, the better it is in the eyes of a Markov random field.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[non_exhaustive]
 pub struct Energy {
     /// The sum over all pixels of the matching cost of their labels.
     pub data: u64,

@@ -133,7 +133,7 @@ pub fn calibration(data: &[u8], two_files: bool) {
     let fit = |calibration: Calibration| calibration.fit(size[0], size[1]);
     match parsed.and_then(|(left, right)| Calibration::of(&left, right.as_ref(), reading)).and_then(fit) {
         Ok(Fitted { camera, lenses: found, .. }) => {
-            let Camera { focal, baseline, doffs, cx, cy } = camera;
+            let Camera { focal, baseline, doffs, cx, cy, .. } = camera;
             assert!([focal, baseline, doffs, cx, cy].iter().all(|value| value.is_finite()), "{camera:?}");
             assert!(focal > 0.0 && baseline > 0.0, "{camera:?}");
             camera.validate().expect("a calibration within the ranges of a camera");

@@ -33,7 +33,7 @@ impl PyCamera {
     #[new]
     #[pyo3(signature = (focal, baseline, cx, cy, doffs=0.0))]
     fn new(focal: f64, baseline: f64, cx: f64, cy: f64, doffs: f64) -> PyResult<Self> {
-        let camera = Camera { focal, baseline, doffs, cx, cy };
+        let camera = Camera::new(focal, baseline).with_doffs(doffs).with_principal_point(cx, cy);
         camera.validate().map_err(raised)?;
         Ok(Self(camera))
     }
@@ -69,12 +69,12 @@ impl PyCamera {
     }
 
     fn __reduce__<'py>(this: &Bound<'py, Self>) -> (Bound<'py, PyType>, (f64, f64, f64, f64, f64)) {
-        let Camera { focal, baseline, doffs, cx, cy } = this.get().0;
+        let Camera { focal, baseline, doffs, cx, cy, .. } = this.get().0;
         (this.get_type(), (focal, baseline, cx, cy, doffs))
     }
 
     fn __repr__(&self) -> String {
-        let Camera { focal, baseline, doffs, cx, cy } = self.0;
+        let Camera { focal, baseline, doffs, cx, cy, .. } = self.0;
         format!("Camera(focal={focal}, baseline={baseline}, cx={cx}, cy={cy}, doffs={doffs})")
     }
 }

@@ -27,7 +27,7 @@ pub fn raised(error: Error) -> PyErr {
     };
     match error {
         Error::Memory { .. } | Error::OutOfMemory | Error::TooLarge { .. } => OutOfMemoryError::new_err(text),
-        Error::Device(_) | Error::Lost(_) | Error::Adapter(_) => DeviceError::new_err(text),
+        Error::Device(_) | Error::Lost(_) | Error::Refused(_) | Error::Adapter(_) => DeviceError::new_err(text),
         _ => InputError::new_err(text),
     }
 }

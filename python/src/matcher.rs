@@ -101,7 +101,7 @@ impl Matcher {
             Ok((engine, done))
         })?;
         // A device that was lost is opened anew the next time.
-        ready.engine = (!matches!(done, Err(Error::Lost(_)))).then_some(engine);
+        ready.engine = (!matches!(done, Err(Error::Lost(_) | Error::Refused(_)))).then_some(engine);
         ready.shape = shape;
         done
     }

@@ -1,5 +1,8 @@
 //! The engine computes the maps of pairs of one size and format: on an adapter, by the native schedule or by the reference.
 
+use std::fmt;
+use std::str::FromStr;
+
 use wgpu::DeviceType;
 
 use crate::backend::adapter::{self, Opened};
@@ -36,6 +39,22 @@ impl Backend {
     /// Whether it may compute on an adapter.
     pub fn takes_adapters(self) -> bool {
         matches!(self, Self::Auto | Self::Gpu)
+    }
+}
+
+impl fmt::Display for Backend {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.pad(self.name())
+    }
+}
+
+impl FromStr for Backend {
+    type Err = Error;
+
+    /// The one of this name.
+    fn from_str(text: &str) -> Result<Self, Error> {
+        let named = Self::NAMED.iter().find(|(name, _)| *name == text).map(|(_, backend)| *backend);
+        named.ok_or_else(|| Error::no_name("backend", text, Self::NAMED.iter().map(|(name, _)| *name)))
     }
 }
 
@@ -104,7 +123,9 @@ impl Engine {
             match opened {
                 Ok(engine) => return Ok(engine),
                 // An adapter that cannot run the kernels is skipped, and that is reported.
-                Err(error @ (Error::Adapter(_) | Error::Device(_))) if !only => note(format!("{}: {error}", info.name)),
+                Err(error @ (Error::Adapter(_) | Error::Device(_) | Error::Refused(_))) if !only => {
+                    note(format!("{}: {error}", info.name));
+                }
                 Err(error) => return Err(error),
             }
         }

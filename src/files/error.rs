@@ -48,6 +48,11 @@ impl Error {
         Self::of(error)
     }
 
+    /// What the operating system said, such as that there is no such file; `None` if the file was read, and its contents are wrong.
+    pub fn io_kind(&self) -> Option<ErrorKind> {
+        self.io.map(|(kind, _)| kind)
+    }
+
     /// Whether what cannot be written now cannot be written a moment later either, and nothing else can be: the disk is full,
     /// read-only or lost, or the process has no file left to open.
     pub fn is_lasting(&self) -> bool {

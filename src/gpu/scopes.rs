@@ -46,10 +46,7 @@ impl Verdict {
             match first {
                 None => Ok(()),
                 Some(wgpu::Error::OutOfMemory { .. }) => Err(Error::OutOfMemory),
-                Some(error) => {
-                    let text = one_line(&error.to_string());
-                    Err(Error::Lost([REFUSED[0], &text, REFUSED[1]].concat()))
-                }
+                Some(error) => Err(Error::Refused(one_line(&error.to_string()))),
             }
         });
         match pending.as_mut().poll(&mut Context::from_waker(Waker::noop())) {
@@ -95,14 +92,6 @@ impl Future for Verdict {
             }
         }
     }
-}
-
-/// The words around the text of an error that the device reported.
-const REFUSED: [&str; 2] = ["it refused the work: ", "; update its driver, or take another adapter"];
-
-/// The text that the device reported, if the error is one of these.
-pub(crate) fn refusal(text: &str) -> Option<&str> {
-    text.strip_prefix(REFUSED[0])?.strip_suffix(REFUSED[1])
 }
 
 /// Does work, and catches the errors that the device reports, which would else reach the caller's error handler.
@@ -174,7 +163,7 @@ mod tests {
         for polls in 0..4 {
             for place in 0..3 {
                 let scopes = || [0, 1, 2].map(|i| Late(polls, (i == place).then(validation).flatten()));
-                let Err(Error::Lost(text)) = pollster::block_on(Verdict::of(scopes())) else {
+                let Err(Error::Refused(text)) = pollster::block_on(Verdict::of(scopes())) else {
                     panic!("{polls} {place}")
                 };
                 assert!(text.contains("the shader is wrong"), "{text}");

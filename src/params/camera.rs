@@ -6,7 +6,15 @@ use crate::Error;
 /// right of the left one.
 ///
 /// Depths are in the unit of `baseline`; where this crate says metres, it assumes that `baseline` is in metres.
+///
+/// ```
+/// use gpu_stereo::Camera;
+/// let camera = Camera::new(994.978, 0.193).with_doffs(31.086).with_principal_point(311.193, 254.877);
+/// assert!(camera.validate().is_ok() && Camera::new(0.0, 0.193).validate().is_err());
+/// ```
 #[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize))]
+#[non_exhaustive]
 pub struct Camera {
     /// Focal length in pixels, 1 to 1,000,000.
     pub focal: f64,
@@ -22,9 +30,22 @@ pub struct Camera {
 }
 
 impl Camera {
-    /// Cameras whose principal points lie in one column, at (0, 0).
-    pub fn new(focal: f64, baseline: f64) -> Self {
+    /// Cameras of this focal length in pixels and this distance in metres, whose principal points lie in one column, at (0, 0).
+    #[must_use]
+    pub const fn new(focal: f64, baseline: f64) -> Self {
         Self { focal, baseline, doffs: 0.0, cx: 0.0, cy: 0.0 }
+    }
+
+    /// The same with the right principal point so many pixels to the right of the left one.
+    #[must_use]
+    pub fn with_doffs(self, doffs: f64) -> Self {
+        Self { doffs, ..self }
+    }
+
+    /// The same with the left principal point in this column and row.
+    #[must_use]
+    pub fn with_principal_point(self, cx: f64, cy: f64) -> Self {
+        Self { cx, cy, ..self }
     }
 
     /// Checks every range.

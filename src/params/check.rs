@@ -17,12 +17,6 @@ pub(super) fn check(
     if ok { Ok(()) } else { Err(Error::Parameter { name, given: given.to_string(), allowed: allowed.into(), remedy }) }
 }
 
-/// The error about a text that is no value of an option.
-pub(super) fn refused(name: &'static str, value: &str, allowed: String) -> Error {
-    let given = if value.is_empty() { "empty".into() } else { value.escape_debug().to_string() };
-    Error::Parameter { name, given, allowed, remedy: "see gpu-stereo --help" }
-}
-
 /// The names among `values`.
 pub(super) fn joined(values: &[(&str, &str)], between: &str) -> String {
     values.iter().map(|(name, _)| *name).collect::<Vec<_>>().join(between)

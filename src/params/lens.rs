@@ -5,6 +5,8 @@ use crate::Error;
 /// A camera with its lens, and the rectified camera in its place, as OpenCV's `stereoCalibrate` and `stereoRectify` give
 /// them. Matrices are by rows.
 #[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize), serde(deny_unknown_fields))]
+#[non_exhaustive]
 pub struct Lens {
     /// The camera matrix: [fx 0 cx; 0 fy cy; 0 0 1], in pixels.
     pub matrix: [f64; 9],
@@ -26,6 +28,7 @@ pub struct Lens {
 /// # Ok::<(), gpu_stereo::Error>(())
 /// ```
 #[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize), serde(rename_all = "kebab-case"))]
 #[non_exhaustive]
 pub enum Distortion {
     /// The model of `calibrateCamera`: k1, k2, p1, p2, k3, k4, k5, k6, s1, s2, s3, s4, tau_x, tau_y, 0 for those that there
@@ -74,6 +77,12 @@ fn refused<T>(given: String, allowed: &str) -> Result<T, Error> {
 }
 
 impl Lens {
+    /// Of a camera matrix, a distortion, a rotation and a projection.
+    #[must_use]
+    pub const fn new(matrix: [f64; 9], distortion: Distortion, rotation: [f64; 9], projection: [f64; 9]) -> Self {
+        Self { matrix, distortion, rotation, projection }
+    }
+
     /// The lens of the same camera whose rectified image, `width` pixels wide, is turned by 90 degrees against the clock: what was
     /// at (x, y) is at (y, `width` - 1 - x).
     pub(crate) fn turned(&self, width: u32) -> Self {

@@ -15,6 +15,8 @@ mod params;
 mod presets;
 mod rectification;
 mod validate;
+#[cfg(feature = "serde")]
+mod with_serde;
 
 pub use camera::Camera;
 pub use choices::{

@@ -1,7 +1,6 @@
 //! The names of the values of enumerations; those of the costs stand in their table.
 
 use crate::Error;
-use crate::params::check::{joined, refused};
 use crate::params::choices::{
     Census, Fill, Median, Method, Paths, Prefilter, Preset, RightView, Schedule, Smoothness, Subpixel,
 };
@@ -37,7 +36,12 @@ macro_rules! names {
         }
 
         words!($kind);
-    )+};
+    )+
+
+        /// A test of each.
+        #[cfg(test)]
+        pub(super) const CHECKS: &[fn()] = &[$(tests::text_and_value_are_inverse::<$kind>),+];
+    };
 }
 
 /// An enumeration whose values have names, as text and from text.
@@ -57,14 +61,29 @@ macro_rules! words {
                 $crate::params::names::named(name)
             }
         }
+
+        /// As its name.
+        #[cfg(feature = "serde")]
+        impl ::serde::Serialize for $kind {
+            fn serialize<S: ::serde::Serializer>(&self, to: S) -> Result<S::Ok, S::Error> {
+                to.serialize_str($crate::params::names::Named::name(*self))
+            }
+        }
+
+        #[cfg(feature = "serde")]
+        impl<'de> ::serde::Deserialize<'de> for $kind {
+            fn deserialize<D: ::serde::Deserializer<'de>>(from: D) -> Result<Self, D::Error> {
+                let name = String::deserialize(from)?;
+                $crate::params::names::named(&name).map_err(::serde::de::Error::custom)
+            }
+        }
     };
 }
 pub(crate) use words;
 
 /// The value of a name.
 pub(crate) fn named<T: Named>(name: &str) -> Result<T, Error> {
-    let allowed = || format!("one of {}", joined(T::NAMES, ", "));
-    T::of(name).ok_or_else(|| refused(T::OPTION, name, allowed()))
+    T::of(name).ok_or_else(|| Error::no_name(T::OPTION, name, T::NAMES.iter().map(|(known, _)| *known)))
 }
 
 names! {
@@ -135,4 +154,36 @@ names! {
 impl Preset {
     /// Every preset by name, with a few words.
     pub const NAMES: &'static [(&'static str, &'static str)] = <Self as Named>::NAMES;
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::params::Cost;
+
+    /// Of one enumeration: each value has a name of its own, and is made of it again; all else is refused with all names.
+    pub(super) fn text_and_value_are_inverse<T>()
+    where
+        T: Named + PartialEq + std::fmt::Debug + std::fmt::Display + std::str::FromStr<Err = Error>,
+    {
+        assert!(T::VALUES.len() > 1 && T::VALUES.len() == T::NAMES.len());
+        for (&value, (name, _)) in T::VALUES.iter().zip(T::NAMES) {
+            assert_eq!((value.to_string().as_str(), value.name()), (*name, *name), "{value:?}");
+            assert_eq!(name.parse::<T>().unwrap(), value);
+            assert_eq!(format!("{value:>20}").trim_start(), *name, "{value:?} is not padded as text");
+            for wrong in [format!("{name} "), name.to_uppercase() + "!", String::new()] {
+                let Err(Error::Parameter { name: option, allowed, .. }) = wrong.parse::<T>() else {
+                    panic!("{wrong:?}")
+                };
+                assert!(option == T::OPTION && T::NAMES.iter().all(|(name, _)| allowed.contains(name)), "{allowed}");
+            }
+        }
+    }
+
+    #[test]
+    fn every_value_is_made_of_its_name_again() {
+        assert_eq!(CHECKS.len(), 11);
+        CHECKS.iter().for_each(|check| check());
+        text_and_value_are_inverse::<Cost>();
+    }
 }

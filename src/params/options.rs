@@ -4,7 +4,6 @@ mod option;
 mod table;
 
 use crate::Error;
-use crate::params::check::refused;
 use crate::params::names::named;
 use crate::params::{Method, Params, Preset};
 
@@ -28,7 +27,7 @@ impl ParamOption {
     }
 }
 
-fn find(name: &str) -> Option<&'static ParamOption> {
+pub(super) fn find(name: &str) -> Option<&'static ParamOption> {
     Params::OPTIONS.iter().find(|option| option.name == name)
 }
 
@@ -60,7 +59,7 @@ impl Params {
     /// [`Error::Parameter`] for an unknown name, and for a value that is no number or none of the words that are known.
     pub fn set(&mut self, option: &str, value: &str) -> Result<(), Error> {
         let known = find(option).ok_or_else(|| unknown(option))?;
-        (known.set)(self, value).map_err(|allowed| refused(known.name, value, allowed))
+        (known.set)(self, value).map_err(|allowed| Error::no_value(known.name, value, allowed))
     }
 
     /// The value of a setting by its name, such that [`Params::set`] takes it.

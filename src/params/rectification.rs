@@ -5,6 +5,9 @@ use std::sync::Arc;
 
 use crate::{Distortion, Error, Lens};
 
+/// The largest images: more than any device takes, and 2 GiB of positions.
+const MOST_PIXELS: u64 = 1 << 28;
+
 /// Rectifies pairs of one size on their way into the matcher: for [`crate::Params::rectify`].
 ///
 /// The rectified images have the size of the given ones, unless another one is asked for ([`Self::of_size`], [`Self::vertical`]).
@@ -43,7 +46,7 @@ impl Rectification {
     /// # Errors
     /// [`Error::Parameter`] if a number is not finite, a focal length not positive, a camera matrix another one than
     /// [fx 0 cx; 0 fy cy; 0 0 1], a sensor tilted by more than 1.5, or a matrix without an inverse;
-    /// [`Error::Image`] for a side of 0.
+    /// [`Error::Image`] for a side of 0, and for more than 2^28 pixels.
     pub fn new(width: u32, height: u32, lenses: [Lens; 2]) -> Result<Self, Error> {
         Self::made([width, height], [width, height], false, lenses)
     }
@@ -78,10 +81,13 @@ impl Rectification {
         Self::vertical(given, given, [lens; 2])
     }
 
-    fn made(size: [u32; 2], rectified: [u32; 2], turned: bool, lenses: [Lens; 2]) -> Result<Self, Error> {
+    pub(super) fn made(size: [u32; 2], rectified: [u32; 2], turned: bool, lenses: [Lens; 2]) -> Result<Self, Error> {
         for [width, height] in [size, rectified] {
-            if width == 0 || height == 0 {
-                return Err(Error::Image(format!("the images are {width}x{height}, but each side must be at least 1")));
+            if width == 0 || height == 0 || u64::from(width) * u64::from(height) > MOST_PIXELS {
+                return Err(Error::Image(format!(
+                    "the images are {width}x{height}, but each side must be at least 1, and the pixels at most {MOST_PIXELS}; give \
+                     others"
+                )));
             }
         }
         let [left, right] = &lenses;

@@ -122,7 +122,7 @@ fn json(Case { left, right, params }: &Case) -> String {
     }
     if let Some(rectification) = &params.rectify {
         let lens = |lens: &gpu_stereo::Lens| {
-            let gpu_stereo::Lens { matrix, distortion, rotation, projection } = lens;
+            let gpu_stereo::Lens { matrix, distortion, rotation, projection, .. } = lens;
             let model = match distortion {
                 Distortion::Fisheye(_) => "fisheye",
                 Distortion::DoubleSphere(_) => "double_sphere",

@@ -568,7 +568,7 @@ fn the_depth_comes_with_the_map() {
     let mut params = Params::sgm(21);
     params.min_disparity = -4;
     assert_eq!(reference::compute_all(&left, &right, &params).unwrap().depth, None);
-    let camera = Camera { doffs: 0.5, ..Camera::new(1000.0, 0.1) };
+    let camera = Camera::new(1000.0, 0.1).with_doffs(0.5);
     params.depth = Some(camera);
     let expected = reference::compute_all(&left, &right, &params).unwrap();
     let depth = expected.depth.as_ref().unwrap();
@@ -586,12 +586,13 @@ fn the_depth_comes_with_the_map() {
     }
     assert!(some > 300, "{some}");
     for (wrong, named) in [
-        (Camera { focal: -1.0, ..camera }, "focal"),
-        (Camera { focal: f64::NAN, ..camera }, "focal"),
-        (Camera { baseline: 0.0, ..camera }, "baseline"),
-        (Camera { baseline: -0.1, ..camera }, "baseline"),
-        (Camera { doffs: f64::INFINITY, ..camera }, "doffs"),
-        (Camera { cx: f64::NAN, ..camera }, "cx"),
+        (Camera::new(-1.0, 0.1), "focal"),
+        (Camera::new(f64::NAN, 0.1), "focal"),
+        (Camera::new(1000.0, 0.0), "baseline"),
+        (Camera::new(1000.0, -0.1), "baseline"),
+        (camera.with_doffs(f64::INFINITY), "doffs"),
+        (camera.with_principal_point(f64::NAN, 0.0), "cx"),
+        (camera.with_principal_point(0.0, 2e6), "cy"),
     ] {
         let mut params = params.clone();
         params.depth = Some(wrong);

@@ -12,10 +12,12 @@ mod api;
 mod callers;
 mod covering;
 mod embedding;
+mod errors;
 mod exactness;
 mod misuse;
 mod network;
 mod properties;
+mod serialised;
 mod stream;
 #[path = "../support/mod.rs"]
 mod support;

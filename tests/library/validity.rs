@@ -91,12 +91,8 @@ fn settings(disparities: u32) -> Vec<Params> {
 fn zoomed_out(width: u32, height: u32, zoom: f64) -> Rectification {
     let (w, h) = (f64::from(width), f64::from(height));
     let matrix = |focal: f64| [focal, 0.0, w / 2.0, 0.0, focal, h / 2.0, 0.0, 0.0, 1.0];
-    let lens = Lens {
-        matrix: matrix(100.0),
-        distortion: gpu_stereo::Distortion::NONE,
-        rotation: [1.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 1.0],
-        projection: matrix(100.0 / zoom),
-    };
+    let rotation = [1.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 1.0];
+    let lens = Lens::new(matrix(100.0), gpu_stereo::Distortion::NONE, rotation, matrix(100.0 / zoom));
     Rectification::new(width, height, [lens; 2]).unwrap()
 }
 

@@ -78,7 +78,7 @@ fn lens(value: &Value) -> Lens {
         None => Distortion::Pinhole(numbers(&value["pinhole"])),
     };
     let [matrix, rotation, projection] = ["matrix", "rotation", "projection"].map(|name| numbers(&value[name]));
-    Lens { matrix, distortion, rotation, projection }
+    Lens::new(matrix, distortion, rotation, projection)
 }
 
 /// The settings of a case: every parameter of the page by its name.
@@ -104,7 +104,7 @@ fn params(case: &Value) -> Params {
             "depth" if text == "off" => {}
             "depth" => {
                 let [focal, baseline, doffs] = [0, 1, 2].map(|i| parts[i].parse().unwrap());
-                params.depth = Some(Camera { doffs, ..Camera::new(focal, baseline) });
+                params.depth = Some(Camera::new(focal, baseline).with_doffs(doffs));
             }
             "masks" => params.masks = masks(case, width, height),
             "rectify" => {

@@ -256,7 +256,7 @@ pub fn random_params(random: &mut ChaCha8Rng) -> Params {
         let focal = *[1.0, 994.978, 1e6].get(random.random_range(0..3)).unwrap();
         let baseline = *[1e-6, 0.193001, 1000.0].get(random.random_range(0..3)).unwrap();
         let doffs = if random.random() { 0.0 } else { random.random_range(-50.0..50.0) };
-        params.depth = Some(gpu_stereo::Camera { doffs, ..gpu_stereo::Camera::new(focal, baseline) });
+        params.depth = Some(gpu_stereo::Camera::new(focal, baseline).with_doffs(doffs));
     }
     params
 }
@@ -270,17 +270,12 @@ pub fn lenses(width: u32, height: u32) -> [gpu_stereo::Lens; 2] {
     };
     let matrix = |f: f64, x: f64, y: f64| [f, 0.0, x, 0.0, f, y, 0.0, 0.0, 1.0];
     let pinhole = |numbers: &[f64]| gpu_stereo::Distortion::pinhole(numbers).unwrap();
-    let left = gpu_stereo::Lens {
-        matrix: matrix(0.9 * w, 0.48 * w, 0.53 * h),
-        distortion: pinhole(&[-0.28, 0.09, 0.0011, -0.0004, 0.01]),
-        rotation: turned(0.011, -0.02),
-        projection: matrix(0.95 * w, 0.5 * w, 0.5 * h),
+    let lens = |distortion: &[f64], rotation: [f64; 9]| {
+        let (matrix, projection) = (matrix(0.9 * w, 0.48 * w, 0.53 * h), matrix(0.95 * w, 0.5 * w, 0.5 * h));
+        gpu_stereo::Lens::new(matrix, pinhole(distortion), rotation, projection)
     };
-    let right = gpu_stereo::Lens {
-        distortion: pinhole(&[0.31, -0.2, -0.0007, 0.0009, 0.003, 0.6, -0.1, 0.02]),
-        rotation: turned(-0.008, 0.017),
-        ..left
-    };
+    let left = lens(&[-0.28, 0.09, 0.0011, -0.0004, 0.01], turned(0.011, -0.02));
+    let right = lens(&[0.31, -0.2, -0.0007, 0.0009, 0.003, 0.6, -0.1, 0.02], turned(-0.008, 0.017));
     [left, right]
 }
 

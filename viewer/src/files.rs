@@ -45,7 +45,7 @@ impl Camera {
     fn read(path: &Path, width: u32, height: u32) -> Option<Self> {
         let fitted =
             Calibration::read(path, None, Reading::default()).and_then(|found| found.fit(width, height)).ok()?;
-        let gpu_stereo::Camera { focal, baseline, doffs, cx, cy } = fitted.camera;
+        let gpu_stereo::Camera { focal, baseline, doffs, cx, cy, .. } = fitted.camera;
         let [focal, baseline, doffs] = [focal, baseline, doffs].map(|value| value as f32);
         Some(Self { focal, baseline, doffs, centre: Some([cx as f32, cy as f32]) })
     }

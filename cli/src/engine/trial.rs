@@ -60,7 +60,7 @@ fn as_suspect(store: &Store, ran: &mut Ran) -> Result<()> {
 
 /// The error of a lost device, if there is one.
 fn lost(ran: &Ran) -> Option<&anyhow::Error> {
-    ran.stopped.as_ref().filter(|error| matches!(error.downcast_ref(), Some(Error::Lost(_))))
+    ran.stopped.as_ref().filter(|error| matches!(error.downcast_ref(), Some(Error::Lost(_) | Error::Refused(_))))
 }
 
 /// Reports, counts and records a pair that failed.

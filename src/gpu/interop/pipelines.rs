@@ -4,7 +4,6 @@ use crate::gpu::interop::context::Context;
 use crate::gpu::interop::resources::{PixelBuffer, TextureLayer};
 use crate::gpu::interop::work::{Work, WriteMethod};
 use crate::gpu::layout::{Dispatch, IntakeOwn};
-use crate::gpu::scopes;
 use crate::{Error, color};
 use wgpu::TextureFormat;
 
@@ -29,8 +28,7 @@ impl CallerResource<'_> {
     /// The error for a resource that passed the checks and that the device refused.
     pub(super) fn refused(&self, context: &Context<'_>, name: &str, error: Error) -> Error {
         let error = context.pulse.cause(error);
-        let Error::Lost(text) = &error else { return error };
-        let Some(text) = scopes::refusal(text) else { return error };
+        let Error::Refused(text) = &error else { return error };
         let remedy = match self {
             CallerResource::Layer(TextureLayer { texture, .. }, format) if texture.format() != *format => {
                 format!("create the texture with {format:?} among its view_formats, or in that format")

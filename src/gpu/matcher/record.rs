@@ -88,9 +88,8 @@ impl StereoMatcher {
         let (mut stamps, spans) = Stamps::new(self, timestamps, &frame.names())?;
         let recorded = scopes::guarded_or_left(&self.device, || self.record_prepared(encoder, &frame, &mut stamps));
         recorded.map_err(|error| match self.pulse.cause(error) {
-            Error::Lost(text) if scopes::refusal(&text).is_some() => Error::Misuse(format!(
-                "the encoder refused the work: {}; end its open passes before, and begin with a new encoder",
-                scopes::refusal(&text).unwrap_or_default()
+            Error::Refused(text) => Error::Misuse(format!(
+                "the encoder refused the work: {text}; end its open passes before, and begin with a new encoder"
             )),
             other => other,
         })?;

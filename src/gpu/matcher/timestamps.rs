@@ -64,14 +64,11 @@ impl<'a> Timestamps<'a> {
             encoder.begin_compute_pass(&wgpu::ComputePassDescriptor { label: None, timestamp_writes });
             encoder.finish()
         });
-        tried.map(|_| ()).map_err(|error| match &error {
-            Error::Lost(text) => match scopes::refusal(text) {
-                Some(text) => Error::Misuse(format!(
-                    "the query set was refused by the device: {text}; create it with the device that the matcher was made with"
-                )),
-                None => error,
-            },
-            _ => error,
+        tried.map(|_| ()).map_err(|error| match error {
+            Error::Refused(text) => Error::Misuse(format!(
+                "the query set was refused by the device: {text}; create it with the device that the matcher was made with"
+            )),
+            other => other,
         })
     }
 }

@@ -28,7 +28,7 @@ pub fn picture(given: [u32; 2], fitted: &Fitted, lenses: [Lens; 2]) -> Result<Ve
         let mut p = lens.projection;
         let place = |place: f64, axis: usize| (place + 0.5) * scale - 0.5 + margin[axis];
         (p[0], p[4], p[2], p[5]) = (p[0] * scale, p[4] * scale, place(p[2], 0), place(p[5], 1));
-        Lens { projection: p, ..lens }
+        Lens::new(lens.matrix, lens.distortion, lens.rotation, p)
     });
     let rectification = Rectification::of_size(given, canvas, wider)?;
     let ends = given.map(|side| 256 * (side as i32 - 1));

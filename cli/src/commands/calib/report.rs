@@ -76,7 +76,7 @@ impl CalibReport {
             content: seen.map(|seen| seen[i]),
         };
         let camera = fit.map(|fit| fit.camera).or(description.rectified);
-        let rectified = camera.map(|Camera { focal, baseline, doffs, cx, cy }| RectifiedCameras {
+        let rectified = camera.map(|Camera { focal, baseline, doffs, cx, cy, .. }| RectifiedCameras {
             size: fit.map(|fit| fit.size),
             focal_px: focal,
             cx_px: cx,

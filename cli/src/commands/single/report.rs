@@ -74,7 +74,7 @@ pub struct Cameras {
 
 impl From<Camera> for Cameras {
     fn from(camera: Camera) -> Self {
-        let Camera { focal, baseline, doffs, cx, cy } = camera;
+        let Camera { focal, baseline, doffs, cx, cy, .. } = camera;
         Self { focal_px: focal, baseline_m: baseline, doffs_px: doffs, cx_px: cx, cy_px: cy }
     }
 }

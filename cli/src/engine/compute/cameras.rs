@@ -61,7 +61,7 @@ impl Cameras {
             return Ok(Self { vertical, part, farthest, ..Self::default() });
         };
         let [doffs, cx, cy] = [given.doffs, given.cx, given.cy].map(Option::unwrap_or_default);
-        let camera = Camera { focal, baseline, doffs, cx, cy };
+        let camera = Camera::new(focal, baseline).with_doffs(doffs).with_principal_point(cx, cy);
         camera.validate().map_err(args::by_option)?;
         let middle = [given.cx, given.cy].map(|given| given.is_none());
         Ok(Self { calibration: Some(Calibration::typed(camera)), middle, vertical, files, part, farthest })
@@ -203,7 +203,7 @@ impl Cameras {
 const ONE: [f64; 9] = [1.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 1.0];
 
 /// The lens of images that are rectified.
-const UNCHANGED: Lens = Lens { matrix: ONE, distortion: Distortion::NONE, rotation: ONE, projection: ONE };
+const UNCHANGED: Lens = Lens::new(ONE, Distortion::NONE, ONE, ONE);
 
 /// A lens whose rectified images begin at a column and a row of those that they were.
 fn shifted(mut lens: Lens, [x, y]: [u32; 2]) -> Lens {
