@@ -62,7 +62,7 @@ impl PixelFormat {
     }
 }
 
-/// One image of a rectified pair.
+/// One image of a rectified pair. Samples that lie in other memory need no copy: see [`ImageView`](crate::ImageView).
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Image {
     width: u32,
@@ -97,6 +97,11 @@ impl Image {
             )));
         }
         Ok(Self { width, height, pixels })
+    }
+
+    /// The same of as many samples as the size and the format need.
+    pub(crate) fn of_samples(width: u32, height: u32, pixels: Pixels) -> Self {
+        Self { width, height, pixels }
     }
 
     /// Pixels a row.
@@ -292,35 +297,4 @@ pub struct StageTime {
     pub name: String,
     /// Milliseconds.
     pub ms: f64,
-}
-
-/// Both images of a pair are what a matcher was made for.
-pub(crate) fn check_made_for(
-    [left, right]: [&Image; 2],
-    (width, height): (u32, u32),
-    format: PixelFormat,
-) -> Result<(), Error> {
-    check_pair(left, right)?;
-    match [left, right].into_iter().find(|i| (i.width(), i.height(), i.format()) != (width, height, format)) {
-        None => Ok(()),
-        Some(image) => Err(Error::Image(format!(
-            "an image is {}x{} in {:?}, but the matcher was made for {width}x{height} in {format:?}; resize \
-             it, or make another one",
-            image.width(),
-            image.height(),
-            image.format(),
-        ))),
-    }
-}
-
-/// Both images of a pair have one size.
-pub(crate) fn check_pair(left: &Image, right: &Image) -> Result<(), Error> {
-    let (l, r) = ((left.width(), left.height()), (right.width(), right.height()));
-    if l == r {
-        return Ok(());
-    }
-    Err(Error::Image(format!(
-        "the left image is {}x{} and the right one {}x{}, but a rectified pair has one size; crop or rectify them again",
-        l.0, l.1, r.0, r.1
-    )))
 }

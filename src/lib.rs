@@ -56,21 +56,27 @@
 //! ```
 //!
 //! [`Inputs`] and [`Outputs`] list the formats. After the first frame [`StereoMatcher::record`] allocates nothing on the
-//! device. [`StereoMatcher::compute_blocking`] takes two [`Image`]s and waits for the map;
-//! [`StereoMatcher::check_blocking`] compares every stage with the reference and names the first value that differs.
-//! examples/embed.rs is a whole program.
+//! device. examples/embed.rs is a whole program.
 //!
-//! [`evaluation`] scores a map against a truth.
+//! From the program's own memory instead: [`Image`] holds samples, [`ImageView`] borrows them, with any stride and in the order of
+//! OpenCV, too. [`StereoMatcher::compute`] waits for the maps of one pair, a [`StereoStream`] has several in flight, and
+//! `cpu::CpuMatcher` needs no device. All give the same bits; [`StereoMatcher::check`] compares every stage with the reference and
+//! names the first value that differs.
 //!
-//! `wgpu` is re-exported, so that the caller's device and the matcher's are of one version.
+//! Settings are [`Params`]: [`Params::default_for`] a number of disparities, a [`Preset`], or by the names of the command's options
+//! ([`Params::from_options`]). Every mistake is an [`Error`], whose variants say what a program can do then. A size is
+//! `width, height` where a function takes one, `[width, height]` where a value holds both. [`evaluation`] scores a map against a truth.
 //!
 //! # Features
 //!
-//! - `files`: the module `gpu_stereo::files`, which reads and writes images, maps, calibrations, lists and truths.
-//! - `gpu`: the matcher on a device, by wgpu: [`StereoMatcher`], [`StereoStream`].
-//! - `cpu`: the module `gpu_stereo::cpu`, the matcher without a device.
-//! - `gpu` and `cpu` together: the module `gpu_stereo::backend`, which takes the best adapter of the machine or the CPU.
-//! - `vulkan`, `metal`, `dx12`, `gles`, `vulkan-portability`: the backends of wgpu of that name. In a browser there is WebGPU's.
+//! | feature | what it brings |
+//! |---|---|
+//! | `gpu` | the matcher on a device, by wgpu: [`StereoMatcher`], [`StereoStream`]; `wgpu`, so that both sides have one version |
+//! | `cpu` | the module `gpu_stereo::cpu`: the matcher without a device |
+//! | `gpu` and `cpu` | the module `gpu_stereo::backend`, which takes the best adapter of the machine or the CPU |
+//! | `files` | the module `gpu_stereo::files`: reads and writes images, maps, calibrations, lists and truths |
+//! | `serde` | settings, cameras and rectifications by serde |
+//! | `vulkan`, `metal`, `dx12`, `gles`, `vulkan-portability` | the backends of wgpu of that name; in a browser there is WebGPU's |
 //!
 //! Default are `gpu`, `vulkan`, `metal` and `dx12`. A program that brings a device has chosen its backends: `default-features = false,
 //! features = ["gpu"]`. Without a device: `["cpu"]`. The command is a package of its own, gpu-stereo-cli.
@@ -108,6 +114,7 @@ pub mod files;
 #[cfg(feature = "gpu")]
 mod gpu;
 mod image;
+mod image_view;
 pub mod memory;
 pub mod network;
 mod params;
@@ -137,6 +144,7 @@ pub use gpu::stream::{StereoStream, StreamFrame};
 pub use image::{
     ConfidenceMap, DepthMap, DisparityMap, Energy, Image, Labels, Matched, PixelFormat, Pixels, StageTime, Unrounded,
 };
+pub use image_view::{ImageView, ViewFormat};
 pub use network::{Architecture, Network};
 pub use params::{
     Camera, Census, Cost, Distortion, Fill, Lens, Masks, Median, Method, ParamOption, Params, Paths, Prefilter, Preset,

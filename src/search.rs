@@ -1,7 +1,7 @@
 //! Which disparities a pair has, from a match of the pair at a lower resolution.
 
 use crate::reference::{halved, rectify};
-use crate::{DisparityMap, Error, Image, Params, Pixels, Preset, Rectification};
+use crate::{DisparityMap, Error, Image, ImageView, Params, Pixels, Preset, Rectification};
 
 /// Columns that the coarse pair has at most.
 const COLUMNS: u32 = 400;
@@ -48,10 +48,11 @@ impl RangeSearch {
     ///
     /// # Errors
     /// [`Error::Image`] if the images differ in size or format.
-    pub fn new(left: &Image, right: &Image) -> Result<Self, Error> {
-        crate::image::check_pair(left, right)?;
+    pub fn new<'a>(left: impl Into<ImageView<'a>>, right: impl Into<ImageView<'a>>) -> Result<Self, Error> {
+        let (left, right) = (left.into(), right.into());
+        crate::image_view::check_pair([left, right])?;
         let halvings = (0..32).find(|&count| columns(left.width(), count) <= COLUMNS).unwrap_or(0);
-        let halved = |image: &Image| (0..halvings).try_fold(image.clone(), |image, _| halve(&image));
+        let halved = |image: ImageView<'_>| (0..halvings).try_fold(image.to_image(), |image, _| halve(&image));
         let (left, right, width) = (halved(left)?, halved(right)?, left.width());
         let below = (left.width() / 8) as i32;
         let mut params = Params::preset(Preset::Strict, left.width() / 2 + below as u32 + 1);
@@ -63,7 +64,11 @@ impl RangeSearch {
     ///
     /// # Errors
     /// As [`RangeSearch::new`], and [`Error::Image`] if the images are not of the size that the rectification is for.
-    pub fn rectified(left: &Image, right: &Image, rectification: Option<&Rectification>) -> Result<Self, Error> {
+    pub fn rectified<'a>(
+        left: impl Into<ImageView<'a>>,
+        right: impl Into<ImageView<'a>>,
+        rectification: Option<&Rectification>,
+    ) -> Result<Self, Error> {
         match rectification {
             Some(lenses) => Self::new(&rectify(left, lenses, 0)?, &rectify(right, lenses, 1)?),
             None => Self::new(left, right),

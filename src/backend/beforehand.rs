@@ -4,8 +4,8 @@
 use std::borrow::Cow;
 
 use crate::{
-    ConfidenceMap, DepthMap, DisparityMap, Error, Image, Masks, Matched, Params, PixelFormat, Pixels, Rectification,
-    reference,
+    ConfidenceMap, DepthMap, DisparityMap, Error, Image, ImageView, Masks, Matched, Params, PixelFormat, Pixels,
+    Rectification, reference,
 };
 
 /// What a matcher is made for.
@@ -19,7 +19,8 @@ pub struct Shape {
 
 impl Shape {
     /// That of an image.
-    pub fn of(image: &Image) -> Self {
+    pub fn of<'a>(image: impl Into<ImageView<'a>>) -> Self {
+        let image = image.into();
         Self { size: [image.width(), image.height()], format: image.format() }
     }
 }
@@ -64,7 +65,7 @@ impl Beforehand {
     }
 
     /// The shape of the images that the matcher takes, where such are given.
-    pub fn shape(&self, image: &Image) -> Shape {
+    pub fn shape<'a>(&self, image: impl Into<ImageView<'a>>) -> Shape {
         let given = Shape::of(image);
         Shape { size: self.size(given.size), ..given }
     }

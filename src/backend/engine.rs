@@ -10,7 +10,7 @@ use crate::backend::beforehand::Shape;
 use crate::backend::environment;
 use crate::backend::names::Names;
 use crate::backend::on_cpu::{self, OnCpu};
-use crate::{Error, Image, Matched, Method, Params, StageCheck, StageTime, StereoMatcher};
+use crate::{Error, ImageView, Matched, Method, Params, StageCheck, StageTime, StereoMatcher};
 
 /// Where to compute.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -191,7 +191,13 @@ impl Engine {
     /// # Errors
     /// As [`StereoMatcher::compute_timed_blocking`] and [`CpuMatcher::compute_timed`](crate::cpu::CpuMatcher::compute_timed);
     /// [`Error::Lost`] if the device failed outside any call.
-    pub fn compute(&self, left: &Image, right: &Image, timed: bool) -> Result<(Matched, Vec<StageTime>), Error> {
+    pub fn compute<'a>(
+        &self,
+        left: impl Into<ImageView<'a>>,
+        right: impl Into<ImageView<'a>>,
+        timed: bool,
+    ) -> Result<(Matched, Vec<StageTime>), Error> {
+        let (left, right) = (left.into(), right.into());
         match self {
             Self::Adapter(on) => {
                 let OnAdapter { opened, matcher } = on.as_ref();
@@ -212,7 +218,12 @@ impl Engine {
     ///
     /// # Errors
     /// [`Error::Memory`] if less is left than the comparison takes; otherwise as [`Engine::compute`].
-    pub fn check(&self, left: &Image, right: &Image) -> Result<Vec<StageCheck>, Error> {
+    pub fn check<'a>(
+        &self,
+        left: impl Into<ImageView<'a>>,
+        right: impl Into<ImageView<'a>>,
+    ) -> Result<Vec<StageCheck>, Error> {
+        let (left, right) = (left.into(), right.into());
         match self {
             Self::Adapter(on) => {
                 let OnAdapter { opened, matcher } = on.as_ref();

@@ -3,7 +3,7 @@
 use crate::backend::beforehand::Shape;
 use crate::backend::names::Names;
 use crate::cpu::{CpuMatcher, has_own_stages};
-use crate::{Error, Image, Matched, Method, Params, StageCheck, StageTime, reference};
+use crate::{Error, ImageView, Matched, Method, Params, StageCheck, StageTime, reference};
 
 /// Bytes for each pixel and disparity that the native schedule keeps for a comparison: the cost and the aggregate.
 const KEPT_BYTES: u64 = 3;
@@ -72,7 +72,11 @@ impl OnCpu {
     ///
     /// # Errors
     /// As [`CpuMatcher::compute`].
-    pub fn compute(&self, left: &Image, right: &Image) -> Result<(Matched, Vec<StageTime>), Error> {
+    pub fn compute<'a>(
+        &self,
+        left: impl Into<ImageView<'a>>,
+        right: impl Into<ImageView<'a>>,
+    ) -> Result<(Matched, Vec<StageTime>), Error> {
         match self {
             Self::Native { matcher, .. } => matcher.compute_timed(left, right),
             Self::Reference(params) => reference::compute_timed(left, right, params),
@@ -83,7 +87,12 @@ impl OnCpu {
     ///
     /// # Errors
     /// [`Error::Memory`] if less is left than the comparison takes; otherwise as [`CpuMatcher::check`].
-    pub fn check(&self, left: &Image, right: &Image) -> Result<Vec<StageCheck>, Error> {
+    pub fn check<'a>(
+        &self,
+        left: impl Into<ImageView<'a>>,
+        right: impl Into<ImageView<'a>>,
+    ) -> Result<Vec<StageCheck>, Error> {
+        let (left, right) = (left.into(), right.into());
         match self {
             Self::Native { matcher, .. } => {
                 ensure_check(left, matcher.params(), KEPT_BYTES)?;
@@ -118,7 +127,7 @@ impl OnCpu {
 
 /// Refuses a comparison with the reference for which less memory is left than it takes: every path and the aggregate, and what
 /// the other schedule keeps.
-pub(super) fn ensure_check(image: &Image, params: &Params, kept: u64) -> Result<(), Error> {
+pub(super) fn ensure_check(image: ImageView<'_>, params: &Params, kept: u64) -> Result<(), Error> {
     let more = match params.method {
         Method::Sgm => 2 + u64::from(params.paths.count()),
         Method::Bp => 7,

@@ -8,7 +8,7 @@ use crate::cpu::network::disparities;
 use crate::cpu::paths::{Aggregation, Buffers, CostSource, Record, aggregate, penalties};
 use crate::params::Filter;
 use crate::reference::{Content, Descriptors, Plane, Report, Stages, Trace, Views, Volume, stage, views_of};
-use crate::{DisparityMap, Error, Image, Method, Params};
+use crate::{DisparityMap, Error, ImageView, Method, Params};
 
 /// The native schedule's stages.
 pub(super) struct Native<'a> {
@@ -27,21 +27,21 @@ impl<'a> Native<'a> {
 }
 
 impl Stages for Native<'_> {
-    fn infer(&mut self, left: &Image, right: &Image, params: &Params, report: Report<'_>) -> Result<Plane<f32>, Error> {
+    fn infer(&mut self, pair: [ImageView<'_>; 2], params: &Params, report: Report<'_>) -> Result<Plane<f32>, Error> {
         let Some(network) = &params.network else { return Err(Error::Misuse("method psmnet needs a network".into())) };
         let mut receive = |at: usize| report(stage(network.operations()[at].kind), None);
-        let inferred = disparities(left, right, network, params, &mut receive)?;
+        let inferred = disparities(pair, network, params, &mut receive)?;
         self.inferred.push(inferred.clone());
         Ok(inferred)
     }
 
-    fn luma(&mut self, left: &Image) -> Plane<u8> {
+    fn luma(&mut self, left: ImageView<'_>) -> Plane<u8> {
         luma(left, self.instructions)
     }
 
     fn views(
         &mut self,
-        sides: [&Image; 2],
+        sides: [ImageView<'_>; 2],
         luma: &Plane<u8>,
         content: Option<&Content>,
         params: &Params,

@@ -5,7 +5,7 @@ use crate::cpu::chain::Native;
 use crate::cpu::instructions::Instructions;
 use crate::cpu::paths::Buffers;
 use crate::reference::{Bytes, Part, Plane, Report, Stages, follow};
-use crate::{Error, Image, Params};
+use crate::{Error, ImageView, Params};
 use std::collections::VecDeque;
 
 /// What the native schedule made: a stage's name and bytes, in the order of the chain.
@@ -18,7 +18,7 @@ const MAPS: &str = "maps";
 struct AfterNetwork(VecDeque<Plane<f32>>);
 
 impl Stages for AfterNetwork {
-    fn infer(&mut self, _: &Image, _: &Image, _: &Params, _: Report<'_>) -> Result<Plane<f32>, Error> {
+    fn infer(&mut self, _: [ImageView<'_>; 2], _: &Params, _: Report<'_>) -> Result<Plane<f32>, Error> {
         self.0.pop_front().ok_or_else(|| Error::Misuse("a network was not run".into()))
     }
 }
@@ -26,8 +26,7 @@ impl Stages for AfterNetwork {
 /// Computes a pair twice, with and without keeping the results of stages, and compares all that was made with the reference.
 /// `spoil` may change what stages made before.
 pub(super) fn check(
-    left: &Image,
-    right: &Image,
+    pair: [ImageView<'_>; 2],
     params: &Params,
     (instructions, buffers): (Instructions, &Buffers),
     spoil: &mut dyn FnMut(&str, &mut [u8]),
@@ -40,8 +39,8 @@ pub(super) fn check(
         spoil(stage, &mut bytes);
         made.push_back((stage.into(), bytes));
     };
-    follow(left, right, params, Some(receive), &mut native)?;
-    let (matched, _) = follow(left, right, params, None, &mut Native::new(instructions, buffers))?;
+    follow(pair, params, Some(receive), &mut native)?;
+    let (matched, _) = follow(pair, params, None, &mut Native::new(instructions, buffers))?;
     receive(MAPS, &matched);
 
     let mut stages = Vec::new();
@@ -54,7 +53,7 @@ pub(super) fn check(
         compare_numbers(row_of(&mut stages, stage), &parts, &expected, &got);
     };
     let mut reference = AfterNetwork(native.inferred.into());
-    let (matched, _) = follow(left, right, params, Some(&mut compare), &mut reference)?;
+    let (matched, _) = follow(pair, params, Some(&mut compare), &mut reference)?;
     compare(MAPS, &matched);
     // Of the operations of a network there are names alone. Nothing else is left, unless a stage has another name or comes once
     // more: then nothing that it made is right.

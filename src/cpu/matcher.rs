@@ -5,9 +5,9 @@ use crate::cpu::chain::Native;
 use crate::cpu::instructions::Instructions;
 use crate::cpu::paths::{Aggregation, Buffers};
 use crate::cpu::{LANES, check};
-use crate::image::check_made_for;
+use crate::image_view::check_made_for;
 use crate::reference::{ensure_memory, follow};
-use crate::{Error, Image, Matched, Method, Params, PixelFormat, StageTime, memory};
+use crate::{Error, ImageView, Matched, Method, Params, PixelFormat, StageTime, memory};
 use std::fmt;
 
 /// Matches pairs on the CPU, by the native schedule: the same results as [`crate::reference::compute_all`], to the bit, in a
@@ -111,8 +111,8 @@ impl CpuMatcher {
     }
 
     /// Columns and rows of the pairs.
-    pub fn size(&self) -> (u32, u32) {
-        self.size.into()
+    pub fn size(&self) -> [u32; 2] {
+        self.size
     }
 
     /// The samples of the pairs.
@@ -130,7 +130,11 @@ impl CpuMatcher {
     ///
     /// # Errors
     /// [`Error::Image`] if a size or a format is not the matcher's; [`Error::Network`] if a network lacks weights.
-    pub fn compute(&self, left: &Image, right: &Image) -> Result<Matched, Error> {
+    pub fn compute<'a>(
+        &self,
+        left: impl Into<ImageView<'a>>,
+        right: impl Into<ImageView<'a>>,
+    ) -> Result<Matched, Error> {
         Ok(self.compute_timed(left, right)?.0)
     }
 
@@ -139,9 +143,13 @@ impl CpuMatcher {
     ///
     /// # Errors
     /// As [`CpuMatcher::compute`].
-    pub fn compute_timed(&self, left: &Image, right: &Image) -> Result<(Matched, Vec<StageTime>), Error> {
-        self.accepts(left, right)?;
-        follow(left, right, &self.params, None, &mut Native::new(self.instructions, &self.buffers))
+    pub fn compute_timed<'a>(
+        &self,
+        left: impl Into<ImageView<'a>>,
+        right: impl Into<ImageView<'a>>,
+    ) -> Result<(Matched, Vec<StageTime>), Error> {
+        let pair = self.accepted(left.into(), right.into())?;
+        follow(pair, &self.params, None, &mut Native::new(self.instructions, &self.buffers))
     }
 
     /// Computes a pair and compares what each stage made with the reference, number by number. What stages of a network made is
@@ -152,25 +160,30 @@ impl CpuMatcher {
     ///
     /// # Errors
     /// As [`CpuMatcher::compute`].
-    pub fn check(&self, left: &Image, right: &Image) -> Result<Vec<StageCheck>, Error> {
+    pub fn check<'a>(
+        &self,
+        left: impl Into<ImageView<'a>>,
+        right: impl Into<ImageView<'a>>,
+    ) -> Result<Vec<StageCheck>, Error> {
         self.check_with(left, right, |_, _| {})
     }
 
     /// As [`CpuMatcher::check`], with a chance to spoil the bytes that a stage made: the test of the test.
     #[doc(hidden)]
-    pub fn check_with(
+    pub fn check_with<'a>(
         &self,
-        left: &Image,
-        right: &Image,
+        left: impl Into<ImageView<'a>>,
+        right: impl Into<ImageView<'a>>,
         mut spoil: impl FnMut(&str, &mut [u8]),
     ) -> Result<Vec<StageCheck>, Error> {
-        self.accepts(left, right)?;
-        check::check(left, right, &self.params, (self.instructions, &self.buffers), &mut spoil)
+        let pair = self.accepted(left.into(), right.into())?;
+        check::check(pair, &self.params, (self.instructions, &self.buffers), &mut spoil)
     }
 
-    /// Whether a pair is what the matcher was made for.
-    fn accepts(&self, left: &Image, right: &Image) -> Result<(), Error> {
-        check_made_for([left, right], self.size(), self.format)
+    /// A pair, if it is what the matcher was made for.
+    fn accepted<'a>(&self, left: ImageView<'a>, right: ImageView<'a>) -> Result<[ImageView<'a>; 2], Error> {
+        check_made_for([left, right], self.size, self.format)?;
+        Ok([left, right])
     }
 }
 

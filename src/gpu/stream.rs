@@ -5,7 +5,7 @@ use std::collections::VecDeque;
 use crate::gpu::matcher::Stamps;
 use crate::gpu::readback::{self, Mapping};
 use crate::gpu::scopes;
-use crate::{Error, Image, Inputs, Matched, Outputs, Params, Reading, StereoMatcher};
+use crate::{Error, ImageView, Inputs, Matched, Outputs, Params, Reading, StereoMatcher};
 
 /// Matches a stream of pairs: while the kernels of one pair run, the next one is uploaded and the one before is read
 /// back. Results come in the order of the pairs, which are the host's ([`StereoStream::try_push`]) or in the caller's textures and
@@ -135,7 +135,12 @@ impl StereoStream {
     ///
     /// # Errors
     /// As [`StereoMatcher::compute`], and then the pair has no number; the stream goes on.
-    pub fn try_push(&mut self, left: &Image, right: &Image) -> Result<Option<u64>, Error> {
+    pub fn try_push<'a>(
+        &mut self,
+        left: impl Into<ImageView<'a>>,
+        right: impl Into<ImageView<'a>>,
+    ) -> Result<Option<u64>, Error> {
+        let (left, right) = (left.into(), right.into());
         self.matcher.accepts(left, right)?;
         if self.in_flight() >= self.capacity {
             return Ok(None);
@@ -202,7 +207,7 @@ impl StereoStream {
     }
 
     /// Writes a pair into a buffer, and submits the work of its frame.
-    fn send(&mut self, left: &Image, right: &Image) -> Result<(Reading, (wgpu::Buffer, Mapping)), Error> {
+    fn send(&mut self, left: ImageView<'_>, right: ImageView<'_>) -> Result<(Reading, (wgpu::Buffer, Mapping)), Error> {
         let Self { matcher, uploads, .. } = self;
         let side = matcher.sizes.source;
         matcher.pulse.check()?;
@@ -212,10 +217,11 @@ impl StereoStream {
             None => scopes::guarded_or_left(&matcher.device, || upload_buffer(matcher))?,
         };
         for (image, at) in [(left, 0), (right, side)] {
-            let pixels = image.bytes();
-            let part = at..at + pixels.len().next_multiple_of(8) as u64;
+            let pixels = u64::from(image.width()) * u64::from(image.height());
+            let bytes = pixels * u64::from(image.format().bytes_per_pixel());
+            let part = at..at + bytes.next_multiple_of(8);
             let mut view = readback::written(&upload, part).map_err(|error| matcher.pulse.cause(error))?;
-            view.slice(..pixels.len()).copy_from_slice(pixels);
+            image.each_packed_row(|at, row| view.slice(at..at + row.len()).copy_from_slice(row));
         }
         let reading = matcher.start(|encoder| {
             upload.unmap();
@@ -232,7 +238,11 @@ impl StereoStream {
     ///
     /// # Errors
     /// As [`StereoStream::try_push`].
-    pub fn push_or_drop(&mut self, left: &Image, right: &Image) -> Result<u64, Error> {
+    pub fn push_or_drop<'a>(
+        &mut self,
+        left: impl Into<ImageView<'a>>,
+        right: impl Into<ImageView<'a>>,
+    ) -> Result<u64, Error> {
         match self.try_push(left, right)? {
             Some(number) => Ok(number),
             None => Ok(self.drop_one()),

@@ -7,7 +7,7 @@ use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 pub(crate) struct Uploaded {
     pub(crate) buffer: wgpu::Buffer,
     /// Columns and rows.
-    pub(crate) size: (u32, u32),
+    pub(crate) size: [u32; 2],
     /// A token that recorded work holds until it is done: then another pair may be written into the buffer.
     pub(crate) held: Arc<()>,
 }
@@ -51,7 +51,7 @@ impl Uploads {
     }
 
     /// Another pair was uploaded.
-    pub(crate) fn set(&self, buffer: wgpu::Buffer, size: (u32, u32)) {
+    pub(crate) fn set(&self, buffer: wgpu::Buffer, size: [u32; 2]) {
         let mut places = self.places();
         let before = places.last.replace(Uploaded { buffer, size, held: Arc::default() });
         places.others.extend(before.map(|Uploaded { buffer, held, .. }| (buffer, held)));

@@ -1,17 +1,23 @@
 //! The order of the stages.
 
-use crate::image::check_pair;
+use crate::image_view::check_pair;
 use crate::params::Filter;
 use crate::reference::stages::{Definition, Stages};
 use crate::reference::trace::{Bytes, Receiver, Trace};
 use crate::reference::{Content, Views, confidence, depth, mirror, mirrored, rectify, round_disparities};
-use crate::{ConfidenceMap, DisparityMap, Error, Image, Labels, Matched, Method, Params, StageTime, Unrounded};
+use crate::{
+    ConfidenceMap, DisparityMap, Error, Image, ImageView, Labels, Matched, Method, Params, StageTime, Unrounded,
+};
 
 /// The whole chain on the CPU: what [`crate::StereoMatcher`] computes, from the definition.
 ///
 /// # Errors
 /// As [`Params::validate`], and [`Error::Image`] if the two sizes differ.
-pub fn compute(left: &Image, right: &Image, params: &Params) -> Result<DisparityMap, Error> {
+pub fn compute<'a>(
+    left: impl Into<ImageView<'a>>,
+    right: impl Into<ImageView<'a>>,
+    params: &Params,
+) -> Result<DisparityMap, Error> {
     Ok(compute_all(left, right, params)?.map)
 }
 
@@ -19,7 +25,11 @@ pub fn compute(left: &Image, right: &Image, params: &Params) -> Result<Disparity
 ///
 /// # Errors
 /// As [`compute`].
-pub fn compute_all(left: &Image, right: &Image, params: &Params) -> Result<Matched, Error> {
+pub fn compute_all<'a>(
+    left: impl Into<ImageView<'a>>,
+    right: impl Into<ImageView<'a>>,
+    params: &Params,
+) -> Result<Matched, Error> {
     Ok(compute_timed(left, right, params)?.0)
 }
 
@@ -27,8 +37,12 @@ pub fn compute_all(left: &Image, right: &Image, params: &Params) -> Result<Match
 ///
 /// # Errors
 /// As [`compute`].
-pub fn compute_timed(left: &Image, right: &Image, params: &Params) -> Result<(Matched, Vec<StageTime>), Error> {
-    follow(left, right, params, None, &mut Definition)
+pub fn compute_timed<'a>(
+    left: impl Into<ImageView<'a>>,
+    right: impl Into<ImageView<'a>>,
+    params: &Params,
+) -> Result<(Matched, Vec<StageTime>), Error> {
+    follow([left.into(), right.into()], params, None, &mut Definition)
 }
 
 /// As [`compute_all`], and calls `receive` with the name and the bytes of the result of each stage, in the order in which
@@ -48,9 +62,9 @@ pub fn compute_timed(left: &Image, right: &Image, params: &Params) -> Result<(Ma
 ///
 /// # Errors
 /// As [`compute`].
-pub fn compute_traced(
-    left: &Image,
-    right: &Image,
+pub fn compute_traced<'a>(
+    left: impl Into<ImageView<'a>>,
+    right: impl Into<ImageView<'a>>,
     params: &Params,
     receive: &mut dyn FnMut(&str, &[u8]),
 ) -> Result<Matched, Error> {
@@ -59,19 +73,18 @@ pub fn compute_traced(
         result.append_to(&mut bytes);
         receive(stage, &bytes);
     };
-    Ok(follow(left, right, params, Some(&mut receive), &mut Definition)?.0)
+    Ok(follow([left.into(), right.into()], params, Some(&mut receive), &mut Definition)?.0)
 }
 
 /// The whole chain, its stages as `stages` computes them.
 pub(crate) fn follow(
-    left: &Image,
-    right: &Image,
+    [left, right]: [ImageView<'_>; 2],
     params: &Params,
     receiver: Option<Receiver<'_>>,
     stages: &mut dyn Stages,
 ) -> Result<(Matched, Vec<StageTime>), Error> {
     params.validate()?;
-    check_pair(left, right)?;
+    check_pair([left, right])?;
     params.accepts(left.width(), left.height())?;
     let content = Content::new(params, left.width(), left.height());
     let content = content.as_ref();
@@ -86,15 +99,17 @@ pub(crate) fn follow(
     if let Some(content) = content {
         trace.show("content", || content);
     }
-    let [left, right] = rectified.as_ref().map_or([left, right], |[left, right]| [left, right]);
+    let [left, right] =
+        rectified.as_ref().map_or([left, right], |pair: &[Image; 2]| pair.each_ref().map(ImageView::from));
     let matched = match params.second_match() {
         Some(second) => {
             let content = content.map(Content::mirrored);
-            let [left, right] = [mirrored(right)?, mirrored(left)?];
-            let luma = stages.luma(&left);
+            let pair = [mirrored(right)?, mirrored(left)?];
+            let pair = pair.each_ref().map(ImageView::from);
+            let luma = stages.luma(pair[0]);
             Some(match second.method {
-                Method::Psmnet => trace.inferred([&left, &right], &second, stages)?.0.left,
-                _ => stages.views([&left, &right], &luma, content.as_ref(), &second, &mut trace).0.left,
+                Method::Psmnet => trace.inferred(pair, &second, stages)?.0.left,
+                _ => stages.views(pair, &luma, content.as_ref(), &second, &mut trace).0.left,
             })
         }
         None => None,
@@ -142,11 +157,11 @@ impl Trace<'_> {
     /// From the images to the winners of a network, and its disparities before they are rounded. There is no right view.
     fn inferred(
         &mut self,
-        [left, right]: [&Image; 2],
+        pair: [ImageView<'_>; 2],
         params: &Params,
         stages: &mut dyn Stages,
     ) -> Result<(Views, Unrounded), Error> {
-        let disparities = stages.infer(left, right, params, &mut |stage, values| {
+        let disparities = stages.infer(pair, params, &mut |stage, values| {
             self.stage(stage, values);
         })?;
         let left = self.stage("round_disparities", round_disparities(&disparities, params.disparities as usize));

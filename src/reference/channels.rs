@@ -2,7 +2,7 @@
 
 use crate::reference::images::gray::narrow;
 use crate::reference::{Channel, Plane, deep_gray, depth_unit, prefilter, window_sum};
-use crate::{Image, Params, Prefilter};
+use crate::{ImageView, Params, Prefilter};
 
 /// An image as the chain takes it: luma, or with [`Params::color_cost`] red, green and blue.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -16,7 +16,8 @@ pub struct Images {
 }
 
 /// The images that are prefiltered.
-pub fn images(image: &Image, params: &Params) -> Images {
+pub fn images<'a>(image: impl Into<ImageView<'a>>, params: &Params) -> Images {
+    let image = image.into();
     let channels = match params.color_cost {
         true => [0, 1, 2].map(|sample| deep_gray(image, Channel::Sample(sample))).into(),
         false => vec![deep_gray(image, Channel::Luma)],

@@ -1,11 +1,11 @@
-use crate::image::check_pair;
+use crate::image_view::check_pair;
 use crate::reference::beliefs::messages::weight_and_truncation;
 use crate::reference::winner::block_match::correlation_cost;
 use crate::reference::{
     BlockStatistics, Channel, Descriptors, Plane, block_statistics, gray, images, matching_cost_scale, pixel_cost,
     rectify,
 };
-use crate::{Energy, Error, Image, Labels, Method, Params, Smoothness};
+use crate::{Energy, Error, ImageView, Labels, Method, Params, Smoothness};
 use rayon::prelude::*;
 
 /// Stage `energy`: what the `labels` of a pair cost in the eyes of the Markov random field that [`Method::Bp`] minimises,
@@ -29,21 +29,27 @@ use rayon::prelude::*;
 /// # Errors
 /// [`Error::Misuse`] for [`Method::Psmnet`], which has no cost, and for labels that are not of this pair and these settings;
 /// else as [`crate::reference::compute`].
-pub fn energy(left: &Image, right: &Image, labels: &Labels, params: &Params) -> Result<Energy, Error> {
+pub fn energy<'a>(
+    left: impl Into<ImageView<'a>>,
+    right: impl Into<ImageView<'a>>,
+    labels: &Labels,
+    params: &Params,
+) -> Result<Energy, Error> {
+    let (left, right) = (left.into(), right.into());
     params.validate()?;
-    check_pair(left, right)?;
+    check_pair([left, right])?;
     ensure_fit(left, labels, params)?;
     let rectified = match &params.rectify {
         Some(rectification) => Some([rectify(left, rectification, 0)?, rectify(right, rectification, 1)?]),
         None => None,
     };
-    let pair = rectified.as_ref().map_or([left, right], |[left, right]| [left, right]);
+    let pair = rectified.as_ref().map_or([left, right], |pair| pair.each_ref().map(ImageView::from));
     let sides = pair.map(|image| images(image, params).prefiltered(params).descriptors(params));
     Ok(energy_of(&sides, &gray(pair[0], Channel::Luma), &labels.data, &labels.table, params))
 }
 
 /// Refuses labels of another pair or of other settings.
-fn ensure_fit(image: &Image, labels: &Labels, params: &Params) -> Result<(), Error> {
+fn ensure_fit(image: ImageView<'_>, labels: &Labels, params: &Params) -> Result<(), Error> {
     let misuse = |text: &str| Err(Error::Misuse(text.into()));
     let pixels = image.width() as usize * image.height() as usize;
     if params.method == Method::Psmnet {
@@ -152,7 +158,7 @@ impl DataTerms<'_> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::{Cost, Pixels, Prefilter, reference};
+    use crate::{Cost, Image, Pixels, Prefilter, reference};
 
     /// Labels of other pairs and settings are refused, not counted.
     #[test]

@@ -8,12 +8,17 @@ use crate::reference::{
     block_sums, coarse_cost, cost_columns, filtered, gray, halve, images, lr_check, matching_cost, messages,
     mi_histogram, mi_table, network, penalties, rounds, sgm_aggregate, stage, validity, winner,
 };
-use crate::{DisparityMap, Energy, Error, Image, Method, Params, Prefilter};
+use crate::{DisparityMap, Energy, Error, ImageView, Method, Params, Prefilter};
 
 /// How stages are computed. Without a function of its own a schedule computes them as the definition does.
 pub(crate) trait Stages {
     /// The network of the settings: the disparities of the left image.
-    fn infer(&mut self, left: &Image, right: &Image, params: &Params, report: Report<'_>) -> Result<Plane<f32>, Error> {
+    fn infer(
+        &mut self,
+        [left, right]: [ImageView<'_>; 2],
+        params: &Params,
+        report: Report<'_>,
+    ) -> Result<Plane<f32>, Error> {
         let Some(with) = &params.network else { return Err(Error::Misuse("method psmnet needs a network".into())) };
         let mut receive = |at: usize, _, values: &Values| report(stage(with.operations()[at].kind), Some(values));
         let Plane { width, height, data } = network(left, right, with, params, &mut receive)?;
@@ -21,7 +26,7 @@ pub(crate) trait Stages {
     }
 
     /// The luma of the left image, which filters read.
-    fn luma(&mut self, left: &Image) -> Plane<u8> {
+    fn luma(&mut self, left: ImageView<'_>) -> Plane<u8> {
         gray(left, Channel::Luma)
     }
 
@@ -29,7 +34,7 @@ pub(crate) trait Stages {
     /// cost, if the cost has one.
     fn views(
         &mut self,
-        sides: [&Image; 2],
+        sides: [ImageView<'_>; 2],
         luma: &Plane<u8>,
         content: Option<&Content>,
         params: &Params,
@@ -71,7 +76,7 @@ impl Stages for Definition {}
 
 /// From the images, of which `luma` is that of the left one, to the winner of both views, and [`cost_table`]: stage by stage.
 pub(crate) fn views_of(
-    [left, right]: [&Image; 2],
+    [left, right]: [ImageView<'_>; 2],
     luma: &Plane<u8>,
     content: Option<&Content>,
     params: &Params,

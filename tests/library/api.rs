@@ -221,7 +221,7 @@ fn a_matcher_without_a_device() {
     matcher.set_params(&Params::bm(9)).unwrap();
     matcher.resize(33, 20).unwrap();
     assert!(
-        matcher.set_params(&Params::bm(0)).is_err() && matcher.params().disparities == 9 && matcher.size() == (33, 20)
+        matcher.set_params(&Params::bm(0)).is_err() && matcher.params().disparities == 9 && matcher.size() == [33, 20]
     );
     let expected = reference::compute_all(&other, &other, &Params::bm(9)).unwrap();
     assert!(matcher.compute(&other, &other).unwrap() == expected);

@@ -23,3 +23,4 @@ mod stream;
 mod support;
 mod validity;
 mod vectors;
+mod views;

@@ -128,7 +128,7 @@ fn what_was_recorded_is_what_is_computed() {
             let mut matcher = gpu.matcher(sizes[0], &settings()[0]);
             let mut recorded = Vec::new();
             for ((pair, size), params) in pairs.iter().zip(sizes).zip(settings()) {
-                if matcher.size() != size {
+                if <(u32, u32)>::from(matcher.size()) != size {
                     matcher.resize(size.0, size.1).unwrap();
                 }
                 matcher.set_params(&params).unwrap();
@@ -376,7 +376,7 @@ fn lost_device() {
         call("stream set_params", stream.set_params(&Params::bm(8)).err());
         call("stream set_params_async", pollster::block_on(stream.set_params_async(&Params::bm(8))).err());
         // Those that only look still do.
-        assert!(matcher.device_bytes() > 0 && matcher.size() == size && stream.capacity() == 2);
+        assert!(matcher.device_bytes() > 0 && <(u32, u32)>::from(matcher.size()) == size && stream.capacity() == 2);
         matcher.forget_resources();
         let _ = gpu.device.poll(wgpu::PollType::wait_indefinitely()); // lets go of what was made
     }

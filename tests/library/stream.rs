@@ -40,7 +40,7 @@ fn a_matcher_takes_other_sizes_and_settings() {
                 let (width, height) = (random.random_range(1..=width), random.random_range(1..=height));
                 let case = (adapter.get_info().name, seed, change, width, height, &params);
                 matcher.resize(width, height).unwrap();
-                assert_eq!(matcher.size(), (width, height));
+                assert_eq!(matcher.size(), [width, height]);
                 let (left, right) = pair(width, height);
                 assert_eq!(
                     matcher.compute_blocking(&left, &right).unwrap(),
@@ -94,7 +94,7 @@ fn a_refused_change_changes_nothing() {
     assert!(matches!(matcher.set_params(&refused), Err(Error::Parameter { name: "p2", .. })));
     assert!(matches!(matcher.resize(0, 14), Err(Error::Image(_))));
     assert!(matches!(matcher.resize(60_001, 1), Err(Error::Image(_))));
-    assert_eq!((matcher.size(), matcher.params()), ((33, 14), &params));
+    assert_eq!((matcher.size(), matcher.params()), ([33, 14], &params));
     assert_eq!(matcher.compute_blocking(&left, &right).unwrap(), expected(&left, &right, &params));
 }
 

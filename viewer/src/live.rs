@@ -192,7 +192,7 @@ fn fit(
     let (width, height, format) = (pair.left.width(), pair.left.height(), pair.left.format());
     match matcher {
         Some(matcher) if matcher.format() == format => {
-            if matcher.size() != (width, height) {
+            if matcher.size() != [width, height] {
                 matcher.resize(width, height)?;
             }
             if matcher.params() != params {

@@ -5,7 +5,7 @@ use crate::cpu::images::padded::{Padded, Samples};
 use crate::cpu::images::{gray, prefilter};
 use crate::cpu::instructions::Instructions;
 use crate::reference::{Channel, Images};
-use crate::{Image, Params, Prefilter};
+use crate::{ImageView, Params, Prefilter};
 
 /// An image in luma, or with [`Params::color_cost`] in red, green and blue.
 #[derive(Clone)]
@@ -18,7 +18,7 @@ pub struct Channels {
 
 impl Channels {
     /// Stage `gray`.
-    pub fn new(image: &Image, params: &Params, instructions: Instructions) -> Self {
+    pub fn new(image: ImageView<'_>, params: &Params, instructions: Instructions) -> Self {
         let channels: &[Channel] = match params.color_cost {
             true => &[Channel::Sample(0), Channel::Sample(1), Channel::Sample(2)],
             false => &[Channel::Luma],

@@ -25,8 +25,8 @@ fn stages_from_gray_to_descriptors_equal_the_definition() {
         for set in Instructions::all() {
             let what = format!("{}, {what}", set.name());
             for i in 0..2 {
-                assert!(luma(&pair[i], set) == reference::gray(&pair[i], Channel::Luma), "luma, {what}");
-                let channels = Channels::new(&pair[i], &params, set);
+                assert!(luma((&pair[i]).into(), set) == reference::gray(&pair[i], Channel::Luma), "luma, {what}");
+                let channels = Channels::new((&pair[i]).into(), &params, set);
                 assert!(channels.images() == images[i], "gray, {what}");
                 let channels = channels.prefiltered(&params);
                 assert!(channels.images() == filtered[i], "prefilter, {what}");

@@ -1,12 +1,12 @@
 //! What is done with images beside convolutions.
 
 use super::activation::Activation;
-use crate::Image;
+use crate::ImageView;
 use crate::network::Padded;
 use crate::reference::{Values, neighbours, network_input};
 
 /// Stage `network_input`.
-pub(super) fn input(image: &Image, padded: &Padded) -> Activation {
+pub(super) fn input(image: ImageView<'_>, padded: &Padded) -> Activation {
     stored(&network_input(image, padded))
 }
 

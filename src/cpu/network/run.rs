@@ -7,7 +7,7 @@ use super::regression::disparity_regression;
 use super::transposed::transposed;
 use crate::network::{Convolution, Kind, Operation, Padded};
 use crate::reference::Plane;
-use crate::{Error, Image, Network, Params};
+use crate::{Error, ImageView, Network, Params};
 
 /// Runs a network on a pair: the disparities of the left image in pixels. `receive` is called with the number of each
 /// operation when it is done.
@@ -15,8 +15,7 @@ use crate::{Error, Image, Network, Params};
 /// # Errors
 /// [`Error::Network`] if the network lacks weights.
 pub fn disparities(
-    left: &Image,
-    right: &Image,
+    [left, right]: [ImageView<'_>; 2],
     network: &Network,
     params: &Params,
     receive: &mut dyn FnMut(usize),
@@ -61,7 +60,7 @@ impl<'a> Step<'a> {
         made.ok_or_else(|| Error::Network(format!("{} reads what is not there", self.operation.name)))
     }
 
-    pub(super) fn compute(&self, image: &Image, params: &Params) -> Result<Activation, Error> {
+    pub(super) fn compute(&self, image: ImageView<'_>, params: &Params) -> Result<Activation, Error> {
         let input_of = |i: usize| self.read(self.operation.inputs[i], self.side);
         let [_, planes, rows, columns] = self.operation.shape(self.padded);
         let Some(weights) = self.network.convolution(&self.operation.name) else {

@@ -116,5 +116,5 @@ fn what_is_beside_convolutions_is_that_of_the_definition() {
     assert_close(&concat(&[&stored(&image), &stored(&other)]), &wanted, "concat");
     let pixels = Pixels::Rgba8((0..40 * 3 * 4).map(|i| (i * 31 % 251) as u8).collect());
     let (image, padded) = (Image::new(40, 3, pixels).unwrap(), Padded::new(40, 3, 16));
-    assert_close(&input(&image, &padded), &reference::network_input(&image, &padded), "network_input");
+    assert_close(&input((&image).into(), &padded), &reference::network_input(&image, &padded), "network_input");
 }

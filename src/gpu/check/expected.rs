@@ -5,7 +5,7 @@ use crate::reference::{
     self, BlockStatistics, Channel, Content, Descriptors, Direction, Images, Messages, Plane, Round, Values, Views,
     Volume,
 };
-use crate::{ConfidenceMap, DisparityMap, Image, Method, Params};
+use crate::{ConfidenceMap, DisparityMap, Image, ImageView, Method, Params};
 
 /// What the device made of the pair so far, by operation of a network and side; what is read no more is dropped.
 pub(super) type Made = Vec<[Option<Values>; 2]>;
@@ -50,7 +50,7 @@ pub(super) struct Expected {
 }
 
 impl Expected {
-    pub(super) fn new(params: &Params, left: &Image, right: &Image, content: Option<Content>) -> Self {
+    pub(super) fn new(params: &Params, [left, right]: [ImageView<'_>; 2], content: Option<Content>) -> Self {
         let luma = [left, right].map(|image| reference::gray(image, Channel::Luma));
         let images = [left, right].map(|image| reference::images(image, params));
         let prefiltered = [0, 1].map(|side: usize| images[side].prefiltered(params));
@@ -81,7 +81,7 @@ impl Expected {
             coarse: Vec::new(),
             messages: Vec::new(),
             views: None,
-            pair: [left, right].map(Image::clone),
+            pair: [left, right].map(|image| image.to_image()),
             made: Vec::new(),
             disparities: None,
             checked: None,

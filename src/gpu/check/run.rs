@@ -6,15 +6,14 @@ use crate::gpu::check::expected::Expected;
 use crate::gpu::recording::{Step, Written, record_steps};
 use crate::gpu::{readback, scopes};
 use crate::reference::{self, Content};
-use crate::{Error, Image, StereoMatcher};
+use crate::{Error, Image, ImageView, StereoMatcher};
 
 /// What buffers hold before a stage writes them: "wrote nothing" must differ from "wrote 0".
 const SENTINEL: u8 = 0xa5;
 
 /// The pair that is checked, and the reference's results for the pair or its mirror image.
 struct Checked<'a> {
-    left: &'a Image,
-    right: &'a Image,
+    pair: [ImageView<'a>; 2],
     content: Option<Content>,
     /// Whether the steps so far are of the mirrored pair.
     mirrored: bool,
@@ -25,25 +24,27 @@ struct Checked<'a> {
 }
 
 impl<'a> Checked<'a> {
-    fn new(matcher: &StereoMatcher, left: &'a Image, right: &'a Image) -> Result<Self, Error> {
+    fn new(matcher: &StereoMatcher, pair: [ImageView<'a>; 2]) -> Result<Self, Error> {
+        let [left, right] = pair;
         let content = Content::new(&matcher.params, left.width(), left.height());
         let second = matcher.params.second_match();
         let mirrored = second.is_some();
         let expected = match second {
             Some(second) => {
                 let content = content.as_ref().map(Content::mirrored);
-                Expected::new(&second, &reference::mirrored(right)?, &reference::mirrored(left)?, content)
+                let mirrored = [reference::mirrored(right)?, reference::mirrored(left)?];
+                Expected::new(&second, mirrored.each_ref().map(ImageView::from), content)
             }
-            None => Expected::new(&matcher.params, left, right, content.clone()),
+            None => Expected::new(&matcher.params, pair, content.clone()),
         };
-        Ok(Self { left, right, content, mirrored, expected, level: None, views_level: None })
+        Ok(Self { pair, content, mirrored, expected, level: None, views_level: None })
     }
 
     /// Goes on with a step. Returns whether another level begins.
     fn enter(&mut self, matcher: &StereoMatcher, step: &Step) -> bool {
         let rectifies = matches!(step.written, Written::Rectified { .. });
         if self.mirrored && !step.mirrored && !rectifies {
-            let unmirrored = Expected::new(&matcher.params, self.left, self.right, self.content.clone());
+            let unmirrored = Expected::new(&matcher.params, self.pair, self.content.clone());
             let matched = self.expected.matched.take();
             self.expected = Expected { matched, ..unmirrored };
             (self.mirrored, self.views_level, self.level) = (false, None, None);
@@ -77,8 +78,12 @@ impl StereoMatcher {
     ///
     /// # Errors
     /// As [`StereoMatcher::compute`].
-    pub async fn check(&self, left: &Image, right: &Image) -> Result<Vec<StageCheck>, Error> {
-        self.check_spoiled(left, right, &mut |_, _| {}).await
+    pub async fn check<'a>(
+        &self,
+        left: impl Into<ImageView<'a>>,
+        right: impl Into<ImageView<'a>>,
+    ) -> Result<Vec<StageCheck>, Error> {
+        self.check_spoiled([left.into(), right.into()], &mut |_, _| {}).await
     }
 
     /// As [`StereoMatcher::check`]; blocks until all is compared.
@@ -86,26 +91,29 @@ impl StereoMatcher {
     /// # Errors
     /// As [`StereoMatcher::compute`].
     #[cfg(not(target_arch = "wasm32"))]
-    pub fn check_blocking(&self, left: &Image, right: &Image) -> Result<Vec<StageCheck>, Error> {
+    pub fn check_blocking<'a>(
+        &self,
+        left: impl Into<ImageView<'a>>,
+        right: impl Into<ImageView<'a>>,
+    ) -> Result<Vec<StageCheck>, Error> {
         readback::block_on(self.check(left, right))
     }
 
     /// As [`StereoMatcher::check_blocking`], with a chance to spoil the bytes read back from a step: the test of the test.
     #[cfg(not(target_arch = "wasm32"))]
     #[doc(hidden)]
-    pub fn check_with(
+    pub fn check_with<'a>(
         &self,
-        left: &Image,
-        right: &Image,
+        left: impl Into<ImageView<'a>>,
+        right: impl Into<ImageView<'a>>,
         mut spoil: impl FnMut(&str, &mut [u8]),
     ) -> Result<Vec<StageCheck>, Error> {
-        readback::block_on(self.check_spoiled(left, right, &mut spoil))
+        readback::block_on(self.check_spoiled([left.into(), right.into()], &mut spoil))
     }
 
     async fn check_spoiled(
         &self,
-        left: &Image,
-        right: &Image,
+        [left, right]: [ImageView<'_>; 2],
         spoil: &mut impl FnMut(&str, &mut [u8]),
     ) -> Result<Vec<StageCheck>, Error> {
         self.accepts(left, right)?;
@@ -118,8 +126,8 @@ impl StereoMatcher {
             }
             None => None,
         };
-        let [left, right] = rectified.as_ref().map_or([left, right], |[left, right]| [left, right]);
-        let mut checked = Checked::new(self, left, right)?;
+        let pair = rectified.as_ref().map_or([left, right], |pair: &[Image; 2]| pair.each_ref().map(ImageView::from));
+        let mut checked = Checked::new(self, pair)?;
         checked.expected.rectified = rectified.clone();
         let mut stages: Vec<StageCheck> = Vec::new();
         for step in &self.steps {

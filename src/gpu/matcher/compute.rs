@@ -8,7 +8,7 @@ use crate::gpu::matcher::stereo_matcher::StereoMatcher;
 use crate::gpu::readback::Mapping;
 use crate::gpu::reading::{Awaited, Reading};
 use crate::gpu::scopes;
-use crate::{Error, Image, Matched};
+use crate::{Error, ImageView, Matched};
 
 impl StereoMatcher {
     /// Brings what the work submitted last leaves to the host: work of the matcher's present size and settings. Submits the
@@ -18,7 +18,7 @@ impl StereoMatcher {
     pub fn read(&self) -> Reading {
         let computed = self.computed.load(Ordering::Relaxed);
         let absent = || {
-            let (width, height) = self.size();
+            let [width, height] = self.size();
             Error::Misuse(format!(
                 "there is no map of {width}x{height} with the present settings to read; record and submit a pair, or compute \
                  one, before"
@@ -41,8 +41,12 @@ impl StereoMatcher {
     ///
     /// # Errors
     /// [`Error::Image`] if a size or a format is not the matcher's; [`Error::Lost`] if the device fails on the way.
-    pub async fn compute(&self, left: &Image, right: &Image) -> Result<Matched, Error> {
-        self.submit(left, right, |encoder| self.record_at_once(encoder))?.await
+    pub async fn compute<'a>(
+        &self,
+        left: impl Into<ImageView<'a>>,
+        right: impl Into<ImageView<'a>>,
+    ) -> Result<Matched, Error> {
+        self.submit(left.into(), right.into(), |encoder| self.record_at_once(encoder))?.await
     }
 
     /// As [`StereoMatcher::compute`]; blocks until the maps are there.
@@ -50,14 +54,18 @@ impl StereoMatcher {
     /// # Errors
     /// As [`StereoMatcher::compute`].
     #[cfg(not(target_arch = "wasm32"))]
-    pub fn compute_blocking(&self, left: &Image, right: &Image) -> Result<Matched, Error> {
-        self.submit(left, right, |encoder| self.record_at_once(encoder))?.wait_blocking()
+    pub fn compute_blocking<'a>(
+        &self,
+        left: impl Into<ImageView<'a>>,
+        right: impl Into<ImageView<'a>>,
+    ) -> Result<Matched, Error> {
+        self.submit(left.into(), right.into(), |encoder| self.record_at_once(encoder))?.wait_blocking()
     }
 
     pub(super) fn submit(
         &self,
-        left: &Image,
-        right: &Image,
+        left: ImageView<'_>,
+        right: ImageView<'_>,
         record: impl FnOnce(&mut wgpu::CommandEncoder),
     ) -> Result<Reading, Error> {
         self.accepts(left, right)?;

@@ -130,7 +130,7 @@ impl StereoMatcher {
     /// As [`StereoMatcher::new`]; the matcher is then as it was.
     #[cfg(not(target_arch = "wasm32"))]
     pub fn set_params(&mut self, params: &Params) -> Result<(), Error> {
-        let (width, height) = self.size();
+        let [width, height] = self.size();
         self.rebuild([width, height], params)
     }
 
@@ -140,7 +140,7 @@ impl StereoMatcher {
     /// # Errors
     /// As [`StereoMatcher::set_params`].
     pub async fn set_params_async(&mut self, params: &Params) -> Result<(), Error> {
-        let (width, height) = self.size();
+        let [width, height] = self.size();
         self.rebuild_async([width, height], params).await
     }
 

@@ -110,7 +110,7 @@ impl StereoMatcher {
         let after = context.after(&self.passes, outputs, &mut regions)?;
         let uploaded = match inputs {
             Inputs::Uploaded => Some(self.uploads.last().filter(|pair| pair.size == self.size()).ok_or_else(|| {
-                let (width, height) = self.size();
+                let [width, height] = self.size();
                 Error::Misuse(format!(
                     "no pair of {width}x{height} was uploaded since the matcher takes that size; upload one before it is \
                      recorded"

@@ -16,8 +16,8 @@ use crate::gpu::readback::{self, Waiter};
 use crate::gpu::recording::{Level, Pool, Step, levels, rooms};
 use crate::gpu::scopes::{self, Verdict};
 use crate::gpu::uploads::Uploads;
-use crate::image::check_made_for;
-use crate::{Error, Image, Params, PixelFormat};
+use crate::image_view::check_made_for;
+use crate::{Error, ImageView, Params, PixelFormat};
 
 /// Matches pairs on the caller's device.
 ///
@@ -181,8 +181,8 @@ impl StereoMatcher {
     }
 
     /// Columns and rows of the pairs.
-    pub fn size(&self) -> (u32, u32) {
-        (self.sizes.frame.width, self.sizes.frame.height)
+    pub fn size(&self) -> [u32; 2] {
+        [self.sizes.frame.width, self.sizes.frame.height]
     }
 
     /// The samples of the pairs.
@@ -227,7 +227,7 @@ impl StereoMatcher {
     }
 
     /// Whether a pair is what the matcher was made for.
-    pub(crate) fn accepts(&self, left: &Image, right: &Image) -> Result<(), Error> {
+    pub(crate) fn accepts(&self, left: ImageView<'_>, right: ImageView<'_>) -> Result<(), Error> {
         check_made_for([left, right], self.size(), self.format)
     }
 

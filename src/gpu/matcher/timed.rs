@@ -5,7 +5,7 @@ use crate::gpu::matcher::stereo_matcher::StereoMatcher;
 use crate::gpu::matcher::timer::Timer;
 use crate::gpu::recording::record_steps;
 use crate::gpu::{readback, scopes};
-use crate::{Error, Image, Matched, StageTime};
+use crate::{Error, ImageView, Matched, StageTime};
 
 impl StereoMatcher {
     /// As [`StereoMatcher::compute_blocking`], with the time of each stage in order of first use; none where the device
@@ -14,7 +14,12 @@ impl StereoMatcher {
     /// # Errors
     /// As [`StereoMatcher::compute_blocking`].
     #[cfg(not(target_arch = "wasm32"))]
-    pub fn compute_timed_blocking(&self, left: &Image, right: &Image) -> Result<(Matched, Vec<StageTime>), Error> {
+    pub fn compute_timed_blocking<'a>(
+        &self,
+        left: impl Into<ImageView<'a>>,
+        right: impl Into<ImageView<'a>>,
+    ) -> Result<(Matched, Vec<StageTime>), Error> {
+        let (left, right) = (left.into(), right.into());
         // Neighbouring steps of a stage are timed together.
         let runs = self.runs(true);
         let count = 2 * runs.len() as u32;

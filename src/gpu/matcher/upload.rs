@@ -2,7 +2,7 @@
 
 use crate::gpu::matcher::stereo_matcher::StereoMatcher;
 use crate::gpu::scopes;
-use crate::{Error, Image};
+use crate::{Error, ImageView};
 
 impl StereoMatcher {
     /// Writes a pair where [`StereoMatcher::record`] takes it from with [`Inputs::Uploaded`](crate::Inputs::Uploaded); it is there for all that is
@@ -11,7 +11,8 @@ impl StereoMatcher {
     /// # Errors
     /// [`Error::Image`] if a size or a format is not the matcher's; [`Error::OutOfMemory`] if there is no room for one more
     /// pair, in addition to those that recorded work still needs.
-    pub fn upload(&self, left: &Image, right: &Image) -> Result<(), Error> {
+    pub fn upload<'a>(&self, left: impl Into<ImageView<'a>>, right: impl Into<ImageView<'a>>) -> Result<(), Error> {
+        let (left, right) = (left.into(), right.into());
         self.accepts(left, right)?;
         self.pulse.check()?;
         let side = self.sizes.source;
@@ -26,7 +27,7 @@ impl StereoMatcher {
                 })
             });
             for (image, at) in [(left, 0), (right, side)] {
-                let bytes = image.bytes();
+                let bytes = image.packed();
                 let (whole, rest) = bytes.split_at(bytes.len() / 4 * 4);
                 self.queue.write_buffer(&buffer, at, whole);
                 if !rest.is_empty() {
@@ -43,9 +44,9 @@ impl StereoMatcher {
     }
 
     /// Writes a pair into the matcher's textures, for what is submitted at once.
-    pub(crate) fn write_sources(&self, left: &Image, right: &Image) {
+    pub(crate) fn write_sources(&self, left: ImageView<'_>, right: ImageView<'_>) {
         for (image, source) in [(left, &self.ends.sources[0]), (right, &self.ends.sources[1])] {
-            let bytes = image.bytes();
+            let bytes = image.packed();
             // Whole rows of the texture, then the rest of them.
             let texels = self.sizes.source_texels;
             let row = 16 * texels as usize;

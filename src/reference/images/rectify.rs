@@ -1,4 +1,4 @@
-use crate::{Error, Image, Pixels, Rectification};
+use crate::{Error, Image, ImageView, Pixels, Rectification};
 
 /// Stage `rectify`: the image of a `side` (0: left) as the rectified camera would have taken it.
 ///
@@ -7,7 +7,12 @@ use crate::{Error, Image, Pixels, Rectification};
 ///
 /// # Errors
 /// [`Error::Image`] if the image is not of the rectification's size.
-pub fn rectify(image: &Image, rectification: &Rectification, side: usize) -> Result<Image, Error> {
+pub fn rectify<'a>(
+    image: impl Into<ImageView<'a>>,
+    rectification: &Rectification,
+    side: usize,
+) -> Result<Image, Error> {
+    let image = image.into().image();
     let (width, height) = (image.width(), image.height());
     rectification.accepts(width, height)?;
     let sampled = |count: usize, sample: &dyn Fn(usize) -> u32| -> Vec<u32> {

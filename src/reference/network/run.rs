@@ -1,6 +1,6 @@
 use crate::network::{Kind, Operation, Padded};
 use crate::reference::{Plane, Values, network_input, operation};
-use crate::{Error, Image, Network, Params};
+use crate::{Error, ImageView, Network, Params};
 
 /// Receives the stage of each operation when that is done, with what it made if that is of f64.
 pub(crate) type Report<'a> = &'a mut dyn FnMut(&str, Option<&Values>);
@@ -24,13 +24,14 @@ pub(crate) fn stage(kind: Kind) -> &'static str {
 ///
 /// # Errors
 /// [`Error::Network`] if the network lacks weights.
-pub fn network(
-    left: &Image,
-    right: &Image,
+pub fn network<'a>(
+    left: impl Into<ImageView<'a>>,
+    right: impl Into<ImageView<'a>>,
     network: &Network,
     params: &Params,
     receive: &mut dyn FnMut(usize, usize, &Values),
 ) -> Result<Plane<f64>, Error> {
+    let (left, right) = (left.into(), right.into());
     let padded = Padded::new(left.width(), left.height(), params.disparities);
     let operations = network.operations();
     let last = Operation::last_reads(operations);
@@ -60,7 +61,8 @@ pub fn network(
 }
 
 /// What lies on the image: the last rows, the first columns.
-pub fn cropped(disparities: &Values, image: &Image) -> Plane<f64> {
+pub fn cropped<'a>(disparities: &Values, image: impl Into<ImageView<'a>>) -> Plane<f64> {
+    let image = image.into();
     let [width, height] = [image.width() as usize, image.height() as usize];
     let above = disparities.shape[2] - height;
     let data = (0..height).flat_map(|y| &disparities.row(0, 0, above + y)[..width]).copied().collect();

@@ -1,6 +1,6 @@
 use rayon::prelude::*;
 
-use crate::{DisparityMap, Error, Image, Pixels};
+use crate::{DisparityMap, Error, Image, ImageView, Pixels};
 
 /// Stage `mirror`: a map with each row reversed. The left view of the pair (mirrored right image, mirrored left image) is
 /// the mirrored right view of the pair.
@@ -12,7 +12,8 @@ pub fn mirror(map: &DisparityMap) -> DisparityMap {
 ///
 /// # Errors
 /// None for an image: it has the size that it had.
-pub fn mirrored(image: &Image) -> Result<Image, Error> {
+pub fn mirrored<'a>(image: impl Into<ImageView<'a>>) -> Result<Image, Error> {
+    let image = image.into().image();
     let width = image.width();
     let pixels = match image.pixels() {
         Pixels::Gray8(samples) => Pixels::Gray8(reversed_rows(samples, width, 1)),

@@ -73,7 +73,7 @@ impl Streams {
         match self.all.last_mut() {
             // A rectification is of one size.
             Some(stream) if stream.matcher().params() != params => self.renew(shape, params),
-            Some(stream) if stream.matcher().size() != (width, height) => stream.resize(width, height),
+            Some(stream) if stream.matcher().size() != [width, height] => stream.resize(width, height),
             _ => Ok(()),
         }
     }
