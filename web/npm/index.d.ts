@@ -11,7 +11,7 @@ export class StereoError extends Error {
      * - `misuse`: a call that does not fit earlier ones
      */
     readonly kind:
-        | "parameter" | "image" | "network" | "too-large" | "memory" | "device" | "lost" | "misuse" | "dropped" | "adapter" | "other";
+        | "parameter" | "image" | "network" | "too-large" | "memory" | "device" | "lost" | "refused" | "misuse" | "dropped" | "adapter" | "other";
 }
 
 /** How the samples of an image are laid out: row by row from the top, without padding. */

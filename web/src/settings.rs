@@ -29,7 +29,7 @@ pub fn camera(numbers: &[f64]) -> Result<Camera, JsValue> {
         let text = format!("a camera has {} numbers; give five: focal, baseline, doffs, cx, cy", numbers.len());
         return Err(of_kind("misuse", &text));
     };
-    let camera = Camera { focal, baseline, doffs, cx, cy };
+    let camera = Camera::new(focal, baseline).with_doffs(doffs).with_principal_point(cx, cy);
     camera.validate().map_err(thrown)?;
     Ok(camera)
 }

@@ -5,7 +5,7 @@ use js_sys::Reflect;
 use wasm_bindgen::prelude::*;
 
 /// An `Error` whose name is `StereoError`, whose message is that of the library, and whose `kind` is `parameter`, `image`, `network`,
-/// `too-large`, `memory`, `device`, `lost`, `misuse`, `dropped` or `adapter`.
+/// `too-large`, `memory`, `device`, `lost`, `refused`, `misuse`, `dropped` or `adapter`.
 pub fn thrown(error: Error) -> JsValue {
     let kind = match &error {
         Error::Parameter { .. } => "parameter",
@@ -15,6 +15,7 @@ pub fn thrown(error: Error) -> JsValue {
         Error::Memory { .. } | Error::OutOfMemory => "memory",
         Error::Device(_) => "device",
         Error::Lost(_) => "lost",
+        Error::Refused(_) => "refused",
         Error::Misuse(_) => "misuse",
         Error::Dropped { .. } => "dropped",
         Error::Adapter(_) => "adapter",
