@@ -238,6 +238,16 @@ fn check_sizes(estimate: &FloatMap, truth: &FloatMap, mask: Option<&[bool]>) -> 
             estimate.width, estimate.height, truth.width, truth.height
         )));
     }
+    for (name, map) in [("estimate", estimate), ("truth", truth)] {
+        if map.data.len() as u128 != u128::from(map.width) * u128::from(map.height) {
+            return Err(Error::Image(format!(
+                "the {name} is {}x{}, but has {} values; give a map with one value per pixel",
+                map.width,
+                map.height,
+                map.data.len()
+            )));
+        }
+    }
     match mask {
         Some(mask) if mask.len() != truth.data.len() => Err(Error::Image(format!(
             "the mask has {} pixels, but the truth is {}x{}; both must be of one size",
@@ -404,6 +414,13 @@ mod tests {
         assert!(error.contains("no known pixel within the mask"), "{error}");
         assert!(evaluate(&estimate, &truth, Some(&[true])).unwrap_err().to_string().contains("1 pixels"));
         assert!(evaluate(&map(1, &[1.0]), &truth, None).unwrap_err().to_string().contains("1x1"));
+        // The fields of a DisparityMap are the caller's.
+        let broken = FloatMap::from(&DisparityMap { width: 3, height: 1, data: vec![16] });
+        for pair in [[&broken, &truth], [&truth, &broken]] {
+            let error = evaluate(pair[0], pair[1], None).unwrap_err().to_string();
+            assert!(error.contains("3x1, but has 1 values"), "{error}");
+            assert!(error_picture(pair[0], pair[1], None).is_err());
+        }
         assert!(FloatMap::new(2, 2, vec![0.0; 3]).is_err() && FloatMap::new(0, 2, vec![]).is_err());
     }
 

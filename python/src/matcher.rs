@@ -62,7 +62,7 @@ impl Matcher {
                 ensure_environment(&mut |note| notes.push(note))?;
             }
             let before = Beforehand::of(&params)?;
-            let shape = Shape { size: before.size(size), format };
+            let shape = Shape::new(before.size(size), format);
             let engine = Engine::open(&request.place, None, shape, &before.params, &mut |note| notes.push(note))?;
             Ok((before, shape, engine))
         })?;
@@ -87,7 +87,7 @@ impl Matcher {
         work: impl FnOnce(&Engine) -> Result<T, Error> + Send,
     ) -> Result<T, Error> {
         let mut ready = self.ready.lock().unwrap_or_else(PoisonError::into_inner);
-        let shape = Shape { format, ..ready.shape };
+        let shape = Shape::new(ready.shape.size, format);
         let (place, params) = (&self.request.place, &self.before.params);
         let mut quiet = |_| (); // it was said when the matcher was made
         let (kept, is_same) = (ready.engine.take(), shape == ready.shape);

@@ -207,8 +207,8 @@ pub fn place(device: Option<&Bound<'_, PyAny>>) -> PyResult<Place> {
     let text = text("device", device)?.unwrap_or_default();
     let backend = Backend::NAMED.iter().find(|(name, _)| *name == text);
     Ok(match backend {
-        Some((_, backend)) => Place { backend: *backend, adapter: None },
-        None => Place { backend: Backend::Auto, adapter: Some(text) },
+        Some((_, backend)) => Place::new(*backend, None),
+        None => Place::new(Backend::Auto, Some(text)),
     })
 }
 

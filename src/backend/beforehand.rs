@@ -10,6 +10,7 @@ use crate::{
 
 /// What a matcher is made for.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[non_exhaustive]
 pub struct Shape {
     /// Columns and rows.
     pub size: [u32; 2],
@@ -18,6 +19,12 @@ pub struct Shape {
 }
 
 impl Shape {
+    /// Images of so many columns and rows, in this format.
+    #[must_use]
+    pub fn new(size: [u32; 2], format: PixelFormat) -> Self {
+        Self { size, format }
+    }
+
     /// That of an image.
     pub fn of<'a>(image: impl Into<ImageView<'a>>) -> Self {
         let image = image.into();

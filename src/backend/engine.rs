@@ -14,6 +14,7 @@ use crate::{Error, ImageView, Matched, Method, Params, StageCheck, StageTime, St
 
 /// Where to compute.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[non_exhaustive]
 pub enum Backend {
     /// The best GPU, else the CPU.
     #[default]
@@ -60,11 +61,20 @@ impl FromStr for Backend {
 
 /// Where to compute: the backend, and on which adapter.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
+#[non_exhaustive]
 pub struct Place {
     /// The backend.
     pub backend: Backend,
     /// The adapter by its index or a part of its name, for the backends that take one; the best, if it is not given.
     pub adapter: Option<String>,
+}
+
+impl Place {
+    /// By this backend, on the adapter of this index or part of a name.
+    #[must_use]
+    pub fn new(backend: Backend, adapter: Option<String>) -> Self {
+        Self { backend, adapter }
+    }
 }
 
 /// An adapter with a matcher, or what computes without one.

@@ -9,7 +9,7 @@
 //!
 //! let image = Image::new(40, 8, Pixels::Gray8(vec![9; 320]))?;
 //! let before = Beforehand::of(&Params::sgm(16))?; // what matchers do not rectify themselves
-//! let place = Place { backend: Backend::Cpu, ..Place::default() };
+//! let place = Place::new(Backend::Cpu, None);
 //! let engine = Engine::open(&place, None, before.shape(&image), &before.params, &mut |note| eprintln!("{note}"))?;
 //! let (matched, _) = engine.compute(&*before.image(&image, 0)?, &*before.image(&image, 1)?, false)?;
 //! assert_eq!(before.upright(matched).map.width, 40);

@@ -2,6 +2,7 @@
 
 /// The names of an adapter and its driver, or of what computes without one.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
+#[non_exhaustive]
 pub struct Names {
     /// The adapter's name.
     pub adapter: String,

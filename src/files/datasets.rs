@@ -30,6 +30,7 @@ pub enum DataSet {
 
 /// Which pixels of a truth are not occluded.
 #[derive(Clone, Debug)]
+#[non_exhaustive]
 pub enum NonOccluded {
     /// Where this image is 255.
     Mask(PathBuf),

@@ -33,6 +33,7 @@ pub struct MaskFiles([Option<PathBuf>; 2]);
 
 /// Masks as they were read.
 #[derive(Clone, Debug, Default)]
+#[non_exhaustive]
 pub struct ReadMasks {
     /// The masks; nothing if no file was named.
     pub masks: Option<Masks>,

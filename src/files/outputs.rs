@@ -35,6 +35,7 @@ impl<F> Output<F> {
 }
 
 /// What was written.
+#[non_exhaustive]
 pub struct Written {
     /// The facts of each file, which show later whether it has changed.
     pub facts: Vec<Facts>,

@@ -72,6 +72,9 @@ impl Masks {
     }
 
     /// The mask of the left image (0) or of the right one (1), if there is one.
+    ///
+    /// # Panics
+    /// If `side` is above 1.
     pub fn side(&self, side: usize) -> Option<&[u8]> {
         self.0.sides[side].as_deref()
     }

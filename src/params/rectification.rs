@@ -111,6 +111,9 @@ impl Rectification {
     }
 
     /// The samples of a map of the images that it makes, row by row, as they lie in images that are not turned.
+    ///
+    /// # Panics
+    /// If it turns, and there are less samples than pixels.
     pub fn upright<T: Copy>(&self, samples: &[T]) -> Vec<T> {
         let [height, width] = self.0.rectified.map(|side| side as usize);
         if !self.0.turned {
@@ -131,6 +134,9 @@ impl Rectification {
 
     /// For each pixel of a rectified image (0: the left one) the column and the row in the given one, in 1/256 px. Those that
     /// lie outside it may be nearer than they are.
+    ///
+    /// # Panics
+    /// If `side` is above 1.
     pub fn positions(&self, side: usize) -> &[[i32; 2]] {
         &self.0.positions[side]
     }

@@ -10,7 +10,8 @@ use rand::SeedableRng;
 use rand_chacha::ChaCha8Rng;
 use serde_json::json;
 
-/// A value that is written and read in both formats.
+/// A value that is written and read in both formats. serde_json reads numbers of more than 15 digits to the last bit with a feature of
+/// its own only, so there are none here; CBOR holds every bit.
 fn again<T: serde::Serialize + serde::de::DeserializeOwned + PartialEq + Debug>(value: &T, case: &dyn Debug) {
     let json = serde_json::to_string(value).unwrap();
     assert_eq!(&serde_json::from_str::<T>(&json).unwrap(), value, "{json}, {case:?}");
@@ -19,8 +20,20 @@ fn again<T: serde::Serialize + serde::de::DeserializeOwned + PartialEq + Debug>(
     assert_eq!(&ciborium::from_reader::<T, _>(bytes.as_slice()).unwrap(), value, "{case:?}");
 }
 
+/// A number in 1/1024.
+fn short(number: f64) -> f64 {
+    (number * 1024.0).round() / 1024.0
+}
+
+/// Lenses of numbers of few digits.
+fn short_lenses() -> [Lens; 2] {
+    support::lenses(40, 30).map(|lens| {
+        Lens::new(lens.matrix.map(short), lens.distortion, lens.rotation.map(short), lens.projection.map(short))
+    })
+}
+
 fn rectification() -> Rectification {
-    Rectification::new(40, 30, support::lenses(40, 30)).unwrap()
+    Rectification::new(40, 30, short_lenses()).unwrap()
 }
 
 #[test]
@@ -30,11 +43,12 @@ fn all_settings_are_read_as_they_were_written() {
         (params.masks, params.network) = (None, None);
         params.labels = seed % 3 == 0;
         params.rectify = (seed % 5 == 0).then(rectification);
+        params.depth = params.depth.map(|camera| camera.with_doffs(short(camera.doffs)));
         params.validate().unwrap();
         again(&params, &format!("seed {seed}"));
     }
     let mut changed = Params::preset(Preset::Dense, 96);
-    changed.wls = Some(Wls::new(0.1, 1234.567));
+    changed.wls = Some(Wls::new(1234.567, 0.1));
     (changed.confidence, changed.unrounded, changed.right_map) = (true, true, true);
     changed.depth = Some(Camera::new(994.978, 0.193_001).with_doffs(-3.1).with_principal_point(0.1, 1e-9));
     again(&changed, &"all that is beside the options");
@@ -90,7 +104,7 @@ fn wrong_settings_are_refused_in_the_words_of_the_library() {
         (json!({"disp": 64, "blok": 4}), 64, &[("blok", "4")]),
         (json!({"disp": 64, "network": {"any": ["thing"]}}), 64, &[("network", "")]),
         (json!({"disp": 64, "masks": null}), 64, &[("masks", "")]),
-        (json!({"disp": 64, "method": "bm", "cost": "mi"}), 64, &[("method", "bm"), ("cost", "mi")]),
+        (json!({"disp": 64, "method": "sgm", "cost": "ncc"}), 64, &[("method", "sgm"), ("cost", "ncc")]),
     ] {
         assert_eq!(text(json.clone()), of_options(disp, options), "{json}");
     }
@@ -140,7 +154,7 @@ fn values_of_settings_are_their_names() {
 /// A rectification that was read rectifies as the one that was written; turned ones, too.
 #[test]
 fn rectifications_do_the_same_again() {
-    let lenses = support::lenses(40, 30);
+    let lenses = short_lenses();
     let (left, _) = support::pair(40, 30, 5);
     for rectification in [
         rectification(),

@@ -101,8 +101,8 @@ fn views_give_what_images_give() {
         for format in ViewFormat::ALL {
             let pair = [&left, &right].map(|image| in_format(image, format));
             // The right view in another order and with another gap, of the same matcher.
-            let same = ViewFormat::ALL.into_iter().filter(|other| other.pixel_format() == format.pixel_format());
-            let other = same.last().unwrap();
+            let mut same = ViewFormat::ALL.into_iter().filter(|other| other.pixel_format() == format.pixel_format());
+            let other = same.next_back().unwrap();
             let gaps = [random.random_range(0..20), random.random_range(0..300)];
             let case = format!("{width}x{height} {format:?} and {other:?}, gaps of {gaps:?}, seed 77");
             let foreign = [

@@ -20,6 +20,6 @@ pub struct DeviceArgs {
 impl DeviceArgs {
     /// Where the options say to compute.
     pub fn place(&self) -> Place {
-        Place { backend: self.backend, adapter: self.adapter.clone() }
+        Place::new(self.backend, self.adapter.clone())
     }
 }

@@ -62,7 +62,8 @@ fn resolve(args: EvalArgs) -> Result<Eval> {
 impl Eval {
     /// Compares the two maps, and writes the picture of the errors.
     fn run(&self) -> Result<EvalReport> {
-        let MapFile { map: estimate, doubts } = maps::read(&self.estimate, self.encoding, EncodingOptions::ESTIMATE)?;
+        let MapFile { map: estimate, doubts, .. } =
+            maps::read(&self.estimate, self.encoding, EncodingOptions::ESTIMATE)?;
         let truth = self.truth.read((estimate.width(), estimate.height()), &self.estimate)?;
         doubts.iter().chain(&truth.doubts).for_each(|doubt| warnings::warn(doubt));
         let evaluation = Evaluation::from(&truth.score(&estimate)?);

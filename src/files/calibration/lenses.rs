@@ -6,6 +6,7 @@ use crate::{Distortion, Lens};
 
 /// The model of lenses whose file names none.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[non_exhaustive]
 pub enum LensModel {
     /// The one that the file names, or that its numbers can only be of
     #[default]

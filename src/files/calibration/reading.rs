@@ -6,6 +6,7 @@ use crate::files::error::{Result, ensure};
 
 /// The unit of lengths in a calibration, of those that have no unit of their own.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[non_exhaustive]
 pub enum Unit {
     /// Metres
     M,
@@ -36,6 +37,7 @@ impl Unit {
 
 /// The cameras of a KITTI calibration that took the pair.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[non_exhaustive]
 pub enum KittiPair {
     /// P2 and P3
     Color,

@@ -7,6 +7,7 @@ use std::path::Path;
 
 /// The formats of a file with a number a pixel.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[non_exhaustive]
 pub enum SampleFormat {
     /// 16-bit gray PNG. Disparities as in the KITTI benchmark: 256 a pixel, 0 invalid, a valid 0 is written as 1. Depths in
     /// millimetres: 0 without a depth and beyond what 16 bits hold.
@@ -21,6 +22,7 @@ pub enum SampleFormat {
 
 /// The formats of a file with coloured points.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[non_exhaustive]
 pub enum PointFormat {
     /// Binary PLY.
     Ply,
@@ -39,6 +41,7 @@ pub struct Look {
 
 /// What a file holds.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[non_exhaustive]
 pub enum Format {
     /// The disparities of the left view, in pixels.
     Disparity(SampleFormat),
@@ -120,6 +123,7 @@ impl Format {
 
 /// What a file with a sheet holds.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[non_exhaustive]
 pub enum SheetFormat {
     /// Without loss.
     Png,

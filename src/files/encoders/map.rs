@@ -55,6 +55,7 @@ impl<'a> Maps<'a> {
 }
 
 /// The bytes of a file.
+#[non_exhaustive]
 pub struct Encoded {
     /// All of them.
     pub bytes: Vec<u8>,

@@ -6,6 +6,7 @@ use image::{DynamicImage, ImageBuffer};
 
 /// How the bytes of a frame hold its pixels. Rows follow each other without padding.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[non_exhaustive]
 pub enum Packing {
     /// A byte a pixel.
     Gray8,

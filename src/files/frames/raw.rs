@@ -5,6 +5,7 @@ use std::str::FromStr;
 
 /// The size and the packing of frames that have no header.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[non_exhaustive]
 pub struct RawFrames {
     /// Columns.
     pub width: u32,

@@ -50,6 +50,7 @@ impl EncodingOptions {
 
 /// A map as it was read.
 #[derive(Clone, Debug)]
+#[non_exhaustive]
 pub struct MapFile {
     /// The disparities in px.
     pub map: FloatMap,

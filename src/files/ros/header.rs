@@ -2,6 +2,7 @@
 
 /// When and in which frame of coordinates a message was taken.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
+#[non_exhaustive]
 pub struct Header {
     /// Seconds and nanoseconds.
     pub stamp: (i32, u32),

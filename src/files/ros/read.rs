@@ -21,6 +21,7 @@ impl Header {
 
 /// An image, decoded.
 #[derive(Clone, Debug)]
+#[non_exhaustive]
 pub struct ImageMessage {
     /// When it was taken.
     pub header: Header,
@@ -74,6 +75,7 @@ impl ImageMessage {
 
 /// What a camera says of itself: sensor_msgs/CameraInfo.
 #[derive(Clone, Debug, PartialEq)]
+#[non_exhaustive]
 pub struct CameraInfo {
     /// Columns and rows.
     pub size: [u32; 2],

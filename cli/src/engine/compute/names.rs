@@ -18,7 +18,7 @@ pub struct EngineNames {
 }
 
 impl From<Names> for EngineNames {
-    fn from(Names { adapter, backend, driver, also }: Names) -> Self {
+    fn from(Names { adapter, backend, driver, also, .. }: Names) -> Self {
         Self { adapter, backend, driver, also }
     }
 }

@@ -65,7 +65,7 @@ impl Streams {
 
     /// Uses the stream for this format.
     fn turn(&mut self, shape: Shape, params: &Params) -> Result<(), Error> {
-        let Shape { size: [width, height], format } = shape;
+        let Shape { size: [width, height], format, .. } = shape;
         let Some(place) = self.all.iter().position(|stream| stream.matcher().format() == format) else {
             return self.renew(shape, params);
         };
@@ -79,7 +79,7 @@ impl Streams {
     }
 
     /// Replaces the stream for this format by a new one.
-    fn renew(&mut self, Shape { size: [width, height], format }: Shape, params: &Params) -> Result<(), Error> {
+    fn renew(&mut self, Shape { size: [width, height], format, .. }: Shape, params: &Params) -> Result<(), Error> {
         let Opened { device, queue, .. } = &self.opened;
         // What another one has compiled is not compiled again.
         let matcher = match self.all.first() {
