@@ -15,7 +15,7 @@ use wgpu::{BufferUsages, TextureFormat, TextureUsages};
 fn all_maps() -> Params {
     let mut params = Params::sgm(19);
     (params.confidence, params.right_map, params.min_disparity) = (true, true, -3);
-    params.depth = Some(Camera { doffs: 4.25, ..Camera::new(711.5, 0.193) });
+    params.depth = Some(Camera::new(711.5, 0.193).with_doffs(4.25));
     params
 }
 
