@@ -17,7 +17,9 @@ import time
 
 ROOT = os.path.dirname(os.path.dirname(os.path.abspath(__file__)))
 
-PACKAGES = ["-p", "gpu-stereo", "-p", "gpu-stereo-cli", "-p", "gpu-stereo-viewer"]
+# Built at once, so that dependencies are built once, with the features of all; gpu-stereo-python is tested by python/test.
+PACKAGES = ["gpu-stereo", "gpu-stereo-cli", "gpu-stereo-python", "gpu-stereo-viewer"]
+SELECTED = [part for package in PACKAGES for part in ("-p", package)]
 
 # Those that take longest begin first, so that no long one is left alone at the end.
 LONGEST = ["library", "lib", "command", "viewer"]
@@ -26,9 +28,11 @@ RESULT = re.compile(r"^test result: \w+\. (\d+) passed; (\d+) failed; (\d+) igno
 
 
 def built():
-    """Builds all; the name and the path of each test program."""
-    build = ["cargo", "test", *PACKAGES, "--locked", "--no-run", "--message-format", "json-render-diagnostics"]
-    process = subprocess.run(build, cwd=ROOT, stdout=subprocess.PIPE, text=True)
+    """Builds all; of each test program its name, its command, and the folder of its package."""
+    targets = ["--lib", "--bins", "--tests", "--examples"]
+    build = ["cargo", "build", *SELECTED, *targets, "--locked", "--message-format", "json-render-diagnostics"]
+    environment = {**os.environ, "PYO3_BUILD_EXTENSION_MODULE": "1"} # a module, which no library of Python is linked to
+    process = subprocess.run(build, cwd=ROOT, stdout=subprocess.PIPE, text=True, env=environment)
     if process.returncode != 0:
         sys.exit(process.returncode)
     programs = {}
@@ -36,7 +40,8 @@ def built():
         message = json.loads(line)
         if message["reason"] == "compiler-artifact" and message["profile"]["test"] and message["executable"]:
             kind, name = message["target"]["kind"][0], message["target"]["name"]
-            programs[name if kind in ("test", "example") else kind] = [message["executable"]]
+            folder = os.path.dirname(message["manifest_path"])
+            programs[name if kind in ("test", "example") else kind] = [message["executable"]], folder
     return programs
 
 
@@ -45,19 +50,20 @@ def main():
     programs = built()
     if not programs:
         sys.exit("cargo named no test program")
-    programs["doc"] = ["cargo", "test", "--locked", "--doc"]
+    programs["doc"] = ["cargo", "test", "--locked", "--doc", *SELECTED], ROOT
     order = sorted(programs, key=lambda name: LONGEST.index(name) if name in LONGEST else len(LONGEST))
     print(f"built in {time.monotonic() - start:.0f} s; {len(order)} programs", flush=True)
 
     shown, running = threading.Lock(), set()
     cores = os.cpu_count() or 1
-    environment = {"RUST_TEST_THREADS": str(cores), **os.environ, "CARGO_MANIFEST_DIR": ROOT}
+    environment = {"RUST_TEST_THREADS": str(cores), **os.environ}
 
     def run(name):
         began = time.monotonic()
+        command, folder = programs[name]
         with shown:
             process = subprocess.Popen(
-                programs[name], cwd=ROOT, env=environment, stdin=subprocess.DEVNULL, stdout=subprocess.PIPE,
+                command, cwd=folder, env={**environment, "CARGO_MANIFEST_DIR": folder}, stdin=subprocess.DEVNULL, stdout=subprocess.PIPE,
                 stderr=subprocess.STDOUT, text=True, errors="replace",
             )
             running.add(process)
