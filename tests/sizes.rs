@@ -17,7 +17,8 @@ const FOLDER: usize = 20;
 const TABLES: &[&str] = &[];
 
 /// What is in these folders.
-const READ: [&str; 9] = ["src", "cli", "shaders", "tests", "examples", "benches", "docs", "viewer", "python"];
+const READ: [&str; 10] =
+    ["src", "cli", "shaders", "tests", "examples", "benches", "docs", "viewer", "python", "web/src"];
 
 struct Functions<'a> {
     path: &'a str,

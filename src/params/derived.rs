@@ -2,7 +2,8 @@
 
 use std::ops::RangeInclusive;
 
-use crate::network::Padded;
+use crate::Error;
+use crate::network::{Network, Padded};
 use crate::params::costs::{Descriptor, Kind, Ranges};
 use crate::params::{Filter, Method, Params, Prefilter, RightView, Subpixel};
 
@@ -10,6 +11,19 @@ impl Params {
     /// The disparities that are searched, in pixels.
     pub fn searched(&self) -> RangeInclusive<i32> {
         self.min_disparity..=self.min_disparity.saturating_add_unsigned(self.disparities).saturating_sub(1)
+    }
+
+    /// The network of the settings, for the method that needs one. With `--cfg gpu_stereo_without_networks` the code that computes
+    /// networks on the CPU is left out of a program: web/build wants it small.
+    ///
+    /// # Errors
+    /// [`Error::Misuse`] without a network; [`Error::Network`] in a program that computes none.
+    #[inline]
+    pub(crate) fn network(&self) -> Result<&Network, Error> {
+        if cfg!(gpu_stereo_without_networks) {
+            return Err(Error::Network("this program computes no networks on the CPU; choose another method".into()));
+        }
+        self.network.as_ref().ok_or_else(|| Error::Misuse("method psmnet needs a network".into()))
     }
 
     /// The settings for images that are halved `halvings` times, in the early rounds of mutual information: no filter but

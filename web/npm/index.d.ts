@@ -1,4 +1,4 @@
-/// <reference types="@webgpu/types" />
+// The types of WebGPU are those of TypeScript's library `dom`; before TypeScript 6 those of the package @webgpu/types.
 
 /** What goes wrong. The message says the value given, the values allowed and the remedy. */
 export class StereoError extends Error {
@@ -8,10 +8,11 @@ export class StereoError extends Error {
      * - `too-large`, `memory`: the pair does not fit the device, or memory
      * - `device`, `adapter`: the device lacks what the kernels need, or there is none
      * - `lost`: the device is lost, or refused valid work; make another device and matcher
+     * - `stopped`: the module trapped, mostly for lack of memory; it must be loaded again, such as in another worker
      * - `misuse`: a call that does not fit earlier ones
      */
     readonly kind:
-        | "parameter" | "image" | "network" | "too-large" | "memory" | "device" | "lost" | "refused" | "misuse" | "dropped" | "adapter" | "other";
+        | "parameter" | "image" | "network" | "too-large" | "memory" | "device" | "lost" | "refused" | "misuse" | "dropped" | "adapter" | "stopped" | "other";
 }
 
 /** How the samples of an image are laid out: row by row from the top, without padding. */
@@ -119,8 +120,11 @@ export class StereoMatcher {
     free(): Promise<void>;
 }
 
-/** Loads the module; every function does so at the first need. `source`: where it is, unless beside this file. */
-export function init(source?: string | URL | Request | Response | BufferSource | WebAssembly.Module): Promise<void>;
+/**
+ * Loads a module: that for devices, or that for the CPU. Every function does so at the first need. `source`: where its binary is, unless
+ * beside this file.
+ */
+export function init(settings?: { device?: "cpu"; source?: string | URL | Request | Response | BufferSource | WebAssembly.Module }): Promise<void>;
 
 /** A device with all features and limits that a matcher makes use of. `gpu`: what to ask in place of `navigator.gpu`. */
 export function requestDevice(settings?: { powerPreference?: "low-power" | "high-performance"; gpu?: GPU }): Promise<GPUDevice>;
@@ -147,10 +151,13 @@ export function resolve(
 
 type Map = Pick<Maps, "width" | "height" | "disparities">;
 
+/** The names of the colour maps. */
+export function colors(): Promise<string[]>;
+
 /** The picture of a map whose disparities are searched from `first` to `last`; black where there is none. */
 export function color(
     map: Map, first: number, last: number,
-    colors?: "turbo" | "inferno" | "magma" | "plasma" | "viridis" | "cividis" | "gray",
+    colors?: string,
 ): Promise<ImageData>;
 
 /** The depth of each pixel in micrometres; 0 where there is none. */

@@ -1,7 +1,10 @@
 // The npm package gpu-stereo: a matcher of rectified pairs on WebGPU, or on the CPU.
-// What the types in index.d.ts say is computed in WebAssembly (gpu_stereo_web.js beside this file).
+// What the types in index.d.ts say is computed in WebAssembly, by one of two modules: on a device by gpu, on the CPU by cpu.
 
-import load, * as wasm from "./gpu_stereo_web.js";
+const MODULES = {
+    gpu: { script: () => import("./gpu_stereo_gpu.js"), binary: () => new URL("./gpu_stereo_gpu_bg.wasm", import.meta.url) },
+    cpu: { script: () => import("./gpu_stereo_cpu.js"), binary: () => new URL("./gpu_stereo_cpu_bg.wasm", import.meta.url) },
+};
 
 /** What goes wrong. `kind` tells what: see index.d.ts. */
 export class StereoError extends Error {
@@ -17,8 +20,8 @@ function raised(error) {
     if (error?.name === "StereoError" && !(error instanceof StereoError)) return new StereoError(error.message, error.kind);
     if (error instanceof WebAssembly.RuntimeError) {
         return new StereoError(
-            `the module stopped: ${error.message}; it may lack memory: take a smaller pair or fewer disparities, and load the page again`,
-            "memory",
+            `the module stopped: ${error.message}; it may lack memory: take a smaller pair or fewer disparities, and load the module again`,
+            "stopped",
         );
     }
     return error;
@@ -40,25 +43,35 @@ async function awaited(work) {
     }
 }
 
-let loading;
+/** The modules that are loaded or being loaded, by name. */
+const loading = {};
 
-/** Loads the module once; `source` is a URL, a Response, bytes or a WebAssembly.Module. */
-export function init(source) {
-    loading ??= begin(source).catch((error) => {
-        loading = undefined; // another try may succeed
+/** Loads a module once; `source` is where its binary is. */
+function load(name, source) {
+    loading[name] ??= begin(name, source).catch((error) => {
+        delete loading[name]; // another try may succeed
         throw error;
     });
-    return loading;
+    return loading[name];
 }
 
-async function begin(source) {
-    let given = source;
-    if (given === undefined) {
-        given = new URL("./gpu_stereo_web_bg.wasm", import.meta.url);
-        // Node reads no file: URL by fetch.
-        if (given.protocol === "file:") given = await (await import("node:fs/promises")).readFile(given);
-    }
-    await load({ module_or_path: given });
+async function begin(name, source) {
+    const { script, binary } = MODULES[name];
+    const wasm = await script();
+    let given = source ?? binary();
+    // Node fetches no file.
+    if (given.protocol === "file:") given = await (await import("node:fs/promises")).readFile(given);
+    await wasm.default({ module_or_path: given });
+    return wasm;
+}
+
+/** Either module, for what both have. */
+function either() {
+    return loading.gpu ?? loading.cpu ?? load("gpu");
+}
+
+export async function init({ device, source } = {}) {
+    await load(device === "cpu" ? "cpu" : "gpu", source);
 }
 
 /** Settings as names and values in turns. */
@@ -109,7 +122,7 @@ function shadowed(object, values, work) {
  * wgpu makes its devices itself, from `navigator.gpu`, which it reads once. For a caller's device it finds there, for as long as it
  * reads, an adapter that gives this device.
  */
-function instanceOf(gpu) {
+function instanceOf(wasm, gpu) {
     const make = () => new wasm.Instance();
     if (!gpu) return make();
     const navigator = globalThis.navigator ?? {};
@@ -137,9 +150,10 @@ async function wrapped(device) {
     if (typeof device?.createComputePipeline !== "function") {
         throw new StereoError('device is no GPUDevice; give one, "cpu", or none for the device of the browser', "misuse");
     }
+    const wasm = await load("gpu");
     let own = known.get(device);
     if (!own) {
-        own = await awaited(() => instanceOf(gpuOf(device)).request(false));
+        own = await awaited(() => instanceOf(wasm, gpuOf(device)).request(false));
         known.set(device, own);
     }
     return own;
@@ -147,8 +161,8 @@ async function wrapped(device) {
 
 /** A device of the browser's, with all that a matcher makes use of. */
 export async function requestDevice({ powerPreference, gpu } = {}) {
-    await init();
-    const own = await awaited(() => instanceOf(gpu).request(powerPreference === "low-power"));
+    const wasm = await load("gpu");
+    const own = await awaited(() => instanceOf(wasm, gpu).request(powerPreference === "low-power"));
     known.set(own.gpu, own);
     return own.gpu;
 }
@@ -189,15 +203,16 @@ export class StereoMatcher {
 
     static async create(settings) {
         const { device, width, height, format = "rgba8", disparities = 64, options, right = false, confidence = false, camera } = settings;
-        await init();
         const given = [whole("width", width), whole("height", height), format, whole("disparities", disparities), flat(options), right, confidence, numbersOf(camera)];
         const made = { width, height, format, device: null };
         if (device === "cpu") {
-            return new StereoMatcher(attempt(() => wasm.Matcher.on_cpu(...given)), made);
+            const { CpuMatcher } = await load("cpu");
+            return new StereoMatcher(attempt(() => new CpuMatcher(...given)), made);
         }
         const own = await wrapped(device ?? (await requestDevice()));
         made.device = own.gpu;
-        return new StereoMatcher(await awaited(() => wasm.Matcher.on_device(own, ...given)), made);
+        const { GpuMatcher } = await load("gpu");
+        return new StereoMatcher(await awaited(() => GpuMatcher.create(own, ...given)), made);
     }
 
     get width() {
@@ -217,12 +232,17 @@ export class StereoMatcher {
     }
 
     get deviceBytes() {
-        return this.#own().device_bytes;
+        return this.#own().device_bytes ?? 0;
     }
 
     #own() {
         if (this.#matcher) return this.#matcher;
         throw new StereoError("the matcher was freed; make another one", "misuse");
+    }
+
+    #onDevice() {
+        if (this.#made.device) return this.#own();
+        throw new StereoError("this matcher computes on the CPU, which has no textures; make one on a device", "misuse");
     }
 
     /** One after the other: a matcher holds one frame at a time. */
@@ -240,11 +260,11 @@ export class StereoMatcher {
     }
 
     computeTextures(left, right, outputs = {}) {
-        return this.#next(() => this.#own().submit_textures(left, right, outputs));
+        return this.#next(() => this.#onDevice().submit_textures(left, right, outputs));
     }
 
     read() {
-        return this.#next(() => this.#own().read());
+        return this.#next(() => this.#onDevice().read());
     }
 
     check(left, right) {
@@ -272,32 +292,34 @@ export async function check(width, height, left, right, { format = "gray8", ...s
 }
 
 export async function options() {
-    await init();
-    return wasm.options();
+    return (await either()).options();
 }
 
 export async function presets() {
-    await init();
-    return wasm.presets();
+    return (await either()).presets();
 }
 
 export async function resolve(disparities, options) {
-    await init();
+    const wasm = await either();
     return attempt(() => wasm.resolve(whole("disparities", disparities), flat(options)));
 }
 
-export async function color({ width, height, disparities }, first, last, colors = "turbo") {
-    await init();
-    const bytes = attempt(() => wasm.color(width, height, disparities, first, last, colors));
+export async function colors() {
+    return (await either()).colors();
+}
+
+export async function color({ width, height, disparities }, first, last, name = "turbo") {
+    const wasm = await either();
+    const bytes = attempt(() => wasm.color(width, height, disparities, first, last, name));
     return new ImageData(new Uint8ClampedArray(bytes.buffer), width, height);
 }
 
 export async function depth({ width, height, disparities }, camera) {
-    await init();
+    const wasm = await either();
     return attempt(() => wasm.depth(width, height, disparities, numbersOf(camera)));
 }
 
 export async function points({ width, height, disparities }, camera) {
-    await init();
+    const wasm = await either();
     return attempt(() => wasm.points(width, height, disparities, numbersOf(camera)));
 }

@@ -48,6 +48,14 @@ pub fn image((width, height): (u32, u32), format: PixelFormat, bytes: Vec<u8>) -
     Image::new(width, height, pixels).map_err(thrown)
 }
 
+/// Both images of a pair.
+///
+/// # Errors
+/// As [`image`].
+pub fn pair(size: (u32, u32), format: PixelFormat, [left, right]: [Vec<u8>; 2]) -> Result<[Image; 2], JsValue> {
+    Ok([image(size, format, left)?, image(size, format, right)?])
+}
+
 /// The maps of a pair: an object with `width`, `height`, `disparities` (`Int16Array`), and those of `right` (`Int16Array`), `confidence`
 /// (`Uint8Array`), `labels` (`Uint16Array`) and `depth` (`Uint32Array`) that the settings ask for, else null.
 pub fn maps(matched: &Matched) -> JsValue {
@@ -71,6 +79,12 @@ fn map(width: u32, height: u32, data: Vec<i16>) -> Result<DisparityMap, JsValue>
     }
     let text = format!("a map of {width}x{height} pixels has {} values; give one a pixel", data.len());
     Err(of_kind("image", &text))
+}
+
+/// The names of the colour maps.
+#[wasm_bindgen]
+pub fn colors() -> Vec<String> {
+    Colors::ALL.iter().map(|(name, _)| (*name).into()).collect()
 }
 
 /// The picture of a map: red, green, blue and 255 for each pixel, by its place among the disparities `first` to `last` in pixels, in the

@@ -34,6 +34,19 @@ pub fn camera(numbers: &[f64]) -> Result<Camera, JsValue> {
     Ok(camera)
 }
 
+/// Settings that also ask for the right view's map and the confidence, and for the depth if there are numbers of a camera.
+///
+/// # Errors
+/// As [`params`] and [`camera`].
+pub fn wanted(disparities: u32, options: &[String], also: [bool; 2], numbers: &[f64]) -> Result<Params, JsValue> {
+    let mut params = params(disparities, options)?;
+    [params.right_map, params.confidence] = also;
+    if !numbers.is_empty() {
+        params.depth = Some(camera(numbers)?);
+    }
+    Ok(params)
+}
+
 fn pair((name, help): &(&str, &str)) -> JsValue {
     object([("name", (*name).into()), ("help", (*help).into())])
 }
