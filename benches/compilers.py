@@ -3,6 +3,7 @@
 
     benches/compilers.py make       # Mesa's drivers, and the shims that stand for cards, into target/compilers
     benches/compilers.py show       # compiles the kernels for all cards; the table on stdout
+    benches/compilers.py compile    # every kernel of all presets compiles for all cards: 1 if one does not
     benches/compilers.py check      # the same, compared with benches/compilers.json: 1 if a figure is worse by over 10 %
     benches/compilers.py write      # the same, into benches/compilers.json and docs/COMPILERS.md
     benches/compilers.py show --cards navi21,dg2 --settings balanced --disparities 64 --kernels winner
@@ -11,8 +12,8 @@ The drivers RADV (AMD) and ANV (Intel) of Mesa compile as they would for the car
 names; nothing is computed. Figures of compilers are estimates, not measurements.
 
 Debian's packages are needed, and it says NOT TESTED where they cannot be had: the drivers come from the suite bookworm-backports,
-the shims are built from Mesa's source of the suite trixie (gcc, ninja, pkg-config, bison, flex, libdrm-dev, libelf-dev and
-libexpat1-dev must be installed; meson and mako go into a virtual environment), which takes a minute or two on two cores.
+the shims are built from Mesa's source of the suite trixie, which takes a minute or two on two cores. What that build needs is installed by
+apt; meson and mako go into a virtual environment.
 """
 
 import argparse
@@ -26,12 +27,16 @@ import subprocess
 import sys
 
 ROOT = pathlib.Path(__file__).resolve().parents[1]
+sys.path.insert(0, str(ROOT / "tests/portability"))
+from fetch import Missing, apt, install, python, run, unpacked  # noqa: E402
+
 WORK = ROOT / "target" / "compilers"
 KEPT = ROOT / "benches" / "compilers.json"
 PAGE = ROOT / "docs" / "COMPILERS.md"
 MESA = "25.0.7"
-KEYRING = "/usr/share/keyrings/debian-archive-keyring.gpg"
 DRIVERS = ("mesa-vulkan-drivers", "libdrm2", "libdrm-amdgpu1", "libdrm-intel1")
+# What the shims are built with, beside Mesa's source and what PyPI has.
+BUILD = ("gcc", "g++", "ninja-build", "pkg-config", "bison", "flex", "zlib1g-dev", "libdrm-dev", "libelf-dev", "libexpat1-dev")
 
 # The cards, and the variables that name them to the shims.
 AMD, INTEL = "amd", "intel"
@@ -47,34 +52,8 @@ def not_tested(why):
     sys.exit(0)
 
 
-def run(command, **more):
-    return subprocess.run([str(part) for part in command], check=True, **more)
-
-
-def apt(suite, kind, *command):
-    """apt-get with lists of its own, of one suite."""
-    folder = WORK / "apt" / suite
-    for made in ("lists/partial", "cache/archives/partial"):
-        (folder / made).mkdir(parents=True, exist_ok=True)
-    source = folder / "sources.list"
-    source.write_text(f"{kind} [signed-by={KEYRING}] http://deb.debian.org/debian {suite} main\n")
-    options = {
-        "Dir::Etc::sourcelist": source,
-        "Dir::Etc::sourceparts": "/dev/null",
-        "Dir::State::lists": folder / "lists",
-        "Dir::Cache": folder / "cache",
-        "APT::Sandbox::User": "root",
-    }
-    given = [part for name, value in options.items() for part in ("-o", f"{name}={value}")]
-    run(["apt-get", "-qq", *given, *command], cwd=folder)
-    return folder
-
-
 def make_drivers():
-    folder = apt("bookworm-backports", "deb", "update")
-    apt("bookworm-backports", "deb", "download", *DRIVERS)
-    for package in folder.glob("*.deb"):
-        run(["dpkg", "-x", package, WORK / "drivers"])
+    unpacked("bookworm-backports", "drivers", DRIVERS, WORK / "drivers")
     # The loader takes the library of an absolute path.
     for card in ("radeon", "intel"):
         icd = next((WORK / "drivers/usr/share/vulkan/icd.d").glob(f"{card}_icd*.json"))
@@ -88,21 +67,20 @@ def library(name):
 
 
 def make_shims():
+    install(*BUILD)
     folder = apt("trixie", "deb-src", "update")
     apt("trixie", "deb-src", "source", "--download-only", "mesa")
     archive = folder / f"mesa_{MESA}.orig.tar.xz"
     if not archive.exists():
-        not_tested(f"Debian's suite trixie has no Mesa {MESA}")
-    shutil.unpack_archive(archive, WORK)
+        raise Missing(f"Debian's suite trixie has no Mesa {MESA}")
     source, built = WORK / f"mesa-{MESA}", WORK / "build"
+    if not source.exists():
+        shutil.unpack_archive(archive, WORK)
     # The shims need no newer libdrm; the driver, which does, is not built.
     build = source / "meson.build"
     build.write_text(re.sub(r"_drm_amdgpu_ver = '[^']*'", "_drm_amdgpu_ver = '2.4.100'", build.read_text()))
-    python = WORK / "venv/bin/python"
-    if not python.exists():
-        run([sys.executable, "-m", "venv", WORK / "venv"])
-        run([python, "-m", "pip", "install", "--quiet", "meson", "mako", "pyyaml", "packaging"])
-    environment = {**os.environ, "PATH": f"{WORK / 'venv/bin'}:{os.environ['PATH']}"}
+    tools = python("meson", "meson", "mako", "pyyaml", "packaging").parent
+    environment = {**os.environ, "PATH": f"{tools}:{os.environ['PATH']}"}
     off = ("llvm", "glx", "egl", "gbm", "zstd")
     options = ["-Dtools=drm-shim,intel", "-Dvulkan-drivers=amd,intel_hasvk", "-Dgallium-drivers=", "-Dplatforms="]
     options += [f"-D{name}=disabled" for name in off] + ["-Dopengl=false"]
@@ -126,14 +104,14 @@ def make(_):
             make_drivers()
         if not (shim(AMD).exists() and shim(INTEL).exists()):
             make_shims()
-    except (OSError, subprocess.CalledProcessError) as error:
-        not_tested(f"Mesa's drivers or shims are not to be had: {error}")
+    except Missing as error:
+        not_tested(f"Mesa's drivers or shims cannot be had: {error}")
 
 
 def bench():
     """The program that has all kernels compiled."""
     command = ["cargo", "build", "--locked", "--bench", "compilers", "--message-format=json"]
-    told = run(command, cwd=ROOT, capture_output=True, text=True).stdout.splitlines()
+    told = subprocess.run(command, cwd=ROOT, check=True, stdout=subprocess.PIPE, text=True).stdout.splitlines()
     files = (json.loads(line).get("executable") for line in told if line.startswith("{"))
     return next(file for file in files if file and "compilers" in file)
 
@@ -199,6 +177,8 @@ def measured(given):
         drivers[card] = re.search(r"^== adapter (.*)$", text, re.M).group(1)
         of_card = found.setdefault(card, {})
         for refused in re.findall(r"^== refused (.*)$", text, re.M):
+            if given.what == "compile":
+                sys.exit(f"{card} does not take {refused}")
             print(f"note: {card} does not take {refused}", file=sys.stderr)
         for case, body in re.findall(r"^== begin ([^\n]*)\n((?:(?!^== begin).)*?)^== end$", text, re.M | re.S):
             names = re.findall(r"^== kernel (\S+)$", body, re.M)
@@ -263,6 +243,16 @@ def check(given):
     sys.exit(1 if faults else 0)
 
 
+def compile_all(given):
+    """A line a card; ends with an error where a kernel has no figures."""
+    found, drivers = measured(given)
+    for card, cases in found.items():
+        kernels = sum(len(rows) for rows in cases.values())
+        if not kernels:
+            sys.exit(f"{card}: no kernel was compiled")
+        print(f"{card} | {kernels} kernels of {len(cases)} settings | {drivers[card].replace(' | ', ', ')}")
+
+
 HEAD = """# What compilers make of the kernels
 
 Estimates of Mesa's compilers for cards that nobody had at hand, not measurements: `benches/compilers.py write`, {date}, Mesa
@@ -287,15 +277,17 @@ def write(given):
 
 def main():
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
-    parser.add_argument("what", choices=("make", "show", "check", "write"))
+    parser.add_argument("what", choices=("make", "compile", "show", "check", "write"))
     parser.add_argument("--cards", default=",".join(CARDS), metavar="NAME,..")
     parser.add_argument("--settings", default="classic,balanced,dense,bm", metavar="NAME,..")
     parser.add_argument("--disparities", default="64,256,600", metavar="N,..")
     parser.add_argument("--kernels", default="", metavar="REGEX", help="only kernels whose name has this")
     given = parser.parse_args()
+    if given.what == "compile":
+        given.settings, given.disparities = "classic,fast,balanced,strict,dense,sgm8,bm,bp", "64"
     if given.what != "make" and not (shim(AMD).exists() and shim(INTEL).exists()):
         make(given)
-    {"make": make, "show": show, "check": check, "write": write}[given.what](given)
+    {"make": make, "compile": compile_all, "show": show, "check": check, "write": write}[given.what](given)
 
 
 if __name__ == "__main__":

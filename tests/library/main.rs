@@ -16,6 +16,7 @@ mod errors;
 mod exactness;
 mod misuse;
 mod network;
+mod portability;
 mod properties;
 mod serialised;
 mod stream;

@@ -17,7 +17,8 @@ static INSTANCE: LazyLock<wgpu::Instance> =
 pub fn device_with(
     change: impl FnOnce(&mut wgpu::Features, &mut wgpu::Limits),
 ) -> Option<(wgpu::Adapter, wgpu::Device, wgpu::Queue)> {
-    let adapters = pollster::block_on(INSTANCE.enumerate_adapters(wgpu::Backends::PRIMARY));
+    let backends = wgpu::Backends::from_env().unwrap_or(wgpu::Backends::PRIMARY);
+    let adapters = pollster::block_on(INSTANCE.enumerate_adapters(backends));
     let Some(adapter) = adapters.into_iter().next() else {
         assert!(
             std::env::var_os("GPU_STEREO_NO_ADAPTER").is_some(),

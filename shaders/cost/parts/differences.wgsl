@@ -18,7 +18,7 @@ fn differences_of_any(a: u32, b: u32) -> u32 {
 }
 
 // floor((a + b) / 2) of bytes.
-fn average(a: vec4<u32>, b: vec4<u32>) -> vec4<u32> {
+fn byte_means(a: vec4<u32>, b: vec4<u32>) -> vec4<u32> {
     return (a & b) + (((a ^ b) >> vec4(1u)) & vec4(0x7f7f7f7fu));
 }
 

@@ -14,7 +14,7 @@ fn pixel_costs(left: Pixel, right: Window) -> vec4<u32> {
         costs[c] = there - above(there, back);
     }
     if DESCRIBED == 3u {
-        return average(average(costs[0], costs[DESCRIBED - 1u]), costs[1u % DESCRIBED]);
+        return byte_means(byte_means(costs[0], costs[DESCRIBED - 1u]), costs[1u % DESCRIBED]);
     }
     if DESCRIBED == 2u {
         let quarter = (costs[1u % DESCRIBED] >> vec4(2u)) & vec4(0x3f3f3f3fu);

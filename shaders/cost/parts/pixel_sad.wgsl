@@ -7,7 +7,7 @@ fn pixel_costs(left: Pixel, right: Window) -> vec4<u32> {
         costs[p] = differences(vec4(l[p]), r[p]);
     }
     if PLANES == 3u {
-        return average(average(costs[0], costs[PLANES - 1u]), costs[1u % PLANES]);
+        return byte_means(byte_means(costs[0], costs[PLANES - 1u]), costs[1u % PLANES]);
     }
     if PLANES == 2u {
         return costs[0] + costs[PLANES - 1u];

@@ -18,6 +18,18 @@ use types::other_types;
 
 use super::specialisations::every_text;
 
+/// Writes every text into the folder that the environment names, for the compilers of tests/portability/run.
+#[test]
+#[ignore = "writes files: tests/portability/run"]
+fn texts_are_written() {
+    let folder = std::env::var_os("GPU_STEREO_TEXTS").expect("GPU_STEREO_TEXTS names the folder");
+    let texts: BTreeSet<_> = every_text().collect();
+    for (nth, (name, text)) in texts.iter().enumerate() {
+        let name = format!("{nth:04}-{}.wgsl", name.replace('/', "-"));
+        std::fs::write(std::path::Path::new(&folder).join(name), text).expect("the folder takes files");
+    }
+}
+
 /// What is wrong with the specialised kernels.
 #[derive(Default)]
 struct Findings {

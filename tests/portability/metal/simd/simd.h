@@ -1,0 +1,1 @@
+// metal_stdlib has all that is used.
