@@ -12,6 +12,9 @@ import fetch
 sys.path.insert(0, str(fetch.ROOT / "tests"))
 from side_by_side import PACKAGES  # noqa: E402  (the features are those of ./test, so that nothing is built twice)
 
+# Packages of npm: Dawn, and what leads Chromium.
+NODE = ["webgpu@0.6.2", "playwright-core@1.65.1"]
+
 PASSED, FAILED, NOT_TESTED = "passed", "FAILED", "NOT TESTED"
 
 

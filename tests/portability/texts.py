@@ -8,7 +8,7 @@ import shutil
 import subprocess
 
 import fetch
-from programs import FAILED, Row, PASSED, built
+from programs import FAILED, NODE, PASSED, Row, built
 
 HERE = pathlib.Path(__file__).resolve().parent
 FOLDER = fetch.WORK / "kernels"
@@ -110,14 +110,14 @@ def direct_x(folder):
 
 def tint(folder):
     """Dawn's compiler, which Chromium has."""
-    modules = fetch.npm("node", "webgpu@0.6.2")
+    modules = fetch.npm("node", *NODE)
     told = subprocess.run(["node", HERE / "tint.mjs", modules, folder], capture_output=True, text=True, timeout=300)
     found = re.search(r"^(\d+) texts, (\d+) left out", told.stdout, re.M)
     if not found or told.returncode not in (0, 1):
         raise SystemExit(f"tint.mjs ended with {told.returncode}:\n{told.stdout}{told.stderr}")
     faults = [line for line in told.stderr.splitlines() if line]
     what = f"{found[1]} texts; {found[2]} need integers of 64 bits, which browsers have not"
-    return verdict("WGSL: Tint", faults, what, "Dawn of npm webgpu 0.6.2")
+    return verdict("WGSL: Tint", faults, what, f"Dawn of npm {NODE[0].replace('@', ' ')}")
 
 
 COMPILERS = {"spirv": spirv, "glsl": open_gl, "msl": metal, "hlsl": direct_x, "tint": tint}
