@@ -29,6 +29,7 @@ import sys
 ROOT = pathlib.Path(__file__).resolve().parents[1]
 sys.path.insert(0, str(ROOT / "tests/portability"))
 from fetch import Missing, apt, install, python, run, unpacked  # noqa: E402
+from programs import built  # noqa: E402
 
 WORK = ROOT / "target" / "compilers"
 KEPT = ROOT / "benches" / "compilers.json"
@@ -73,7 +74,7 @@ def make_shims():
     archive = folder / f"mesa_{MESA}.orig.tar.xz"
     if not archive.exists():
         raise Missing(f"Debian's suite trixie has no Mesa {MESA}")
-    source, built = WORK / f"mesa-{MESA}", WORK / "build"
+    source, made = WORK / f"mesa-{MESA}", WORK / "build"
     if not source.exists():
         shutil.unpack_archive(archive, WORK)
     # The shims need no newer libdrm; the driver, which does, is not built.
@@ -84,10 +85,10 @@ def make_shims():
     off = ("llvm", "glx", "egl", "gbm", "zstd")
     options = ["-Dtools=drm-shim,intel", "-Dvulkan-drivers=amd,intel_hasvk", "-Dgallium-drivers=", "-Dplatforms="]
     options += [f"-D{name}=disabled" for name in off] + ["-Dopengl=false"]
-    if not (built / "build.ninja").exists():
-        run(["meson", "setup", built, source, *options], env=environment)
+    if not (made / "build.ninja").exists():
+        run(["meson", "setup", made, source, *options], env=environment)
     shims = [shim(AMD), shim(INTEL)]
-    run(["ninja", "-C", built, *(path.relative_to(built) for path in shims)], env=environment)
+    run(["ninja", "-C", made, *(path.relative_to(made) for path in shims)], env=environment)
 
 
 def shim(vendor):
@@ -106,14 +107,6 @@ def make(_):
             make_shims()
     except Missing as error:
         not_tested(f"Mesa's drivers or shims cannot be had: {error}")
-
-
-def bench():
-    """The program that has all kernels compiled."""
-    command = ["cargo", "build", "--locked", "--bench", "compilers", "--message-format=json"]
-    told = subprocess.run(command, cwd=ROOT, check=True, stdout=subprocess.PIPE, text=True).stdout.splitlines()
-    files = (json.loads(line).get("executable") for line in told if line.startswith("{"))
-    return next(file for file in files if file and "compilers" in file)
 
 
 def compiled(program, card, given):
@@ -170,7 +163,7 @@ def figures(vendor, text):
 
 def measured(given):
     """`{card: {setting N: {kernel: figures}}}`, and what compiled."""
-    program = bench()
+    program = built("compilers")
     found, drivers = {}, {}
     for card in given.cards.split(","):
         text = compiled(program, card, given)

@@ -1,6 +1,5 @@
 """The kernels on drivers for CPUs, beside the reference; under the validation layer; and through compilers for GPUs."""
 
-import ctypes
 import json
 import os
 import pathlib
@@ -124,18 +123,18 @@ class Layer:
         self.variables = {
             "VK_LAYER_PATH": self.folder / "usr/share/vulkan/explicit_layer.d",
             "VK_LAYER_SETTINGS_PATH": settings,
-            "VK_INSTANCE_LAYERS": "VK_LAYER_KHRONOS_VALIDATION",
+            "VK_INSTANCE_LAYERS": "VK_LAYER_KHRONOS_validation",
             "LD_LIBRARY_PATH": self.folder / LIBRARIES,
         }
         self.log.unlink(missing_ok=True)
 
     def messages(self):
-        """All but the layer's word that it is there, without which nothing was validated."""
+        """Errors and warnings, also of performance; `None` without the layer's word that it is there."""
         text = self.log.read_text(errors="replace") if self.log.exists() else ""
         blocks = re.split(r"^(?=\S.*\((?:ERROR|WARN|PERF|INFO))", text, flags=re.M)
         blocks = [" ".join(block.split()) for block in blocks if block.strip()]
         status = [block for block in blocks if "Khronos Validation Layer Active" in block]
-        return (None if not status else [block for block in blocks if block not in status])
+        return [block for block in blocks if not re.match(r"\S*\(INFO", block)] if status else None
 
 
 def validation(given):
@@ -143,8 +142,9 @@ def validation(given):
     variables = {**lavapipe(), **{name: str(value) for name, value in layer.variables.items()}}
     told, why = tested(["presets_are_exact"], variables, given)
     name = "Vulkan validation layer"
-    version = re.search(r'"api_version": "([^"]*)"', (layer.folder / "usr/share/vulkan/explicit_layer.d/VkLayer_khronos_validation.json").read_text())
-    versions = f"layer {version.group(1)} on {adapter_of(told)}"
+    described = layer.variables["VK_LAYER_PATH"] / "VkLayer_khronos_validation.json"
+    version = json.loads(described.read_text())["layer"]["api_version"]
+    versions = f"layer {version} on {adapter_of(told)}"
     messages = layer.messages()
     if why:
         return Row(name, FAILED, why, versions)

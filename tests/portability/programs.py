@@ -27,13 +27,17 @@ class Row(NamedTuple):
     versions: str = ""
 
 
+# How cargo is asked for the programs that are no test of their own.
+KINDS = {"lib": ["--lib"], "compilers": ["--bench", "compilers"]}
+
+
 @functools.cache
 def built(name):
-    """The path of a program: the tests of the library inside (`lib`) and outside (`library`), or `translate`."""
+    """The path of a program: the tests of the library inside (`lib`) and outside (`library`), benches/compilers.rs, or `translate`."""
     if name == "translate":
         command = ["cargo", "build", "--locked", "-p", "gpu-stereo-portability"]
     else:
-        command = ["cargo", "test", "--locked", *PACKAGES, "--no-run", *(["--lib"] if name == "lib" else ["--test", name])]
+        command = ["cargo", "test", "--locked", *PACKAGES, "--no-run", *KINDS.get(name, ["--test", name])]
     command += ["--message-format", "json-render-diagnostics"]
     done = subprocess.run(command, cwd=fetch.ROOT, stdout=subprocess.PIPE, text=True)
     if done.returncode != 0:
