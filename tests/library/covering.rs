@@ -302,7 +302,9 @@ pub(crate) fn check_all(
             done(finished.fetch_add(1, Ordering::Relaxed) + 1);
         }
     };
-    let workers = std::thread::available_parallelism().map_or(1, |n| n.get());
+    // wgpu's OpenGL has one context, which serves one thread at a time.
+    let one = gpu_stereo::wgpu::Backends::from_env() == Some(gpu_stereo::wgpu::Backends::GL);
+    let workers = if one { 1 } else { std::thread::available_parallelism().map_or(1, |n| n.get()) };
     std::thread::scope(|scope| (0..workers).for_each(|_| drop(scope.spawn(work))));
     let absent = absent.into_inner().unwrap();
     (!absent).then(|| finished.into_inner())

@@ -113,7 +113,8 @@ fn bytes(image: &Image) -> (&'static str, Vec<u8>) {
 #[test]
 #[ignore = "asked for by tests/portability/run"]
 fn cases_are_written() {
-    let folder = std::path::PathBuf::from(std::env::var_os("GPU_STEREO_CASES").expect("GPU_STEREO_CASES names the folder"));
+    let folder =
+        std::path::PathBuf::from(std::env::var_os("GPU_STEREO_CASES").expect("GPU_STEREO_CASES names the folder"));
     let (factors, pairs) = (covering::factors(), RealPairs::new());
     let seed = number("GPU_STEREO_SEED", 1);
     let mut told = Vec::new();

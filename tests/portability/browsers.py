@@ -12,8 +12,10 @@ import fetch
 from programs import FAILED, NODE, PASSED, Row
 
 HERE = pathlib.Path(__file__).resolve().parent
+DAWN, CHROMIUM = "Exact on Dawn in Node, Vulkan", "Exact in headless Chromium"
 
-@functools.cache
+
+@functools.lru_cache(maxsize=None)
 def package():
     """The folder of the npm package, which web/build makes."""
     done = subprocess.run([fetch.ROOT / "web/build"], stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True)
@@ -23,7 +25,7 @@ def package():
     return folder
 
 
-@functools.cache
+@functools.lru_cache(maxsize=None)
 def cases(seed):
     """The folder with the cases."""
     folder = fetch.WORK / "cases"
@@ -63,9 +65,9 @@ def judged(name, found, versions):
 
 def dawn(given):
     variables = drivers.lavapipe25()  # Dawn takes no older one
-    return checked("Exact on Dawn in Node, Vulkan", "dawn.mjs", variables, given, f"npm webgpu {NODE[0].split('@')[1]}, lavapipe 25: ")
+    return checked(DAWN, "dawn.mjs", variables, given, f"npm webgpu {NODE[0].split('@')[1]}, lavapipe 25: ")
 
 
 def chromium(given):
     fetch.install("chromium")
-    return checked("Exact in headless Chromium", "chromium.mjs", dict(os.environ), given, "")
+    return checked(CHROMIUM, "chromium.mjs", dict(os.environ), given, "")

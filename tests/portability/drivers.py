@@ -56,6 +56,8 @@ def open_gl():
     return environment(WGPU_BACKEND="gl", EGL_PLATFORM="surfaceless", LIBGL_ALWAYS_SOFTWARE="1")
 
 
+VALIDATION, CARDS = "Vulkan validation layer", "RADV and ANV, no card"
+
 # Each driver: its row, what makes its environment, and what its adapter must say, so that no row speaks of another driver.
 DRIVERS = {
     "lavapipe": ("lavapipe of the system, Vulkan", lavapipe, r"^llvmpipe .*\| Vulkan"),
@@ -86,7 +88,7 @@ def tested(names, variables, given):
 
 
 def adapter_of(told):
-    return next((line.removeprefix("adapter ") for line in told if line.startswith("adapter ")), "no adapter")
+    return next((line[len("adapter ") :] for line in told if line.startswith("adapter ")), "no adapter")
 
 
 def judged(name, told, why, adapter):
@@ -100,10 +102,14 @@ def judged(name, told, why, adapter):
     return Row(name, PASSED, settings, found)
 
 
+def title(driver):
+    return f"Exact on {DRIVERS[driver][0]}"
+
+
 def exact(given, driver):
-    name, variables, adapter = DRIVERS[driver]
+    _, variables, adapter = DRIVERS[driver]
     told, why = tested(["presets_are_exact", "covering_settings_are_exact"], variables(), given)
-    return judged(f"Exact on {name}", told, why, adapter)
+    return judged(title(driver), told, why, adapter)
 
 
 class Layer:
@@ -140,8 +146,9 @@ class Layer:
 def validation(given):
     layer = Layer()
     variables = {**lavapipe(), **{name: str(value) for name, value in layer.variables.items()}}
+    variables["WGPU_DEBUG"] = "0"  # as embedders build it: this layer does not know the WGSL that debug information names as the source
     told, why = tested(["presets_are_exact"], variables, given)
-    name = "Vulkan validation layer"
+    name = VALIDATION
     described = layer.variables["VK_LAYER_PATH"] / "VkLayer_khronos_validation.json"
     version = json.loads(described.read_text())["layer"]["api_version"]
     versions = f"layer {version} on {adapter_of(told)}"
@@ -179,7 +186,7 @@ def cards(_):
     done = subprocess.run(command, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True)
     if "NOT TESTED: " in done.stdout:
         raise fetch.Missing(done.stdout.split("NOT TESTED: ", 1)[1].strip())
-    name = "RADV and ANV, no card"
+    name = CARDS
     if done.returncode != 0:
         last = (done.stdout + done.stderr).strip().splitlines()[-3:]
         return Row(name, FAILED, " ".join(last), "")

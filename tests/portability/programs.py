@@ -27,11 +27,19 @@ class Row(NamedTuple):
     versions: str = ""
 
 
+def tried(name, function, *given):
+    """The row of a check, or why there is none."""
+    try:
+        return function(*given)
+    except fetch.Missing as why:
+        return Row(name, NOT_TESTED, str(why))
+
+
 # How cargo is asked for the programs that are no test of their own.
 KINDS = {"lib": ["--lib"], "compilers": ["--bench", "compilers"]}
 
 
-@functools.cache
+@functools.lru_cache(maxsize=None)
 def built(name):
     """The path of a program: the tests of the library inside (`lib`) and outside (`library`), benches/compilers.rs, or `translate`."""
     if name == "translate":

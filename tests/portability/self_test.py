@@ -63,7 +63,7 @@ def checks():
             texts_with("good", GOOD)
             change()
             try:
-                yield f"{name}: {state} is told", texts.COMPILERS[name](FOLDER).state == state
+                yield f"{name}: {state} is told", texts.COMPILERS[name][1](name, FOLDER).state == state
             except fetch.Missing as why:
                 yield f"{name}: NOT TESTED: {why}", True
     told, adapter = ["adapter llvmpipe (LLVM 15) | llvmpipe | Mesa 22.3.6 | Vulkan |", "9 of 9 settings are exact"], drivers.DRIVERS["lavapipe25"][2]

@@ -8,7 +8,7 @@ import shutil
 import subprocess
 
 import fetch
-from programs import FAILED, NODE, PASSED, Row, built
+from programs import FAILED, NODE, PASSED, Row, built, tried
 
 HERE = pathlib.Path(__file__).resolve().parent
 FOLDER = fetch.WORK / "kernels"
@@ -26,8 +26,9 @@ def verdict(name, faults, what, versions):
     return Row(name, PASSED, what, versions)
 
 
-def written(folder):
-    """Writes all texts and their translations into a folder; how many there are of each kind, and naga's errors."""
+def written(folder, share, seed):
+    """Writes texts and their translations into a folder; how many there are of each kind, and naga's errors. Of `share` texts one is taken,
+    and of each kernel at least one."""
     shutil.rmtree(folder, ignore_errors=True)
     folder.mkdir(parents=True)
     environment = {**os.environ, "GPU_STEREO_TEXTS": str(folder)}
@@ -35,7 +36,13 @@ def written(folder):
     told = subprocess.run(command, env=environment, cwd=fetch.ROOT, capture_output=True, text=True)
     if "test result: ok. 1 passed" not in told.stdout:
         raise SystemExit(f"the texts were not written:\n{told.stdout}{told.stderr}")
-    return translated(folder)
+    kernels = set()
+    for nth, file in enumerate(sorted(folder.glob("*.wgsl"))):
+        kernel = file.stem.split("-", 1)[1]
+        if kernel in kernels and nth % share != seed % share:
+            file.unlink()
+        kernels.add(kernel)
+    return *translated(folder), len(kernels)
 
 
 def translated(folder):
@@ -53,7 +60,7 @@ def side_by_side(work, items):
         return list(pool.map(work, items))
 
 
-def spirv(folder):
+def spirv(name, folder):
     """spirv-val, as Vulkan demands it."""
     tools = fetch.unpacked(fetch.release(), "texts", ["spirv-tools", "glslang-tools"])
     program = tools / "usr/bin/spirv-val"
@@ -67,10 +74,10 @@ def spirv(folder):
     files = sorted(folder.glob("*.spv"))
     faults = [fault for fault in side_by_side(fault, files) if fault]
     version = fetch.run([program, "--version"]).split()[1]
-    return verdict("SPIR-V: spirv-val", faults, f"{len(files)} modules", f"SPIRV-Tools {version}")
+    return verdict(name, faults, f"{len(files)} modules", f"SPIRV-Tools {version}")
 
 
-def open_gl(folder):
+def open_gl(name, folder):
     """glslangValidator, for OpenGL ES 3.1 and OpenGL 4.5."""
     tools = fetch.unpacked(fetch.release(), "texts", ["spirv-tools", "glslang-tools"])
     program = tools / "usr/bin/glslangValidator"
@@ -87,10 +94,10 @@ def open_gl(folder):
     batches = [files[i : i + 100] for i in range(0, len(files), 100)]
     faults = [fault for found in side_by_side(faults_of, batches) for fault in found]
     version = re.search(r"Glslang Version: (?:\d+:)?(\S+)", fetch.run([program, "--version"])).group(1)
-    return verdict("GLSL: glslangValidator", faults, f"{len(files)} texts", f"glslang {version}")
+    return verdict(name, faults, f"{len(files)} texts", f"glslang {version}")
 
 
-def metal(folder):
+def metal(name, folder):
     """libclang with the declarations of metal_stdlib that are used: errors of types, names and address spaces."""
     python = fetch.python("clang", "libclang==18.1.1")
     told = subprocess.run([python, HERE / "metal.py", folder], capture_output=True, text=True)
@@ -98,17 +105,17 @@ def metal(folder):
     if not found or told.returncode not in (0, 1):
         raise SystemExit(f"metal.py ended with {told.returncode}:\n{told.stdout}{told.stderr}")
     faults = [line for line in told.stderr.splitlines() if line]
-    return verdict("MSL: clang, declarations of ours", faults, f"{found[1]} texts", f"clang {found[2]}")
+    return verdict(name, faults, f"{found[1]} texts", f"clang {found[2]}")
 
 
-def direct_x(folder):
+def direct_x(name, folder):
     """Written alone: there is no compiler of HLSL here that finds no false faults."""
     files = list(folder.glob("*.hlsl"))
     empty = [file.name for file in files if "[numthreads(" not in file.read_text() and "SV_Position" not in file.read_text()]
-    return verdict("HLSL: written, compiled by none", empty, f"{len(files)} texts", "")
+    return verdict(name, empty, f"{len(files)} texts", "")
 
 
-def tint(folder):
+def tint(name, folder):
     """Dawn's compiler, which Chromium has."""
     modules = fetch.npm("node", *NODE)
     told = subprocess.run(["node", HERE / "tint.mjs", modules, folder], capture_output=True, text=True, timeout=300)
@@ -117,16 +124,25 @@ def tint(folder):
         raise SystemExit(f"tint.mjs ended with {told.returncode}:\n{told.stdout}{told.stderr}")
     faults = [line for line in told.stderr.splitlines() if line]
     what = f"{found[1]} texts; {found[2]} need integers of 64 bits, which browsers have not"
-    return verdict("WGSL: Tint", faults, what, f"Dawn of npm {NODE[0].replace('@', ' ')}")
+    return verdict(name, faults, what, f"Dawn of npm {NODE[0].replace('@', ' ')}")
 
 
-COMPILERS = {"spirv": spirv, "glsl": open_gl, "msl": metal, "hlsl": direct_x, "tint": tint}
+# Each compiler: its row, and what asks it.
+COMPILERS = {
+    "spirv": ("SPIR-V: spirv-val", spirv),
+    "glsl": ("GLSL: glslangValidator", open_gl),
+    "msl": ("MSL: clang, declarations of ours", metal),
+    "hlsl": ("HLSL: written, compiled by none", direct_x),
+    "tint": ("WGSL: Tint", tint),
+}
 
 
 def rows(given):
-    counts, faults = written(FOLDER)
+    counts, faults, kernels = written(FOLDER, given.share, given.seed)
     version = re.search(r'name = "naga"\nversion = "([^"]*)"', (fetch.ROOT / "Cargo.lock").read_text()).group(1)
-    what = f"{counts.get('wgsl', 0)} specialised texts of all kernels"
+    what = f"{counts['wgsl']} specialised texts of {kernels} kernels"
+    if given.share > 1:
+        what += f", one of {given.share}"
     yield verdict("WGSL: naga", faults, what, f"naga {version}")
-    for compiler in COMPILERS.values():
-        yield from given.tried(compiler, FOLDER)
+    for name, compiler in COMPILERS.values():
+        yield tried(name, compiler, name, FOLDER)

@@ -235,13 +235,10 @@ fn texts(folder: &Path) -> std::io::Result<Vec<PathBuf>> {
     Ok(paths)
 }
 
-fn run(folder: &Path) -> Result<u32, String> {
-    let paths = texts(folder).map_err(|error| format!("{}: {error}", folder.display()))?;
-    if paths.is_empty() {
-        return Err(format!("{} has no .wgsl", folder.display()));
-    }
-    let (mut counts, mut refused) = (BTreeMap::new(), 0);
-    for path in &paths {
+/// Writes the files of some texts: how many of each kind, and what naga refused.
+fn translate(paths: &[PathBuf]) -> Result<(BTreeMap<String, usize>, Vec<String>), String> {
+    let (mut counts, mut faults) = (BTreeMap::new(), Vec::new());
+    for path in paths {
         let text = std::fs::read_to_string(path).map_err(|error| format!("{}: {error}", path.display()))?;
         for file in files(&text) {
             match file {
@@ -251,11 +248,31 @@ fn run(folder: &Path) -> Result<u32, String> {
                     *counts.entry(kind).or_insert(0) += 1;
                 }
                 Err(error) => {
-                    eprintln!("{}: {error}", path.display());
-                    refused += 1;
+                    let line: Vec<_> = error.split_whitespace().collect();
+                    faults.push(format!("{}: {}", path.display(), line.join(" ")));
                 }
             }
         }
+    }
+    Ok((counts, faults))
+}
+
+fn run(folder: &Path) -> Result<usize, String> {
+    let paths = texts(folder).map_err(|error| format!("{}: {error}", folder.display()))?;
+    if paths.is_empty() {
+        return Err(format!("{} has no .wgsl", folder.display()));
+    }
+    let cores = std::thread::available_parallelism().map_or(1, |cores| cores.get());
+    let parts: Vec<_> = paths.chunks(paths.len().div_ceil(cores)).collect();
+    let done: Result<Vec<_>, String> = std::thread::scope(|scope| {
+        let started: Vec<_> = parts.iter().map(|part| scope.spawn(|| translate(part))).collect();
+        started.into_iter().map(|part| part.join().unwrap_or_else(|_| Err("naga panicked".into()))).collect()
+    });
+    let (mut counts, mut refused) = (BTreeMap::new(), 0);
+    for (written, faults) in done? {
+        written.into_iter().for_each(|(kind, count)| *counts.entry(kind).or_insert(0) += count);
+        faults.iter().for_each(|fault| eprintln!("{fault}"));
+        refused += faults.len();
     }
     println!("{} wgsl", paths.len());
     counts.iter().for_each(|(kind, count)| println!("{count} {kind}"));
