@@ -91,15 +91,25 @@ def adapter_of(told):
     return next((line[len("adapter ") :] for line in told if line.startswith("adapter ")), "no adapter")
 
 
+def worded(adapter):
+    """Its parts that say something."""
+    return ", ".join(part.strip() for part in adapter.split("|") if part.strip())
+
+
+def settings_of(told):
+    """How many settings were compared: of the presets, and of the covering set, whose line has the seed."""
+    lines = [line.replace("settings are exact", "settings") for line in told if " settings " in line]
+    return "; ".join(f"covering set: {line}" if "seed" in line else f"presets: {line}" for line in lines)
+
+
 def judged(name, told, why, adapter):
     """The row of a driver."""
     found = adapter_of(told)
-    settings = "; ".join(line for line in told if " settings " in line)
     if why:
-        return Row(name, FAILED, why, found)
+        return Row(name, FAILED, why, worded(found))
     if not re.search(adapter, found):
-        return Row(name, FAILED, f"another adapter answered: {found}", found)
-    return Row(name, PASSED, settings, found)
+        return Row(name, FAILED, f"another adapter answered: {found}", worded(found))
+    return Row(name, PASSED, settings_of(told), worded(found))
 
 
 def title(driver):
@@ -151,7 +161,7 @@ def validation(given):
     name = VALIDATION
     described = layer.variables["VK_LAYER_PATH"] / "VkLayer_khronos_validation.json"
     version = json.loads(described.read_text())["layer"]["api_version"]
-    versions = f"layer {version} on {adapter_of(told)}"
+    versions = f"layer {version} on {worded(adapter_of(told))}"
     messages = layer.messages()
     if why:
         return Row(name, FAILED, why, versions)
@@ -159,8 +169,7 @@ def validation(given):
         return Row(name, FAILED, "the layer was not loaded", versions)
     if messages:
         return Row(name, FAILED, f"{len(messages)} messages, the first: {messages[0][:600]}", versions)
-    settings = next(line for line in told if " settings " in line)
-    return Row(name, PASSED, f"0 messages; all presets on both schedules, {settings}", versions)
+    return Row(name, PASSED, f"0 messages; {settings_of(told)}", versions)
 
 
 def misuse():
@@ -193,5 +202,7 @@ def cards(_):
     lines = [line.split(" | ") for line in done.stdout.splitlines() if line.count(" | ") == 2]
     if not lines:
         return Row(name, FAILED, f"no card was told: {done.stdout}", "")
-    kinds = sorted({driver for _, _, driver in lines})
-    return Row(name, PASSED, "; ".join(f"{card}: {what}" for card, what, _ in lines), "; ".join(kinds))
+    versions = sorted({driver.split(", ")[-1] for _, _, driver in lines})
+    counts = sorted({what for _, what, _ in lines})
+    cards = [f"{what} on {', '.join(card for card, other, _ in lines if other == what)}" for what in counts]
+    return Row(name, PASSED, "; ".join(cards), f"RADV and ANV of {', '.join(versions)}")
