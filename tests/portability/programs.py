@@ -10,7 +10,7 @@ from typing import NamedTuple
 import fetch
 
 sys.path.insert(0, str(fetch.ROOT / "tests"))
-from side_by_side import PACKAGES  # noqa: E402  (the features are those of ./test, so that nothing is built twice)
+from side_by_side import SELECTED  # noqa: E402  (the features are those of ./test, so that nothing is built twice)
 
 # Packages of npm: Dawn, and what leads Chromium.
 NODE = ["webgpu@0.6.2", "playwright-core@1.65.1"]
@@ -45,17 +45,19 @@ def built(name):
     if name == "translate":
         command = ["cargo", "build", "--locked", "-p", "gpu-stereo-portability"]
     else:
-        command = ["cargo", "test", "--locked", *PACKAGES, "--no-run", *KINDS.get(name, ["--test", name])]
+        command = ["cargo", "test", "--locked", *SELECTED, "--no-run", *KINDS.get(name, ["--test", name])]
     command += ["--message-format", "json-render-diagnostics"]
-    done = subprocess.run(command, cwd=fetch.ROOT, stdout=subprocess.PIPE, text=True)
+    environment = {**os.environ, "PYO3_BUILD_EXTENSION_MODULE": "1"}  # as ./test builds the Python module
+    done = subprocess.run(command, cwd=fetch.ROOT, stdout=subprocess.PIPE, text=True, env=environment)
     if done.returncode != 0:
         raise SystemExit(f"{' '.join(command)} failed")
     wanted = {"lib": "gpu_stereo", "translate": "gpu-stereo-portability"}.get(name, name)
+    manifest = fetch.ROOT / ("tests/portability" if name == "translate" else "") / "Cargo.toml"
     messages = (json.loads(line) for line in done.stdout.splitlines() if line.startswith("{"))
     found = [
         message["executable"]
         for message in messages
-        if message.get("executable") and message["target"]["name"] == wanted
+        if message.get("executable") and message["target"]["name"] == wanted and message["manifest_path"] == str(manifest)
     ]
     if len(found) != 1:
         raise SystemExit(f"cargo built {len(found)} programs {wanted}, not one")
