@@ -7,7 +7,8 @@ export class StereoError extends Error {
      * - `image`: an image is not what the matcher was made for
      * - `too-large`, `memory`: the pair does not fit the device, or memory
      * - `device`, `adapter`: the device lacks what the kernels need, or there is none
-     * - `lost`: the device is lost, or refused valid work; make another device and matcher
+     * - `lost`: the device is lost; make another device and matcher
+     * - `refused`: the driver refuses valid work; take another adapter, or the CPU
      * - `stopped`: the module trapped, mostly for lack of memory; it must be loaded again, such as in another worker
      * - `misuse`: a call that does not fit earlier ones
      */

@@ -21,6 +21,8 @@ const page = {
     camera: undefined,
     name: "disparity",
     maps: 0,
+    /** Grows with every change of images and settings: what was begun before is of something else. */
+    turn: 0,
     /** What was said of a lost device, and how often in a row one was lost. */
     lost: "",
     losses: 0,
@@ -57,9 +59,11 @@ const lost = (reason) => {
 };
 
 /** The map lies in the worker, too: with another one it is of no use. */
-const restarted = () => {
+const restarted = (reason) => {
     forget();
     view.stale = true;
+    busy("");
+    if (reason.kind !== "ended") fail(reason.message);
 };
 
 const compute = new Compute(lost, restarted);
@@ -94,10 +98,11 @@ async function matchOnce() {
     const { left, right } = page.images;
     const { disparities, options, choice } = settings.wanted;
     forget();
+    const { turn } = page;
     try {
         settings.show(await compute.ask("resolve", { disparities, options }));
     } catch (error) {
-        if (again) return;
+        if (again || turn !== page.turn) return;
         view.stale = true;
         return fail(settings.refuse(error.message) ? `These settings do not go together: ${error.message}` : error.message);
     }
@@ -108,11 +113,11 @@ async function matchOnce() {
     }, live.on ? 1500 : 150);
     try {
         const result = await compute.ask("compute", { left, right, disparities, options, choice, colors: settings.colors });
-        if (again) return;
+        if (again || turn !== page.turn) return;
         fail("");
         await show(result);
     } catch (error) {
-        if (again || error.kind === "ended") return;
+        if (again || turn !== page.turn || error.kind === "ended") return;
         view.stale = true;
         // Another device, some times.
         if (error.kind === "lost" && ++page.losses <= 3) again = true;
@@ -125,6 +130,7 @@ async function matchOnce() {
 
 /** What is shown is of something else from now on. */
 function forget() {
+    page.turn += 1;
     page.result = undefined;
     page.depth = undefined;
     for (const button of document.querySelectorAll("[data-save]")) button.disabled = true;
@@ -351,6 +357,7 @@ async function example() {
 const live = new Live(
     async (bitmap) => {
         const [left, right] = halves(await decode(bitmap, [bitmap]));
+        if (!live.on) return; // another pair may be there by now
         page.images = { left, right };
         page.name = "camera";
         view.image(left);

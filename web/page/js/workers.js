@@ -7,7 +7,7 @@ export class Compute {
     #lost;
     #restarted;
 
-    /** `lost(reason)` is called when the device is lost, `restarted()` when another worker takes over. */
+    /** `lost(reason)` is called when the device is lost, `restarted(reason)` when another worker takes over. */
     constructor(lost, restarted) {
         this.#lost = lost;
         this.#restarted = restarted;
@@ -50,7 +50,7 @@ export class Compute {
         const jobs = [...this.#jobs.values()];
         this.#jobs.clear();
         this.#begin();
-        this.#restarted();
+        this.#restarted(reason);
         for (const { reject } of jobs) reject(reason);
     }
 }
