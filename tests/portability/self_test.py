@@ -2,6 +2,7 @@
 
 import shutil
 
+import browsers
 import drivers
 import fetch
 import texts
@@ -66,9 +67,15 @@ def checks():
                 yield f"{name}: {state} is told", texts.COMPILERS[name][1](name, FOLDER).state == state
             except fetch.Missing as why:
                 yield f"{name}: NOT TESTED: {why}", True
-    told, adapter = ["adapter llvmpipe (LLVM 15) | llvmpipe | Mesa 22.3.6 | Vulkan |", "9 of 9 settings are exact"], drivers.DRIVERS["lavapipe25"][2]
+    told = ["adapter llvmpipe (LLVM 15) | llvmpipe | Mesa 22.3.6 | Vulkan |", "9 of 9 settings are exact"]
+    adapter = drivers.DRIVERS["lavapipe25"][2]
+    yield "the row's own driver passes", drivers.judged("", told, None, "llvmpipe").state == PASSED
     yield "another driver than the row's is no pass", drivers.judged("", told, None, adapter).state == FAILED
     yield "a failed test is no pass", drivers.judged("", told, "stage winner differs", "llvmpipe").state == FAILED
+    found = {"adapter": "none", "done": 20, "cases": 20, "stages": 200, "values": 1000, "faults": []}
+    yield "a page without a fault passes", browsers.judged("", found, "").state == PASSED
+    yield "a page with one fails", browsers.judged("", {**found, "faults": ["case 3: winner differs"]}, "").state == FAILED
+    yield "a page that checked little fails", browsers.judged("", {**found, "done": 3}, "").state == FAILED
     try:
         yield "the validation layer objects to misuse", bool(drivers.misuse())
     except fetch.Missing as why:
