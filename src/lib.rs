@@ -75,6 +75,7 @@
 //! | `cpu` | the module `gpu_stereo::cpu`: the matcher without a device |
 //! | `gpu` and `cpu` | the module `gpu_stereo::backend`, which takes the best adapter of the machine or the CPU |
 //! | `files` | the module `gpu_stereo::files`: reads and writes images, maps, calibrations, lists and truths |
+//! | `tracing` | spans of the crate `tracing`, target `gpu_stereo`, around what a matcher does on the host: `new`, `rebuild` (other sizes and settings), `build` (its steps), `upload`, `record`, `compute`, `submit`, `wait`; at the level TRACE `pass`, each compute pass with its first stage |
 //! | `serde` | settings, cameras and rectifications by serde |
 //! | `vulkan`, `metal`, `dx12`, `gles`, `vulkan-portability` | the backends of wgpu of that name; in a browser there is WebGPU's |
 //!
@@ -120,6 +121,7 @@ pub mod network;
 mod params;
 pub mod reference;
 mod search;
+mod yuv;
 
 #[cfg(any(feature = "cpu", feature = "gpu"))]
 #[cfg_attr(docsrs, doc(cfg(any(feature = "cpu", feature = "gpu"))))]
@@ -128,7 +130,7 @@ pub use color::{Colors, turbo};
 pub use error::Error;
 #[cfg(feature = "gpu")]
 #[cfg_attr(docsrs, doc(cfg(feature = "gpu")))]
-pub use gpu::interop::{Inputs, Outputs, PixelBuffer, TextureLayer};
+pub use gpu::interop::{Inputs, Outputs, PixelBuffer, TextureLayer, YuvPicture};
 #[cfg(feature = "gpu")]
 #[cfg_attr(docsrs, doc(cfg(feature = "gpu")))]
 pub use gpu::map_layout::{MapFormat, MapLayout};
@@ -154,3 +156,4 @@ pub use search::RangeSearch;
 #[cfg(feature = "gpu")]
 #[cfg_attr(docsrs, doc(cfg(feature = "gpu")))]
 pub use wgpu;
+pub use yuv::YuvColors;

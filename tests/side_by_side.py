@@ -19,7 +19,7 @@ ROOT = os.path.dirname(os.path.dirname(os.path.abspath(__file__)))
 
 # Built at once, so that dependencies are built once, with the features of all; gpu-stereo-python is tested by python/test.
 PACKAGES = ["gpu-stereo", "gpu-stereo-cli", "gpu-stereo-python", "gpu-stereo-viewer"]
-SELECTED = [part for package in PACKAGES for part in ("-p", package)]
+SELECTED = [part for package in PACKAGES for part in ("-p", package)] + ["--features", "gpu-stereo/tracing"]
 
 # Those that take longest begin first, so that no long one is left alone at the end.
 LONGEST = ["library", "lib", "command", "viewer"]

@@ -1,14 +1,15 @@
 // intake: the caller's pixels become those of an uploaded image: rows of samples without padding, 16 bytes a texel.
-// a texture or a buffer (`unit_at` of `intake_texture` or `intake_buffer`) -> source (rgba32uint)
+// a texture or a buffer (`unit_at` of `intake_texture`, `intake_buffer` or `intake_yuv`) -> source (rgba32uint)
 //   A unit is a pixel, or half of one of 8 bytes: BITS. Pixel (0, 0) is (dispatch.own.x, dispatch.own.y) of the caller's.
 // One invocation: one texel. Behind the last pixel: zeros.
 // With: common
 // Chosen: intake_*
-// Reference: src/image.rs
+// Reference: src/image.rs, src/yuv.rs
 
 struct Own {
     x: u32,
     y: u32,
+    chroma_stride: u32,
 }
 
 @group(0) @binding(2) var source: texture_storage_2d<rgba32uint, write>;

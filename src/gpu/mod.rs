@@ -17,5 +17,6 @@ pub(crate) mod reading;
 pub(crate) mod recording;
 pub(crate) mod rounds;
 pub(crate) mod scopes;
+pub(crate) mod spans;
 pub(crate) mod stream;
 pub(crate) mod uploads;

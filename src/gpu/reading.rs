@@ -8,6 +8,7 @@ use crate::gpu::device::Pulse;
 use crate::gpu::maps::MapBytes;
 use crate::gpu::readback::{self, Mapping, Waiter};
 use crate::gpu::scopes::Verdict;
+use crate::gpu::spans::span;
 use crate::{Error, Matched};
 
 /// Maps on their way to the host. A future that any executor drives; it owns all that it needs, so that the matcher may go
@@ -94,6 +95,7 @@ impl Reading {
 
     #[cfg(not(target_arch = "wasm32"))]
     pub(crate) fn take_blocking(&mut self) -> Result<Matched, Error> {
+        span!(DEBUG, "wait");
         let mapped = match &mut self.state {
             Some(Ok(awaited)) => {
                 let verdict = awaited.verdict.take().map_or(Ok(()), Verdict::now);

@@ -7,7 +7,7 @@ use crate::embedding::{Gpu, devices};
 use crate::support;
 use gpu_stereo::{
     Camera, DepthMap, Error, Image, Inputs, MapFormat, MapLayout, Outputs, Params, PixelBuffer, PixelFormat, Pixels,
-    StereoMatcher, TextureLayer, Timestamps, wgpu,
+    StereoMatcher, TextureLayer, Timestamps, YuvColors, YuvPicture, wgpu,
 };
 use wgpu::{BufferUsages, TextureFormat, TextureUsages};
 
@@ -273,6 +273,53 @@ fn both_views_in_one_texture_are_a_pair() {
         gpu.queue.submit([encoder.finish()]);
         let got = matcher.layout(MapFormat::Disparity).disparities(&gpu.read(matcher.output())).unwrap();
         assert!(got == expected, "{origins:?}, seed {seed}, on {}", gpu.name);
+    }
+}
+
+/// A pair in NV12 and in YUYV gives the map of the images that `YuvColors` makes of it; of gray matchers, of Y.
+/// src/gpu/interop/tests/yuv.rs has every kind of textures and buffers.
+#[test]
+fn a_pair_in_y_u_and_v_is_a_pair() {
+    for gpu in devices() {
+        let (seed, size, colors) = (85, (58, 30), YuvColors::Bt709);
+        let (left, right) = support::pair(size.0, size.1, seed);
+        let images = [left, right].map(|image| {
+            let Pixels::Gray8(luma) = image.pixels().clone() else { panic!("made from gray") };
+            let chroma: Vec<u8> = (0..58 * 15).map(|i| luma[i * 2] / 2 + 60).collect();
+            let packed: Vec<u8> = luma.iter().zip(luma.iter().rev()).flat_map(|(y, uv)| [*y, uv / 3 + 80]).collect();
+            (image, luma, chroma, packed)
+        });
+        let filled = |size: (u32, u32), format, bytes: &[u8]| {
+            let texture = gpu.texture(size, format, TextureUsages::TEXTURE_BINDING | TextureUsages::COPY_DST);
+            let bytes_per_row = Some(bytes.len() as u32 / size.1);
+            let layout = wgpu::TexelCopyBufferLayout { offset: 0, bytes_per_row, rows_per_image: None };
+            gpu.queue.write_texture(texture.as_image_copy(), bytes, layout, texture.size());
+            texture
+        };
+        let textures = images.each_ref().map(|(_, luma, chroma, packed)| {
+            let luma = filled(size, TextureFormat::R8Unorm, luma);
+            (
+                luma,
+                filled((29, 15), TextureFormat::Rg8Unorm, chroma),
+                filled((29, 30), TextureFormat::Rgba8Unorm, packed),
+            )
+        });
+        let planes = textures.each_ref().map(|(luma, chroma, _)| YuvPicture::planes(luma, chroma, colors));
+        let packed = textures.each_ref().map(|(_, _, packed)| YuvPicture::yuyv(packed, colors));
+        let nv12 = images.each_ref().map(|(_, luma, chroma, _)| colors.nv12(size.0, size.1, luma, chroma).unwrap());
+        let yuyv = images.each_ref().map(|(_, _, _, packed)| colors.yuyv(size.0, size.1, packed).unwrap());
+        let gray = images.each_ref().map(|(image, ..)| image.clone());
+        let params = Params::sgm(16);
+        for (pictures, [left, right]) in [(planes, &gray), (packed, &gray), (planes, &nv12), (packed, &yuyv)] {
+            let expected = gpu_stereo::reference::compute(left, right, &params).unwrap();
+            let matcher = support::matcher(&gpu.device, &gpu.queue, size, left.format(), &params).unwrap();
+            let mut encoder = gpu.encoder();
+            let inputs = Inputs::yuv(pictures[0], pictures[1]);
+            matcher.record(&mut encoder, &inputs, &Outputs::default()).unwrap();
+            gpu.queue.submit([encoder.finish()]);
+            let got = matcher.layout(MapFormat::Disparity).disparities(&gpu.read(matcher.output())).unwrap();
+            assert!(got == expected, "{inputs:?}, seed {seed}, on {}", gpu.name);
+        }
     }
 }
 

@@ -25,29 +25,47 @@ struct Key {
     work: Work,
     source: Option<wgpu::Texture>,
     map: Option<wgpu::Buffer>,
-    layer: Option<Seen>,
-    buffer: Option<(wgpu::Buffer, u64, u64, u32)>,
+    resources: [Option<Bound>; 2],
     origin: [u32; 2],
     frame: Frame,
     disparities: u32,
 }
 
+/// What is bound of the caller's: a layer, or the bytes of a buffer from an offset on and those of a row.
+#[derive(PartialEq)]
+enum Bound {
+    Layer(Seen),
+    Buffer(wgpu::Buffer, u64, u64, u32),
+}
+
+impl Bound {
+    fn new(resource: CallerResource<'_>) -> Self {
+        match resource {
+            CallerResource::Layer(layer, format) => Bound::Layer(layer.seen(format)),
+            CallerResource::Buffer(PixelBuffer { buffer, offset, bytes_per_row, .. }, bytes) => {
+                Bound::Buffer(buffer.clone(), offset, bytes, bytes_per_row)
+            }
+        }
+    }
+}
+
 impl Key {
-    fn new(context: &Context<'_>, work: Work, resource: CallerResource<'_>, end: MatcherResource<'_>) -> Self {
+    fn new(
+        context: &Context<'_>,
+        work: Work,
+        resources: [Option<CallerResource<'_>>; 2],
+        end: MatcherResource<'_>,
+    ) -> Self {
         let (source, map) = match end {
             MatcherResource::Texture(source) => (Some(source.clone()), None),
             MatcherResource::Buffer(map, _) => (None, Some(map.clone())),
         };
+        let origin = resources[0].map_or([0, 0], |resource| resource.origin());
         // A target that is drawn to is in no bind group.
-        let (layer, buffer) = match resource {
-            CallerResource::Layer(..) if matches!(work.method(), Some(WriteMethod::Draw(_))) => (None, None),
-            CallerResource::Layer(layer, format) => (Some(layer.seen(format)), None),
-            CallerResource::Buffer(PixelBuffer { buffer, offset, bytes_per_row, .. }, bytes) => {
-                (None, Some((buffer.clone(), offset, bytes, bytes_per_row)))
-            }
-        };
-        let (origin, frame, disparities) = (resource.origin(), *context.frame, context.params.disparities);
-        Self { work, source, map, layer, buffer, origin, frame, disparities }
+        let drawn = matches!(work.method(), Some(WriteMethod::Draw(_)));
+        let resources = resources.map(|resource| resource.filter(|_| !drawn).map(Bound::new));
+        let (frame, disparities) = (*context.frame, context.params.disparities);
+        Self { work, source, map, resources, origin, frame, disparities }
     }
 }
 
@@ -114,15 +132,17 @@ impl PassCache {
         Ok(())
     }
 
-    /// The work between one resource of the caller's and one of the matcher's.
+    /// The work between one resource of the caller's, or two, and one of the matcher's.
     pub(super) fn prepare(
         &self,
         context: &Context<'_>,
         name: &str,
         work: Work,
         resource: CallerResource<'_>,
+        chroma: Option<CallerResource<'_>>,
         end: MatcherResource<'_>,
     ) -> Result<Prepared, Error> {
+        let resources = [Some(resource), chroma];
         let mut kept = self.kept();
         let (layout, pipeline) = match kept.pipelines.get(&work) {
             Some(found) => found.clone(),
@@ -133,7 +153,7 @@ impl PassCache {
                 new
             }
         };
-        let key = Key::new(context, work, resource, end);
+        let key = Key::new(context, work, resources, end);
         let bind_group = match kept.bind_groups.iter().position(|(other, _)| *other == key) {
             Some(at) => {
                 let found = kept.bind_groups.remove(at);
@@ -142,7 +162,7 @@ impl PassCache {
                 bind_group
             }
             None => {
-                let bind = || bind(context, work, &layout, resource, end);
+                let bind = || bind(context, work, &layout, resources, end);
                 let bind_group = scopes::guarded_or_left(context.device, bind);
                 let bind_group = bind_group.map_err(|error| resource.refused(context, name, error))?;
                 if kept.bind_groups.len() >= KEPT {

@@ -15,7 +15,7 @@ impl Context<'_> {
             Some(format) => format!("make the matcher for PixelFormat::{format:?}"),
             None => "copy or draw it into a texture of such a format".into(),
         };
-        self.check_texture(name, input, input.origin.is_some(), &formats, &remedy)?;
+        self.check_texture(name, input, self.pixels(), input.origin.is_some(), &formats, &remedy)?;
         let usage = input.texture.usage();
         match usage.contains(TextureUsages::TEXTURE_BINDING) {
             true => Ok(()),
@@ -23,29 +23,34 @@ impl Context<'_> {
         }
     }
 
-    /// `part`: the matcher's size is that of a part of the texture.
+    /// The matcher's size.
+    pub(super) fn pixels(&self) -> [u32; 2] {
+        [self.frame.width, self.frame.height]
+    }
+
+    /// `size` texels are needed, of the whole texture or of a part of it.
     pub(super) fn check_texture(
         &self,
         name: &str,
         &TextureLayer { texture, layer, origin }: &TextureLayer<'_>,
+        [width, height]: [u32; 2],
         part: bool,
         formats: &[TextureFormat],
         remedy: &str,
     ) -> Result<(), Error> {
         self.check_owner(name, texture)?;
-        let Frame { width, height, .. } = *self.frame;
         let (columns, rows) = (texture.width(), texture.height());
         let flat = texture.dimension() == wgpu::TextureDimension::D2;
         let [x, y] = origin.unwrap_or_default();
         let fits = |at: u32, side: u32, whole: u32| whole.checked_sub(at).is_some_and(|rest| rest >= side);
         if part && flat && !(fits(x, width, columns) && fits(y, height, rows)) {
             let given = format!("begins at column {x}, row {y} of a texture of {columns}x{rows}");
-            let allowed = format!("the matcher takes {width}x{height} pixels from there on");
+            let allowed = format!("the matcher takes {width}x{height} texels from there on");
             return Err(refused(name, &given, &allowed, "begin further left or above, or resize the matcher"));
         }
         if (!part && (columns, rows) != (width, height)) || !flat {
             let given = format!("is a texture of {columns}x{rows} in {:?}", texture.dimension());
-            let allowed = format!("the matcher has {width}x{height} in D2");
+            let allowed = format!("must be one of {width}x{height} in D2");
             let remedy =
                 "make the texture of that size, resize the matcher, or name a part of an input (TextureLayer::at)";
             return Err(refused(name, &given, &allowed, remedy));
@@ -115,8 +120,15 @@ impl Context<'_> {
 
     /// Bytes of the image, from its offset on.
     pub(super) fn check_pixels(&self, name: &str, pixels: &PixelBuffer<'_>) -> Result<u64, Error> {
-        let &PixelBuffer { buffer, offset, bytes_per_row, origin: [x, y] } = pixels;
-        let row = (u64::from(x) + u64::from(self.frame.width)) * u64::from(self.format.bytes_per_pixel());
+        let Frame { width, height, .. } = *self.frame;
+        let [x, y] = pixels.origin.map(u64::from);
+        let row = (x + u64::from(width)) * u64::from(self.format.bytes_per_pixel());
+        self.check_rows(name, pixels, row, y + u64::from(height))
+    }
+
+    /// Bytes from the offset on to the last one of `rows` rows of at least `row` bytes.
+    pub(super) fn check_rows(&self, name: &str, pixels: &PixelBuffer<'_>, row: u64, rows: u64) -> Result<u64, Error> {
+        let &PixelBuffer { buffer, offset, bytes_per_row, origin: [x, _] } = pixels;
         let limits = self.device.limits();
         self.check_buffer(name, buffer, (BufferUsages::STORAGE, "STORAGE"))?;
         let alignment = limits.min_storage_buffer_offset_alignment;
@@ -131,8 +143,7 @@ impl Context<'_> {
             );
             return Err(refused(name, &format!("has {bytes_per_row} bytes a row"), &allowed, "pad the rows"));
         }
-        let rows_before = u64::from(y) + u64::from(self.frame.height - 1);
-        let bytes = rows_before * u64::from(bytes_per_row) + row.next_multiple_of(4);
+        let bytes = (rows - 1) * u64::from(bytes_per_row) + row.next_multiple_of(4);
         long_enough(name, buffer, offset, bytes)?;
         let most = limits.max_storage_buffer_binding_size;
         if bytes > most {

@@ -7,8 +7,9 @@ use crate::gpu::interop::context::Context;
 use crate::gpu::interop::pipelines::{CallerResource, MatcherResource, Prepared};
 use crate::gpu::interop::refusal::{lacks, refused};
 use crate::gpu::interop::regions::{Region, Regions};
-use crate::gpu::interop::resources::{BufferTarget, Inputs, Outputs, PixelBuffer, TextureLayer};
-use crate::gpu::interop::work::{Work, WriteMethod};
+use crate::gpu::interop::resources::{BufferTarget, Inputs, Outputs, TextureLayer};
+use crate::gpu::interop::work::{Source, Work, WriteMethod};
+use crate::gpu::interop::yuv_checks::Taken;
 use wgpu::{BufferUsages, TextureFormat, TextureUsages};
 
 /// The formats of textures that take colours. Those with sRGB are drawn to as what they are without.
@@ -28,37 +29,37 @@ impl Context<'_> {
         regions: &mut Regions<'a>,
     ) -> Result<Vec<Prepared>, Error> {
         let names = ["the left input", "the right input"];
-        let sides: [(CallerResource<'_>, Work); 2] = match *inputs {
+        let sides: [Taken<'a>; 2] = match *inputs {
             Inputs::Uploaded => return Ok(Vec::new()),
             Inputs::Textures { left, right } => {
                 for (name, side) in names.into_iter().zip([&left, &right]) {
                     self.check_input(name, side)?;
-                    regions.read(name, (*side).into());
                 }
-                let one = (left.texture, left.layer.unwrap_or(0)) == (right.texture, right.layer.unwrap_or(0));
-                same_rows(one, [left, right].map(|side| side.origin.unwrap_or_default()[1]))?;
                 [left, right].map(|side| {
                     let format = side.texture.format();
-                    let work = Work::Intake { textured: true, format: self.format, srgb: format.is_srgb() };
-                    (CallerResource::Layer(side, format), work)
+                    (CallerResource::Layer(side, format), None, Source::Texture { srgb: format.is_srgb() })
                 })
             }
             Inputs::Buffers { left, right } => {
                 let bytes = [self.check_pixels(names[0], &left)?, self.check_pixels(names[1], &right)?];
-                let one = (left.buffer, left.offset) == (right.buffer, right.offset);
-                same_rows(one, [left, right].map(|side| side.origin[1]))?;
-                let work = Work::Intake { textured: false, format: self.format, srgb: false };
-                let sides = [(names[0], left, bytes[0]), (names[1], right, bytes[1])];
-                sides.map(|(name, pixels, bytes)| {
-                    let PixelBuffer { buffer, offset, .. } = pixels;
-                    regions.read(name, Region::Bytes(buffer, offset, offset + bytes));
-                    (CallerResource::Buffer(pixels, bytes), work)
-                })
+                [(left, bytes[0]), (right, bytes[1])]
+                    .map(|(pixels, bytes)| (CallerResource::Buffer(pixels, bytes), None, Source::Buffer))
             }
+            Inputs::Yuv { left, right } => [
+                self.check_yuv([names[0], "the chroma of the left input"], &left)?,
+                self.check_yuv([names[1], "the chroma of the right input"], &right)?,
+            ],
         };
-        let prepared = sides.into_iter().zip(names).zip(self.sources).map(|(((resource, work), name), source)| {
-            cache.prepare(self, name, work, resource, MatcherResource::Texture(source))
-        });
+        same_rows(sides[0].0.is_of(&sides[1].0), [0, 1].map(|side| sides[side].0.origin()[1]))?;
+        for (name, (resource, chroma, _)) in names.into_iter().zip(&sides) {
+            regions.read(name, resource.region());
+            chroma.iter().for_each(|chroma| regions.read(name, chroma.region()));
+        }
+        let prepared =
+            sides.into_iter().zip(names).zip(self.sources).map(|(((resource, chroma, source), name), end)| {
+                let work = Work::Intake { source, format: self.format };
+                cache.prepare(self, name, work, resource, chroma, MatcherResource::Texture(end))
+            });
         prepared.collect()
     }
 
@@ -139,12 +140,13 @@ impl Context<'_> {
             return Err(refused(name, &given, &allowed, "request larger limits, or take a copy in a buffer"));
         }
         let format = target.texture.format().remove_srgb_suffix();
-        cache.prepare(self, name, work, CallerResource::Layer(target, format), MatcherResource::Buffer(map, bytes))
+        let target = CallerResource::Layer(target, format);
+        cache.prepare(self, name, work, target, None, MatcherResource::Buffer(map, bytes))
     }
 
     /// How a target is filled.
     fn method(&self, name: &str, target: TextureLayer<'_>, formats: &[TextureFormat]) -> Result<WriteMethod, Error> {
-        self.check_texture(name, &target, false, formats, "use a texture of such a format")?;
+        self.check_texture(name, &target, self.pixels(), false, formats, "use a texture of such a format")?;
         let (usage, format) = (target.texture.usage(), target.texture.format().remove_srgb_suffix());
         let storable = matches!(
             target.texture.format(),

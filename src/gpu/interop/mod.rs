@@ -11,12 +11,13 @@ mod resources;
 #[cfg(test)]
 mod tests;
 mod work;
+mod yuv_checks;
 
 pub(crate) use cache::PassCache;
 pub(crate) use context::Context;
 pub(crate) use pipelines::Prepared;
 pub(crate) use regions::Regions;
-pub use resources::{Inputs, Outputs, PixelBuffer, TextureLayer};
+pub use resources::{Inputs, Outputs, PixelBuffer, TextureLayer, YuvPicture};
 #[cfg(test)]
 pub(crate) use tests::{are_made, texts};
 #[cfg(test)]

@@ -1,6 +1,7 @@
 //! Pipelines, bind groups and recorded work.
 
 use crate::gpu::interop::context::Context;
+use crate::gpu::interop::regions::Region;
 use crate::gpu::interop::resources::{PixelBuffer, TextureLayer};
 use crate::gpu::interop::work::{Work, WriteMethod};
 use crate::gpu::layout::{Dispatch, IntakeOwn};
@@ -16,7 +17,35 @@ pub(super) enum CallerResource<'a> {
     Buffer(PixelBuffer<'a>, u64),
 }
 
-impl CallerResource<'_> {
+impl<'a> CallerResource<'a> {
+    /// What it covers.
+    pub(super) fn region(&self) -> Region<'a> {
+        match *self {
+            CallerResource::Layer(layer, _) => layer.into(),
+            CallerResource::Buffer(PixelBuffer { buffer, offset, .. }, bytes) => {
+                Region::Bytes(buffer, offset, offset + bytes)
+            }
+        }
+    }
+
+    /// Whether both are of one picture.
+    pub(super) fn is_of(&self, other: &Self) -> bool {
+        match (*self, *other) {
+            (CallerResource::Layer(layer, _), CallerResource::Layer(other, _)) => {
+                (layer.texture, layer.layer.unwrap_or(0)) == (other.texture, other.layer.unwrap_or(0))
+            }
+            (CallerResource::Buffer(pixels, _), CallerResource::Buffer(other, _)) => {
+                (pixels.buffer, pixels.offset) == (other.buffer, other.offset)
+            }
+            _ => false,
+        }
+    }
+
+    /// Words a row, of a buffer.
+    fn stride(&self) -> u32 {
+        if let CallerResource::Buffer(pixels, _) = self { pixels.bytes_per_row / 4 } else { 0 }
+    }
+
     /// Column and row of the first pixel.
     pub(super) fn origin(&self) -> [u32; 2] {
         match self {
@@ -131,20 +160,21 @@ pub(super) fn bind(
     context: &Context<'_>,
     work: Work,
     layout: &wgpu::BindGroupLayout,
-    resource: CallerResource<'_>,
+    resources: [Option<CallerResource<'_>>; 2],
     end: MatcherResource<'_>,
 ) -> wgpu::BindGroup {
     let uniform = |label, contents: &[u8]| filled(context, label, wgpu::BufferUsages::UNIFORM, contents);
     let frame = uniform("gpu-stereo.frame", bytemuck::bytes_of(context.frame));
-    let stride = if let CallerResource::Buffer(pixels, _) = resource { pixels.bytes_per_row / 4 } else { 0 };
     let mut colors = None;
     let mut dispatch = None;
-    let (source, view);
+    let (source, views);
     let mut entries = vec![(0, frame.as_entire_binding())];
     match end {
         MatcherResource::Texture(texture) => {
-            let [x, y] = resource.origin();
-            let block = Dispatch { stride, own: IntakeOwn { x, y }.into(), ..Dispatch::default() };
+            let [stride, chroma_stride] = resources.map(|resource| resource.map_or(0, |resource| resource.stride()));
+            let [x, y] = resources[0].map_or([0, 0], |resource| resource.origin());
+            let own = IntakeOwn { x, y, chroma_stride }.into();
+            let block = Dispatch { stride, own, ..Dispatch::default() };
             let block = dispatch.insert(uniform("gpu-stereo.dispatch", bytemuck::bytes_of(&block)));
             source = texture.create_view(&wgpu::TextureViewDescriptor::default());
             entries.push((1, block.as_entire_binding()));
@@ -160,16 +190,23 @@ pub(super) fn bind(
         let table = filled(context, "gpu-stereo.colors", wgpu::BufferUsages::STORAGE, bytemuck::cast_slice(&table));
         entries.push((3, colors.insert(table).as_entire_binding()));
     }
-    match (resource, work.method()) {
-        (CallerResource::Layer(..), Some(WriteMethod::Draw(_))) => (),
-        (CallerResource::Layer(layer, format), method) => {
-            view = layer.view(format);
-            entries.push((if method.is_some() { 4 } else { 3 }, wgpu::BindingResource::TextureView(&view)));
-        }
-        (CallerResource::Buffer(PixelBuffer { buffer, offset, .. }, bytes), _) => {
-            let size = wgpu::BufferSize::new(bytes);
-            entries.push((3, wgpu::BindingResource::Buffer(wgpu::BufferBinding { buffer, offset, size })));
-        }
+    // A target that is drawn to is in no bind group.
+    let bound = if matches!(work.method(), Some(WriteMethod::Draw(_))) { [None; 2] } else { resources };
+    views = bound.map(|resource| match resource {
+        Some(CallerResource::Layer(layer, format)) => Some(layer.view(format)),
+        _ => None,
+    });
+    let first = if work.method().is_some() { 4 } else { 3 };
+    for ((binding, resource), view) in (first..).zip(bound).zip(&views) {
+        let entry = match (resource, view) {
+            (Some(CallerResource::Buffer(PixelBuffer { buffer, offset, .. }, bytes)), _) => {
+                let size = wgpu::BufferSize::new(bytes);
+                wgpu::BindingResource::Buffer(wgpu::BufferBinding { buffer, offset, size })
+            }
+            (_, Some(view)) => wgpu::BindingResource::TextureView(view),
+            (_, None) => continue,
+        };
+        entries.push((binding, entry));
     }
     let entries: Vec<_> =
         entries.into_iter().map(|(binding, resource)| wgpu::BindGroupEntry { binding, resource }).collect();

@@ -1,6 +1,6 @@
 //! The caller's resources that a frame is taken from and left in.
 
-use crate::PixelFormat;
+use crate::{PixelFormat, YuvColors};
 use wgpu::TextureFormat;
 
 /// The formats of input textures, and the samples that they hold.
@@ -47,9 +47,15 @@ impl<'a> TextureLayer<'a> {
 
     /// A view of it in a format of the texture's bytes.
     pub(super) fn view(&self, format: TextureFormat) -> wgpu::TextureView {
+        let aspect = match (self.texture.format(), format) {
+            (TextureFormat::NV12, TextureFormat::R8Unorm) => wgpu::TextureAspect::Plane0,
+            (TextureFormat::NV12, _) => wgpu::TextureAspect::Plane1,
+            _ => wgpu::TextureAspect::All,
+        };
         self.texture.create_view(&wgpu::TextureViewDescriptor {
             label: Some("gpu-stereo.interop"),
             format: Some(format),
+            aspect,
             dimension: Some(wgpu::TextureViewDimension::D2),
             base_array_layer: self.layer.unwrap_or(0),
             array_layer_count: Some(1),
@@ -91,6 +97,66 @@ impl<'a> PixelBuffer<'a> {
     #[must_use]
     pub fn at(mut self, x: u32, y: u32) -> Self {
         self.origin = [x, y];
+        self
+    }
+}
+
+/// A picture in Y, U and V of 8 bits, as cameras and video decoders leave it in textures and buffers. A matcher for
+/// [`PixelFormat::Gray8`] takes Y as it is stored; one for [`PixelFormat::Rgba8`] takes red, green and blue by [`YuvColors::rgb`], of
+/// two columns and rows the same U and V (`Input` in docs/ALGORITHMS.md). So the maps are those of the image of
+/// [`YuvColors::nv12`] or [`YuvColors::yuyv`].
+#[derive(Clone, Copy, Debug)]
+pub struct YuvPicture<'a> {
+    pub(super) pixels: YuvPixels<'a>,
+    pub(super) colors: YuvColors,
+}
+
+/// Where Y, U and V are; the beginning is that of Y.
+#[derive(Clone, Copy, Debug)]
+pub(super) enum YuvPixels<'a> {
+    Nv12(TextureLayer<'a>),
+    Planes([TextureLayer<'a>; 2]),
+    Packed(TextureLayer<'a>),
+    PlaneBuffers([PixelBuffer<'a>; 2]),
+    PackedBuffer(PixelBuffer<'a>),
+}
+
+impl<'a> YuvPicture<'a> {
+    /// A texture in wgpu's format `NV12`, which devices have with the feature `TEXTURE_FORMAT_NV12`; its sides are even.
+    pub fn nv12(texture: impl Into<TextureLayer<'a>>, colors: YuvColors) -> Self {
+        Self { pixels: YuvPixels::Nv12(texture.into()), colors }
+    }
+
+    /// NV12 in two textures: Y in `R8Unorm`, and U and V in `Rg8Unorm` with half the columns and rows, rounded up.
+    pub fn planes(luma: impl Into<TextureLayer<'a>>, chroma: impl Into<TextureLayer<'a>>, colors: YuvColors) -> Self {
+        Self { pixels: YuvPixels::Planes([luma.into(), chroma.into()]), colors }
+    }
+
+    /// YUYV (YUY2) in a texture in `Rgba8Unorm` of half the columns, rounded up: a texel is Y, U, Y and V of two columns.
+    pub fn yuyv(texture: impl Into<TextureLayer<'a>>, colors: YuvColors) -> Self {
+        Self { pixels: YuvPixels::Packed(texture.into()), colors }
+    }
+
+    /// NV12 in two places of buffers: Y, a byte a pixel, and U and V, two bytes for two columns and two rows.
+    pub fn nv12_buffers(luma: PixelBuffer<'a>, chroma: PixelBuffer<'a>, colors: YuvColors) -> Self {
+        Self { pixels: YuvPixels::PlaneBuffers([luma, chroma]), colors }
+    }
+
+    /// YUYV (YUY2) in a buffer: Y, U, Y and V of two columns, a byte each.
+    pub fn yuyv_buffer(pixels: PixelBuffer<'a>, colors: YuvColors) -> Self {
+        Self { pixels: YuvPixels::PackedBuffer(pixels), colors }
+    }
+
+    /// The rectangle of the matcher's size whose first pixel is column `x`, row `y` of the picture, counted in pixels: as
+    /// [`TextureLayer::at`].
+    #[must_use]
+    pub fn at(mut self, x: u32, y: u32) -> Self {
+        match &mut self.pixels {
+            YuvPixels::Nv12(layer) | YuvPixels::Planes([layer, _]) | YuvPixels::Packed(layer) => {
+                *layer = layer.at(x, y)
+            }
+            YuvPixels::PlaneBuffers([pixels, _]) | YuvPixels::PackedBuffer(pixels) => *pixels = pixels.at(x, y),
+        }
         self
     }
 }
@@ -137,6 +203,13 @@ pub enum Inputs<'a> {
         /// The right image.
         right: PixelBuffer<'a>,
     },
+    /// Two pictures in Y, U and V, in textures with the usage `TEXTURE_BINDING` or buffers with the usage `STORAGE`.
+    Yuv {
+        /// The left image.
+        left: YuvPicture<'a>,
+        /// The right image.
+        right: YuvPicture<'a>,
+    },
 }
 
 impl<'a> Inputs<'a> {
@@ -148,6 +221,20 @@ impl<'a> Inputs<'a> {
     /// [`Inputs::Buffers`].
     pub fn buffers(left: PixelBuffer<'a>, right: PixelBuffer<'a>) -> Self {
         Self::Buffers { left, right }
+    }
+
+    /// [`Inputs::Yuv`].
+    ///
+    /// ```
+    /// # use gpu_stereo::{Inputs, YuvColors, YuvPicture, wgpu};
+    /// /// Frames of two cameras: Y of each in R8Unorm, U and V in Rg8Unorm.
+    /// fn frames<'a>(luma: [&'a wgpu::Texture; 2], chroma: [&'a wgpu::Texture; 2]) -> Inputs<'a> {
+    ///     let [left, right] = [0, 1].map(|i| YuvPicture::planes(luma[i], chroma[i], YuvColors::Bt601));
+    ///     Inputs::yuv(left, right)
+    /// }
+    /// ```
+    pub fn yuv(left: YuvPicture<'a>, right: YuvPicture<'a>) -> Self {
+        Self::Yuv { left, right }
     }
 }
 

@@ -1,16 +1,17 @@
 //! The bytes that arrive, every value of them; every pipeline without a driver; and that a wrong shader is found.
 
 mod values;
+mod yuv;
 
 use super::pipelines::{compile, filled};
-use super::work::{Work, WriteMethod};
+use super::work::{Source, Work, WriteMethod};
 use super::*;
 use crate::gpu::device::Pulse;
 use crate::gpu::edits::with_mutant;
 use crate::gpu::kernels::tests::support;
 use crate::gpu::layout::{Frame, TEXELS};
 use crate::gpu::{readback, scopes};
-use crate::{Image, Params, PixelFormat, Pixels};
+use crate::{Image, Params, PixelFormat, Pixels, YuvColors};
 use wgpu::TextureFormat;
 
 const FORMATS: [PixelFormat; 4] = [PixelFormat::Gray8, PixelFormat::Gray16, PixelFormat::Rgba8, PixelFormat::Rgba16];
@@ -18,11 +19,20 @@ const FORMATS: [PixelFormat; 4] = [PixelFormat::Gray8, PixelFormat::Gray16, Pixe
 fn works() -> Vec<Work> {
     let mut works = Vec::new();
     for format in FORMATS {
-        works.push(Work::Intake { textured: false, format, srgb: false });
-        works.push(Work::Intake { textured: true, format, srgb: false });
-        if format == PixelFormat::Rgba8 {
-            works.push(Work::Intake { textured: true, format, srgb: true });
+        let mut sources = vec![Source::Buffer, Source::Texture { srgb: false }];
+        let colors = YuvColors::Bt709;
+        let yuv = [
+            Source::Planes(colors),
+            Source::PlaneBuffers(colors),
+            Source::Packed(colors),
+            Source::PackedBuffer(colors),
+        ];
+        match format {
+            PixelFormat::Rgba8 => sources.extend([Source::Texture { srgb: true }].into_iter().chain(yuv)),
+            PixelFormat::Gray8 => sources.extend(yuv),
+            _ => {}
         }
+        works.extend(sources.into_iter().map(|source| Work::Intake { source, format }));
     }
     works.extend(
         [TextureFormat::Rgba8Unorm, TextureFormat::Bgra8Unorm].map(|format| Work::Color(WriteMethod::Draw(format))),

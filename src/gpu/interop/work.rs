@@ -1,7 +1,8 @@
 //! The shaders between the caller's resources and the matcher's, and what they are bound to.
 
-use crate::PixelFormat;
 use crate::gpu::layout::NO_OWN;
+use crate::yuv::Weights;
+use crate::{PixelFormat, YuvColors};
 use wgpu::TextureFormat;
 
 /// Invocations of a workgroup.
@@ -14,10 +15,15 @@ macro_rules! wgsl {
 }
 
 /// The files that are no stages of the chain.
-pub(crate) const SHADERS: [(&str, &str); 12] = wgsl!(
+pub(crate) const SHADERS: [(&str, &str); 17] = wgsl!(
     "interop" / "intake",
     "interop/parts" / "intake_texture",
     "interop/parts" / "intake_buffer",
+    "interop/parts" / "intake_planes",
+    "interop/parts" / "intake_plane_buffers",
+    "interop/parts" / "intake_packed",
+    "interop/parts" / "intake_packed_buffer",
+    "interop/parts" / "intake_yuv",
     "interop" / "surface_draw",
     "interop" / "surface_store",
     "interop/parts" / "surface_pixels",
@@ -39,10 +45,74 @@ pub(super) enum WriteMethod {
     Store(TextureFormat),
 }
 
+/// What the caller's pixels are.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub(super) enum Source {
+    Texture {
+        srgb: bool,
+    },
+    Buffer,
+    /// Y in one texture, U and V in another one.
+    Planes(YuvColors),
+    /// The same in two buffers.
+    PlaneBuffers(YuvColors),
+    /// Y, U, Y and V of two columns in a texel.
+    Packed(YuvColors),
+    /// The same in a word.
+    PackedBuffer(YuvColors),
+}
+
+impl Source {
+    fn file(self) -> &'static str {
+        match self {
+            Source::Texture { .. } => "intake_texture",
+            Source::Buffer => "intake_buffer",
+            Source::Planes(_) => "intake_planes",
+            Source::PlaneBuffers(_) => "intake_plane_buffers",
+            Source::Packed(_) => "intake_packed",
+            Source::PackedBuffer(_) => "intake_packed_buffer",
+        }
+    }
+
+    fn colors(self) -> Option<YuvColors> {
+        match self {
+            Source::Texture { .. } | Source::Buffer => None,
+            Source::Planes(colors)
+            | Source::PlaneBuffers(colors)
+            | Source::Packed(colors)
+            | Source::PackedBuffer(colors) => Some(colors),
+        }
+    }
+
+    /// Whether it is one texture or two, and not buffers.
+    fn is_textured(self) -> bool {
+        matches!(self, Source::Texture { .. } | Source::Planes(_) | Source::Packed(_))
+    }
+
+    /// The constants of its text.
+    fn constants(self) -> String {
+        let srgb = matches!(self, Source::Texture { srgb: true });
+        let mut constants = format!("const SRGB: u32 = {}u; ", u32::from(srgb));
+        if let Some(Weights { zero, y, v_red, u_green, v_green, u_blue }) = self.colors().map(YuvColors::weights) {
+            for (name, value) in [
+                ("Y_ZERO", zero),
+                ("Y_WEIGHT", y),
+                ("V_RED", v_red),
+                ("U_GREEN", u_green),
+                ("V_GREEN", v_green),
+                ("U_BLUE", u_blue),
+            ] {
+                constants.push_str(&format!("const {name}: i32 = {value}; "));
+            }
+        }
+        constants
+    }
+}
+
 /// What a pipeline does.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub(super) enum Work {
-    Intake { textured: bool, format: PixelFormat, srgb: bool },
+    Intake { source: Source, format: PixelFormat },
     Pixels(WriteMethod),
     Sixteenths(WriteMethod),
     Color(WriteMethod),
@@ -59,15 +129,17 @@ impl Work {
             Some(WriteMethod::Draw(_)) => "surface_draw",
             Some(WriteMethod::Store(_)) => "surface_store",
         };
-        let values = self.method().map(|_| "surface_values");
-        [main, self.name()].into_iter().chain(values).collect()
+        let common = match self {
+            Work::Intake { source, .. } => source.colors().map(|_| "intake_yuv"),
+            _ => Some("surface_values"),
+        };
+        [main, self.name()].into_iter().chain(common).collect()
     }
 
     /// The file that is its own.
     pub(super) fn name(self) -> &'static str {
         match self {
-            Work::Intake { textured: true, .. } => "intake_texture",
-            Work::Intake { textured: false, .. } => "intake_buffer",
+            Work::Intake { source, .. } => source.file(),
             Work::Pixels(_) => "surface_pixels",
             Work::Sixteenths(_) => "surface_sixteenths",
             Work::Color(_) => "surface_color",
@@ -93,7 +165,7 @@ impl Work {
     pub(super) fn source(self) -> String {
         let number = |name: &str, value: u32| format!("const {name}: u32 = {value}u; ");
         let mut constants = number("LANES", LANES);
-        if let Work::Intake { format, srgb, .. } = self {
+        if let Work::Intake { format, source } = self {
             let (bits, units) = match format.bytes_per_pixel() {
                 bytes @ 1..=4 => (8 * bytes, 1),
                 bytes => (32, bytes / 4),
@@ -105,8 +177,8 @@ impl Work {
                 ("FORMAT", format),
             ];
             constants.extend(kinds.map(|(name, format)| number(name, format as u32)));
-            let rest = [("BITS", bits), ("UNITS_A_PIXEL", units), ("SRGB", srgb.into())];
-            constants.extend(rest.map(|(name, value)| number(name, value)));
+            constants.extend([("BITS", bits), ("UNITS_A_PIXEL", units)].map(|(name, value)| number(name, value)));
+            constants.push_str(&source.constants());
         }
         if let Some(WriteMethod::Draw(format) | WriteMethod::Store(format)) = self.method() {
             constants.push_str(NO_OWN);
@@ -149,7 +221,7 @@ impl Work {
         let uniform = buffer(wgpu::BufferBindingType::Uniform);
         let mut entries = vec![entry(0, uniform)];
         match self {
-            Work::Intake { textured, .. } => {
+            Work::Intake { source, .. } => {
                 let image = wgpu::BindingType::Texture {
                     sample_type: wgpu::TextureSampleType::Float { filterable: false },
                     view_dimension: wgpu::TextureViewDimension::D2,
@@ -157,7 +229,9 @@ impl Work {
                 };
                 entries.push(entry(1, uniform));
                 entries.push(entry(2, stored(TextureFormat::Rgba32Uint)));
-                entries.push(entry(3, if textured { image } else { read }));
+                let planes = if matches!(source, Source::Planes(_) | Source::PlaneBuffers(_)) { 2 } else { 1 };
+                let ty = if source.is_textured() { image } else { read };
+                entries.extend((3..).take(planes).map(|binding| entry(binding, ty)));
             }
             Work::Color(_) => entries.extend([entry(2, read), entry(3, read)]),
             _ => entries.push(entry(2, read)),

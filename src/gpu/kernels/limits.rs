@@ -33,7 +33,7 @@ pub(crate) fn check_limits(limits: &wgpu::Limits) -> Result<(), Error> {
         max_dynamic_uniform_buffers_per_pipeline_layout 1;
         max_storage_buffers_per_shader_stage buffers;
         max_storage_textures_per_shader_stage textures;
-        max_sampled_textures_per_shader_stage 1;
+        max_sampled_textures_per_shader_stage 2; // Y, and U and V, of the caller's
         max_uniform_buffers_per_shader_stage 2;
         max_buffers_and_acceleration_structures_per_shader_stage 2 + buffers;
         max_uniform_buffer_binding_size uniform;

@@ -170,5 +170,5 @@ own! {
     /// Of `fill_between` and `fill_rays`.
     FillOwn { occlusions: u32 }
     /// Of `intake`.
-    IntakeOwn { x: u32, y: u32 }
+    IntakeOwn { x: u32, y: u32, chroma_stride: u32 }
 }

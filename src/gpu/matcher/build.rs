@@ -5,6 +5,7 @@ use crate::gpu::layout::Frame;
 use crate::gpu::maps::MapBytes;
 use crate::gpu::recording::{Builder, Level, Pool, Step};
 use crate::gpu::scopes;
+use crate::gpu::spans::span;
 use crate::{Error, PixelFormat, memory};
 
 /// Bytes that a driver on the CPU takes to compile and to run the kernels, measured with lavapipe.
@@ -18,6 +19,7 @@ pub(super) fn build(
     levels: &[Level],
     pool: Pool,
 ) -> (Ends, Vec<Step>, Pool) {
+    span!(DEBUG, "build", levels = levels.len());
     let mut builder = Builder::new(device, levels, format, pool);
     let ends = chain(&mut builder);
     let (steps, pool) = builder.finish(queue);

@@ -8,6 +8,7 @@ use crate::gpu::matcher::stereo_matcher::StereoMatcher;
 use crate::gpu::readback::Mapping;
 use crate::gpu::reading::{Awaited, Reading};
 use crate::gpu::scopes;
+use crate::gpu::spans::span;
 use crate::{Error, ImageView, Matched};
 
 impl StereoMatcher {
@@ -68,6 +69,7 @@ impl StereoMatcher {
         right: ImageView<'_>,
         record: impl FnOnce(&mut wgpu::CommandEncoder),
     ) -> Result<Reading, Error> {
+        span!(DEBUG, "compute");
         self.accepts(left, right)?;
         let started = self.start(|encoder| {
             self.write_sources(left, right);
@@ -79,6 +81,7 @@ impl StereoMatcher {
 
     /// Submits what `record` records, and the copy of the maps to the host.
     pub(crate) fn start(&self, record: impl FnOnce(&mut wgpu::CommandEncoder)) -> Result<Reading, Error> {
+        span!(DEBUG, "submit");
         self.pulse.check()?;
         let maps = MapBytes::new(&self.params, &self.sizes);
         let ((buffer, mapping), verdict) = scopes::watched(&self.device, || {

@@ -11,6 +11,7 @@ use crate::gpu::matcher::stereo_matcher::StereoMatcher;
 use crate::gpu::readback;
 use crate::gpu::recording::{Level, Pool, Step, levels, rooms};
 use crate::gpu::scopes::{self, Verdict};
+use crate::gpu::spans::span;
 use crate::{Error, Params, memory};
 
 /// What follows from a size and settings.
@@ -31,6 +32,7 @@ impl StereoMatcher {
     /// Rebuilds for another size or other settings from the pool: what the matcher continues with if the device reports no error.
     fn rebuilt(&self, size: [u32; 2], params: &Params) -> Result<(Rebuilt, Verdict), Error> {
         let (device, queue, format) = (&self.device, &self.queue, self.format);
+        span!(DEBUG, "rebuild", width = size[0], height = size[1], disparities = params.disparities);
         self.pulse.check()?;
         params.accepts(size[0], size[1])?;
         let largest = [0, 1].map(|axis| self.largest[axis].max(size[axis]));

@@ -5,6 +5,7 @@ use crate::gpu::matcher::stereo_matcher::StereoMatcher;
 use crate::gpu::matcher::timestamps::{Stamps, TimedSpan, Timestamps};
 use crate::gpu::recording::{Step, Written, record_steps};
 use crate::gpu::scopes;
+use crate::gpu::spans::span;
 use crate::gpu::uploads::Uploaded;
 use crate::{Error, Method, Network};
 
@@ -76,6 +77,7 @@ impl StereoMatcher {
         outputs: &Outputs<'_>,
         timestamps: Option<Timestamps<'_>>,
     ) -> Result<Vec<TimedSpan>, Error> {
+        span!(DEBUG, "record");
         self.pulse.check()?;
         if !self.pulse.owns(encoder) {
             return Err(Error::Misuse(
@@ -133,6 +135,7 @@ impl StereoMatcher {
         }
         frame.before.iter().for_each(|work| work.record(encoder, || stamps.next()));
         for steps in &frame.runs {
+            span!(TRACE, "pass", stage = steps[0].stage(), dispatches = steps.len());
             let label = if frame.stages { steps[0].stage() } else { "gpu-stereo" };
             record_steps(encoder, label, steps, stamps.next());
         }
@@ -178,6 +181,7 @@ impl StereoMatcher {
     pub(super) fn record_at_once(&self, encoder: &mut wgpu::CommandEncoder) {
         let mut pieces = Pieces::new(self);
         for steps in self.runs(false) {
+            span!(TRACE, "pass", stage = steps[0].stage(), dispatches = steps.len());
             record_steps(encoder, "gpu-stereo", steps, None);
             pieces.recorded(encoder, steps);
         }

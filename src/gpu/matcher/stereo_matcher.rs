@@ -15,6 +15,7 @@ use crate::gpu::matcher::timer::Timer;
 use crate::gpu::readback::{self, Waiter};
 use crate::gpu::recording::{Level, Pool, Step, levels, rooms};
 use crate::gpu::scopes::{self, Verdict};
+use crate::gpu::spans::span;
 use crate::gpu::uploads::Uploads;
 use crate::image_view::check_made_for;
 use crate::{Error, ImageView, Params, PixelFormat};
@@ -122,6 +123,7 @@ impl StereoMatcher {
         params: &Params,
         kernels: SharedKernels,
     ) -> Result<(Self, Verdict), Error> {
+        span!(DEBUG, "new", width = width, height = height, disparities = params.disparities);
         let pulse = Pulse::new(device, queue)?;
         params.accepts(width, height)?;
         let levels = levels(device, [width, height], format, params, &[])?;

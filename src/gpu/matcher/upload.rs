@@ -2,6 +2,7 @@
 
 use crate::gpu::matcher::stereo_matcher::StereoMatcher;
 use crate::gpu::scopes;
+use crate::gpu::spans::span;
 use crate::{Error, ImageView};
 
 impl StereoMatcher {
@@ -13,6 +14,7 @@ impl StereoMatcher {
     /// pair, in addition to those that recorded work still needs.
     pub fn upload<'a>(&self, left: impl Into<ImageView<'a>>, right: impl Into<ImageView<'a>>) -> Result<(), Error> {
         let (left, right) = (left.into(), right.into());
+        span!(DEBUG, "upload");
         self.accepts(left, right)?;
         self.pulse.check()?;
         let side = self.sizes.source;
