@@ -31,7 +31,7 @@ pub fn format(name: &str) -> Result<PixelFormat, JsValue> {
 ///
 /// # Errors
 /// As [`Image::new`], and for half a sample.
-pub fn image((width, height): (u32, u32), format: PixelFormat, bytes: Vec<u8>) -> Result<Image, JsValue> {
+pub fn image([width, height]: [u32; 2], format: PixelFormat, bytes: Vec<u8>) -> Result<Image, JsValue> {
     let deep = |bytes: &[u8]| {
         let text = || format!("an image of 16-bit samples has {} bytes; give two a sample", bytes.len());
         let whole = bytes.len().is_multiple_of(2);
@@ -52,7 +52,7 @@ pub fn image((width, height): (u32, u32), format: PixelFormat, bytes: Vec<u8>) -
 ///
 /// # Errors
 /// As [`image`].
-pub fn pair(size: (u32, u32), format: PixelFormat, [left, right]: [Vec<u8>; 2]) -> Result<[Image; 2], JsValue> {
+pub fn pair(size: [u32; 2], format: PixelFormat, [left, right]: [Vec<u8>; 2]) -> Result<[Image; 2], JsValue> {
     Ok([image(size, format, left)?, image(size, format, right)?])
 }
 
