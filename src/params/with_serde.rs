@@ -23,7 +23,7 @@ const SWITCHES: [Switch; 4] = [
 /// `unrounded` and `right-map`, `on` or `off`; then `depth`, a [`Camera`], and `rectify`, a [`Rectification`], where there is one.
 ///
 /// It is an error if there is a network or if there are masks: take them out before, and set them again afterwards. All numbers keep
-/// every bit in formats that do; serde_json needs its feature `float_roundtrip` for those of more than 15 digits.
+/// every bit in formats that do; serde_json alone needs its feature `float_roundtrip` for those of more than 15 digits.
 impl Serialize for Params {
     fn serialize<S: Serializer>(&self, to: S) -> Result<S::Ok, S::Error> {
         for (name, is_there) in [("network", self.network.is_some()), ("masks", self.masks.is_some())] {

@@ -37,3 +37,22 @@ fn node(value: &Value, depth: usize) -> Result<Node> {
         other => Node::Scalar(other.to_string()),
     })
 }
+
+#[cfg(test)]
+mod tests {
+    use rand::{Rng as _, SeedableRng as _};
+    use serde_json::Value;
+
+    #[test]
+    fn numbers_of_json_are_read_to_the_bit() {
+        let mut random = rand_chacha::ChaCha8Rng::seed_from_u64(1);
+        for _ in 0..20_000 {
+            let number = f64::from_bits(random.random());
+            if number.is_finite() {
+                let text = format!("{number:e}");
+                let read = serde_json::from_str::<Value>(&text).unwrap().as_f64().unwrap();
+                assert_eq!(read.to_bits(), number.to_bits(), "{text}");
+            }
+        }
+    }
+}
