@@ -33,7 +33,7 @@ impl Kernel {
             let mut validator = Validator::new(ValidationFlags::all(), capabilities);
             validator.subgroup_stages(naga::valid::ShaderStages::COMPUTE);
             validator.subgroup_operations(SubgroupOperationSet::all());
-            validator.validate(&module)
+            validator.validate(&module).map_err(Box::new)
         };
         let advanced = validate(Capabilities::empty()).is_err();
         let info = validate(Capabilities::SUBGROUP | Capabilities::SHADER_INT64);
