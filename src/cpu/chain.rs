@@ -28,7 +28,7 @@ impl<'a> Native<'a> {
 
 impl Stages for Native<'_> {
     fn infer(&mut self, pair: [ImageView<'_>; 2], params: &Params, report: Report<'_>) -> Result<Plane<f32>, Error> {
-        let network = params.network()?;
+        let network = params.given_network()?;
         let mut receive = |at: usize| report(stage(network.operations()[at].kind), None);
         let inferred = disparities(pair, network, params, &mut receive)?;
         self.inferred.push(inferred.clone());

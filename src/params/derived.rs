@@ -19,7 +19,7 @@ impl Params {
     /// # Errors
     /// [`Error::Misuse`] without a network; [`Error::Network`] in a program that computes none.
     #[inline]
-    pub(crate) fn network(&self) -> Result<&Network, Error> {
+    pub(crate) fn given_network(&self) -> Result<&Network, Error> {
         if cfg!(gpu_stereo_without_networks) {
             return Err(Error::Network("this program computes no networks on the CPU; choose another method".into()));
         }

@@ -19,7 +19,7 @@ pub(crate) trait Stages {
         params: &Params,
         report: Report<'_>,
     ) -> Result<Plane<f32>, Error> {
-        let with = params.network()?;
+        let with = params.given_network()?;
         let mut receive = |at: usize, _, values: &Values| report(stage(with.operations()[at].kind), Some(values));
         let Plane { width, height, data } = network(left, right, with, params, &mut receive)?;
         Ok(Plane { width, height, data: data.into_iter().map(|value| value as f32).collect() })
