@@ -12,6 +12,7 @@ the viewer is opened.
 from __future__ import annotations
 
 import argparse
+import itertools
 import pathlib
 import sys
 from collections.abc import Iterator
@@ -86,8 +87,9 @@ def main() -> None:
         rr.save(given.save)
     rr.log("world", rr.ViewCoordinates.RDF, static=True)  # x right, y down, z forward, as the points have it
 
-    results = gpu_stereo.stream(pairs(found, calibration), disparities=given.disp, preset=given.preset, cameras=camera)
-    for number, ((left, right), matched) in enumerate(zip(pairs(found, calibration), results, strict=True)):
+    to_match, to_show = itertools.tee(pairs(found, calibration))  # those in flight are kept
+    results = gpu_stereo.stream(to_match, disparities=given.disp, preset=given.preset, cameras=camera)
+    for number, ((left, right), matched) in enumerate(zip(to_show, results, strict=True)):
         rr.set_time("pair", sequence=number)
         rr.set_time("time", duration=number / given.fps)
         log(left, right, matched, camera)
