@@ -1,8 +1,13 @@
-# Unpacks the standard library's sources of this compiler's version, from the backports of the system's Debian mirror,
-# and prints where they are.
+# Prints where the standard library's sources of this compiler's version are; if they are not there yet, unpacks them from the backports of
+# the system's Debian mirror.
 standard_library() {
-    local version dir=$PWD/target/rust-src mirror package
+    local version dir=$PWD/target/rust-src mirror package sources
     version=$(rustc --version | cut -d' ' -f2)
+    sources=$dir/usr/src/rustc-$version/library
+    if [[ -d $sources ]]; then
+        echo "$sources"
+        return
+    fi
     rm -rf "$dir"
     mkdir -p "$dir/lists/partial" "$dir/cache/archives/partial"
     mirror=$(apt-get indextargets --format '$(ORIGIN) $(LABEL) $(REPO_URI)' | sed -n 's/^Debian Debian //p' | sort -u | head -n 1)
@@ -15,5 +20,5 @@ standard_library() {
         awk -v version="$version" 'index($3, version "+") == 1 { print $3; exit }')
     [[ -n $package ]] || return 1
     (cd "$dir" && apt-get "${apt[@]}" download "rust-src=$package" && dpkg -x rust-src_*.deb .) >&2 || return 1
-    echo "$dir/usr/src/rustc-$version/library"
+    echo "$sources"
 }
