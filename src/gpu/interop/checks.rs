@@ -15,8 +15,20 @@ impl Context<'_> {
             Some(format) => format!("make the matcher for PixelFormat::{format:?}"),
             None => "copy or draw it into a texture of such a format".into(),
         };
-        self.check_texture(name, input, self.pixels(), input.origin.is_some(), &formats, &remedy)?;
-        let usage = input.texture.usage();
+        self.check_sampled(name, input, self.pixels(), &formats, &remedy)
+    }
+
+    /// A texture that is read: `size` texels of the whole, or of a part if one is named.
+    pub(super) fn check_sampled(
+        &self,
+        name: &str,
+        layer: &TextureLayer<'_>,
+        size: [u32; 2],
+        formats: &[TextureFormat],
+        remedy: &str,
+    ) -> Result<(), Error> {
+        self.check_texture(name, layer, size, layer.origin.is_some(), formats, remedy)?;
+        let usage = layer.texture.usage();
         match usage.contains(TextureUsages::TEXTURE_BINDING) {
             true => Ok(()),
             false => Err(lacks(name, &usage, "TEXTURE_BINDING")),

@@ -2,12 +2,12 @@
 
 use crate::gpu::interop::context::Context;
 use crate::gpu::interop::pipelines::CallerResource;
-use crate::gpu::interop::refusal::{lacks, refused};
+use crate::gpu::interop::refusal::refused;
 use crate::gpu::interop::resources::{PixelBuffer, TextureLayer, YuvPicture, YuvPixels};
 use crate::gpu::interop::work::Source;
 use crate::gpu::layout::Frame;
 use crate::{Error, PixelFormat};
-use wgpu::{TextureFormat, TextureUsages};
+use wgpu::TextureFormat;
 
 /// The resource with Y or with all, that with U and V if it is another one, and what they are.
 pub(super) type Taken<'a> = (CallerResource<'a>, Option<CallerResource<'a>>, Source);
@@ -26,17 +26,17 @@ impl Context<'_> {
         let [luma_format, chroma_format] = [TextureFormat::R8Unorm, TextureFormat::Rg8Unorm];
         match picture.pixels {
             YuvPixels::Nv12(layer) => {
-                self.check_sampled(name, &layer, [width, height], TextureFormat::NV12)?;
+                self.check_plane(name, &layer, [width, height], TextureFormat::NV12)?;
                 let [luma, chroma] = [luma_format, chroma_format].map(|format| CallerResource::Layer(layer, format));
                 Ok((luma, Some(chroma), Source::Planes(colors)))
             }
             YuvPixels::Planes([luma, chroma]) => {
-                self.check_sampled(name, &luma, [width, height], luma_format)?;
+                self.check_plane(name, &luma, [width, height], luma_format)?;
                 let half = [luma.texture.width(), luma.texture.height()].map(|side| side.div_ceil(2));
                 if chroma.origin.is_some() {
                     return Err(begins_alone(names[1]));
                 }
-                self.check_sampled(names[1], &chroma, half, chroma_format)?;
+                self.check_plane(names[1], &chroma, half, chroma_format)?;
                 let [luma, chroma] = [(luma, luma_format), (chroma, chroma_format)]
                     .map(|(layer, format)| CallerResource::Layer(layer, format));
                 Ok((luma, Some(chroma), Source::Planes(colors)))
@@ -46,7 +46,7 @@ impl Context<'_> {
                 let [x, _] = layer.origin.unwrap_or_default();
                 let texels = TextureLayer { origin: layer.origin.map(|[x, y]| [x / 2, y]), ..layer };
                 let columns = (x % 2 + width).div_ceil(2);
-                self.check_sampled(name, &texels, [columns, height], TextureFormat::Rgba8Unorm)?;
+                self.check_plane(name, &texels, [columns, height], TextureFormat::Rgba8Unorm)?;
                 Ok((CallerResource::Layer(layer, TextureFormat::Rgba8Unorm), None, Source::Packed(colors)))
             }
             YuvPixels::PlaneBuffers([luma, chroma]) => {
@@ -73,20 +73,14 @@ impl Context<'_> {
         [0, 1].map(|axis| u64::from(pixels.origin[axis]) + u64::from([width, height][axis]))
     }
 
-    fn check_sampled(
+    fn check_plane(
         &self,
         name: &str,
         layer: &TextureLayer<'_>,
         size: [u32; 2],
         format: TextureFormat,
     ) -> Result<(), Error> {
-        let remedy = "give it as what it is: YuvPicture::nv12, planes or yuyv";
-        self.check_texture(name, layer, size, layer.origin.is_some(), &[format], remedy)?;
-        let usage = layer.texture.usage();
-        match usage.contains(TextureUsages::TEXTURE_BINDING) {
-            true => Ok(()),
-            false => Err(lacks(name, &usage, "TEXTURE_BINDING")),
-        }
+        self.check_sampled(name, layer, size, &[format], "give it as what it is: YuvPicture::nv12, planes or yuyv")
     }
 }
 
