@@ -94,11 +94,7 @@ pub fn colors() -> Vec<String> {
 /// For a count of values that is not that of the pixels, and for an unknown name.
 #[wasm_bindgen]
 pub fn color(width: u32, height: u32, data: Vec<i16>, first: i32, last: i32, colors: &str) -> Result<Vec<u8>, JsValue> {
-    let known = Colors::ALL.iter().find(|(name, _)| *name == colors).map(|(_, colors)| *colors);
-    let colors = known.ok_or_else(|| {
-        let names: Vec<_> = Colors::ALL.iter().map(|(name, _)| *name).collect();
-        of_kind("parameter", &format!("colors is {colors:?}, but must be one of {}", names.join(", ")))
-    })?;
+    let colors: Colors = colors.parse().map_err(thrown)?;
     Ok(map(width, height, data)?.color_by(&(first..=last), colors))
 }
 
