@@ -5,7 +5,7 @@ use crate::cpu::filters::filtered;
 use crate::cpu::images::{Channels, Planes, Side, luma};
 use crate::cpu::instructions::Instructions;
 use crate::cpu::network::disparities;
-use crate::cpu::paths::{Aggregation, Buffers, CostSource, Record, aggregate, penalties};
+use crate::cpu::paths::{Aggregation, Buffers, CostSource, Record, aggregate, penalties, second_cost};
 use crate::params::Filter;
 use crate::reference::{Content, Descriptors, Plane, Report, Stages, Trace, Views, Volume, stage, views_of};
 use crate::{DisparityMap, Error, ImageView, Method, Params};
@@ -115,16 +115,30 @@ impl Native<'_> {
             return trace.stage("block_match", block_match([left, right], table, params, self.instructions));
         }
         let size = [left.width, left.height];
-        let adaptive = luma.filter(|_| params.adaptive_p2);
+        let adaptive = luma.filter(|_| params.adapts_penalties());
         let penalties = adaptive.map(|luma| trace.stage("penalties", penalties(luma, params)));
         let job = Aggregation::new(size, params, penalties.as_ref(), self.instructions, self.buffers);
         let mut record = trace.is_received().then(|| Record::new(left.width, left.height, params));
         let source = || -> Box<dyn CostSource + Send + '_> {
             Box::new(CostRows::new([left, right], table, params, self.instructions))
         };
-        let views = aggregate(&job, &source, record.as_mut());
-        if let Some(Record { cost, sum }) = record {
+        if !params.aggregates_twice() {
+            let views = aggregate(&job, &source, record.as_mut());
+            if let Some(Record { cost, sum }) = record {
+                trace.show("matching_cost", || cost);
+                trace.show("sgm_aggregate", || sum);
+            }
+            return trace.stage("winner", views);
+        }
+        let second = second_cost(&job, &source, record.as_mut());
+        if let Some(Record { cost, sum }) = &record {
             trace.show("matching_cost", || cost);
+            trace.show("sgm_aggregate", || sum);
+        }
+        trace.done("second_cost", || second.volume(params));
+        let source = || -> Box<dyn CostSource + Send + '_> { Box::new(&second) };
+        let views = aggregate(&job, &source, record.as_mut());
+        if let Some(Record { sum, .. }) = record {
             trace.show("sgm_aggregate", || sum);
         }
         trace.stage("winner", views)

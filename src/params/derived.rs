@@ -34,7 +34,9 @@ impl Params {
         let mut rough = Self {
             min_disparity: from,
             disparities: (to - from + 1) as u32,
+            adaptive_p1: false,
             adaptive_p2: false,
+            passes: 1,
             smoothness_edge: None,
             right_view: RightView::Diagonal,
             confidence: false,
@@ -49,6 +51,16 @@ impl Params {
         Filter::ALL.iter().for_each(|filter| filter.clear(&mut rough));
         rough.lr_check = Some(1);
         rough
+    }
+
+    /// Whether the penalties of the steps of paths depend on the left image.
+    pub(crate) fn adapts_penalties(&self) -> bool {
+        self.method == Method::Sgm && (self.adaptive_p1 || self.adaptive_p2)
+    }
+
+    /// Whether the sum of the path costs is aggregated a second time.
+    pub(crate) fn aggregates_twice(&self) -> bool {
+        self.method == Method::Sgm && self.passes == 2
     }
 
     /// Whether anything reads the smoothness: belief propagation does, and of other methods' labels the energy.
@@ -267,6 +279,11 @@ impl Params {
     /// 1024 times the quantised cost of the largest block sum: at most 59 * 1550, which gives 89.
     pub(crate) fn cost_top(&self) -> u32 {
         (self.cost.row().top)(self.pixel_max())
+    }
+
+    /// The largest quantised cost.
+    pub(crate) fn largest_cost(&self) -> u32 {
+        (self.cost_top() + 512) >> 10
     }
 
     /// The factor that brings a narrowed block sum to the quantised cost: round(top 2^14 / largest), of the largest sum

@@ -50,8 +50,12 @@ pub struct Params {
     pub p1: u32,
     /// Penalty of a larger disparity step, in the same units, P1 to 127.
     pub p2: u32,
+    /// Lower P1 where the intensity changes along the path.
+    pub adaptive_p1: bool,
     /// Lower P2 where the intensity changes along the path.
     pub adaptive_p2: bool,
+    /// Passes of aggregation of [`Method::Sgm`], 1 or 2: the second one aggregates the mean of the cost and of what the first one gave.
+    pub passes: u32,
     /// How the smoothness term of [`Method::Bp`] grows with the difference between the disparities of two neighbours.
     pub smoothness: Smoothness,
     /// The smoothness of a difference of 1, in units of the quantised cost (0 to 89), 0 to 127; of no effect with
@@ -165,7 +169,9 @@ impl Params {
             paths: Paths::Four,
             p1: 16,
             p2: 96,
+            adaptive_p1: false,
             adaptive_p2: false,
+            passes: 1,
             smoothness: Smoothness::Linear,
             smoothness_weight: 2,
             smoothness_truncation: 20,

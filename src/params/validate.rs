@@ -36,7 +36,11 @@ impl Params {
         self.validate_smoothness()?;
         self.validate_filters()?;
         self.depth.as_ref().map_or(Ok(()), Camera::validate)?;
-        if self.method == Method::Psmnet { self.validate_psmnet() } else { self.validate_cost() }
+        if self.method == Method::Psmnet {
+            return self.validate_psmnet();
+        }
+        self.validate_cost()?;
+        self.validate_passes()
     }
 
     fn validate_disparities(&self) -> Result<(), Error> {
@@ -83,7 +87,21 @@ impl Params {
             format!("from p1 to {}, in units of the quantised cost (0 to 89)", Self::MAX_P2),
             "4 to 8 times p1 is usual",
         )?;
-        check(self.p1 <= self.p2, "p1", self.p1, format!("from 0 to p2, which is {}", self.p2), "lower p1 or raise p2")
+        check(self.p1 <= self.p2, "p1", self.p1, format!("from 0 to p2, which is {}", self.p2), "lower p1 or raise p2")?;
+        check((1..=2).contains(&self.passes), "passes", self.passes, "1 or 2", "1 is usual, 2 is more accurate")
+    }
+
+    /// A path cost of the second pass fits a byte: the cost, half of P2, rounded up, and P2.
+    fn validate_passes(&self) -> Result<(), Error> {
+        let (cost, largest) = (self.cost, self.largest_cost());
+        let most = (0..=Self::MAX_P2).rev().find(|p2| largest + p2.div_ceil(2) + p2 <= 255).unwrap_or(0);
+        check(
+            !self.aggregates_twice() || self.p2 <= most,
+            "p2",
+            self.p2,
+            format!("from p1 to {most} with passes 2 and cost {cost}"),
+            "lower p2 or take passes 1",
+        )
     }
 
     fn validate_smoothness(&self) -> Result<(), Error> {

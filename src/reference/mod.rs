@@ -62,6 +62,7 @@ pub use network::{
     network, network_input, operation, round_disparities, upsample,
 };
 pub use paths::penalties::penalties;
+pub use paths::second_cost::second_cost;
 pub use paths::sgm_aggregate::{Direction, aggregate_direction, sgm_aggregate};
 pub use plane::{Plane, Volume};
 #[cfg(feature = "cpu")]

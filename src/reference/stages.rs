@@ -6,7 +6,7 @@ use crate::reference::trace::Trace;
 use crate::reference::{
     Channel, Content, Descriptors, Plane, Report, Values, Views, Volume, beliefs, block_match, block_statistics,
     block_sums, coarse_cost, cost_columns, filtered, gray, halve, images, lr_check, matching_cost, messages,
-    mi_histogram, mi_table, network, penalties, rounds, sgm_aggregate, stage, validity, winner,
+    mi_histogram, mi_table, network, penalties, rounds, second_cost, sgm_aggregate, stage, validity, winner,
 };
 use crate::{DisparityMap, Energy, Error, ImageView, Method, Params, Prefilter};
 
@@ -83,9 +83,8 @@ pub(crate) fn views_of(
     stages: &mut (impl Stages + ?Sized),
     trace: &mut Trace<'_>,
 ) -> (Views, Vec<u8>) {
-    let adaptive = params.adaptive_p2 && params.method == Method::Sgm;
     let ([left, right], _) = trace.stage("gray", ([left, right].map(|image| images(image, params)), luma));
-    let penalties = adaptive.then(|| trace.stage("penalties", penalties(luma, params)));
+    let penalties = params.adapts_penalties().then(|| trace.stage("penalties", penalties(luma, params)));
     if params.prefilter == Prefilter::Normalized {
         trace.show("window_sums", || [&left, &right].map(|images| images.window_sums(params.prefilter_window)));
     }
@@ -170,9 +169,14 @@ impl Trace<'_> {
                 self.stage("block_match", block_match(&columns, statistics.as_ref(), params))
             }
             Method::Sgm => {
-                let cost = self.stage("matching_cost", matching_cost(&columns, params));
+                let mut cost = self.stage("matching_cost", matching_cost(&columns, params));
                 drop(columns);
-                let sum = self.stage("sgm_aggregate", sgm_aggregate(&cost, penalties, params));
+                let mut sum = self.stage("sgm_aggregate", sgm_aggregate(&cost, penalties, params));
+                if params.aggregates_twice() {
+                    cost = self.stage("second_cost", second_cost(&cost, &sum, params));
+                    drop(sum);
+                    sum = self.stage("sgm_aggregate", sgm_aggregate(&cost, penalties, params));
+                }
                 self.stage("winner", winner(&sum, params))
             }
             Method::Bp => {

@@ -6,6 +6,7 @@ use fearless_simd::{Simd, SimdFrom, u8x32, u16x16};
 
 use super::buffers::{Buffers, Lent};
 use super::penalties::PenaltyRow;
+use super::second_cost::second_costs;
 use super::step::{PAD, Receive, Stepping, load, steps, store};
 use crate::Params;
 use crate::cpu::LANES;
@@ -26,25 +27,33 @@ pub(super) struct Segment<'a> {
 /// A row and where its winners go.
 pub(super) struct AcrossRow<'a> {
     pub(super) segments: Vec<Segment<'a>>,
-    /// P2 of the steps to the right and to the left.
-    pub(super) p2: [PenaltyRow<'a>; 2],
-    pub(super) maps: RowOfMaps<'a>,
+    /// The penalties of the steps to the right and to the left.
+    pub(super) penalties: [PenaltyRow<'a>; 2],
+    pub(super) goal: Goal<'a>,
     /// Where the cost and the sum of all paths go, `[x][d]` without padding, if they are recorded.
     pub(super) record: Option<(&'a mut [u8], &'a mut [u16])>,
 }
 
-/// What a thread needs for rows; reused.
-pub(super) struct Scratch {
-    rows: [RowScratch; TOGETHER],
+/// What becomes of the sum of all paths of a row.
+pub(super) enum Goal<'a> {
+    /// Its winners.
+    Maps(RowOfMaps<'a>),
+    /// The cost of the second pass, `[x][n]`.
+    SecondCost(&'a mut [u8]),
 }
 
-struct RowScratch {
+/// What a thread needs for rows; reused.
+pub(super) struct Scratch {
+    pub(super) rows: [RowScratch; TOGETHER],
+}
+
+pub(super) struct RowScratch {
     /// T of the path to the right, `[x][n]`.
-    right: Lent,
-    state: Aligned<u8>,
-    least: u8,
+    pub(super) right: Lent,
+    pub(super) state: Aligned<u8>,
+    pub(super) least: u8,
     /// The sum of all paths of a pixel.
-    sum: Aligned<u16>,
+    pub(super) sum: Aligned<u16>,
     /// n + 1 zeros, three times `u16::MAX`, n + 1 zeros.
     near: Aligned<u16>,
     /// `u16::MAX` beyond the disparities, else 0.
@@ -83,17 +92,22 @@ impl Scratch {
 }
 
 impl RowScratch {
-    fn start(&mut self, n: usize) {
+    pub(super) fn start(&mut self, n: usize) {
         self.state[PAD..PAD + n].fill(0);
         self.least = 0;
     }
 }
 
+/// Computes rows.
+type RowsOf = fn(&mut [AcrossRow<'_>], &mut Scratch, &Params, Instructions);
+
 /// How rows are computed.
 pub(super) struct Across {
-    /// Computes at most [`TOGETHER`] rows.
-    pub(super) rows: fn(&mut [AcrossRow<'_>], &mut Scratch, &Params, Instructions),
-    /// Disparities whose keys go together: a sum, of at most 89 + 127 a path, and an index fit 16 bits.
+    /// Computes at most [`TOGETHER`] rows of winners.
+    pub(super) rows: RowsOf,
+    /// Computes at most [`TOGETHER`] rows of the cost of the second pass.
+    pub(super) second: RowsOf,
+    /// Disparities whose keys go together: a sum, of at most 255 a path, and an index fit 16 bits.
     pub(super) group: usize,
 }
 
@@ -116,7 +130,7 @@ impl Across {
     }
 
     fn of<const P: u16, const Q: usize, const G: usize, const N: usize>() -> Self {
-        Self { rows: across::<P, Q, G, N>, group: G }
+        Self { rows: across::<P, Q, G, N>, second: second_costs::<Q, N>, group: G }
     }
 }
 
@@ -155,21 +169,7 @@ impl<const R: usize, const P: u16, const Q: usize, const G: usize, const N: usiz
     fn run<V: Simd>(self, simd: V) {
         let Self { rows, mut scratch, params } = self;
         let n = if N > 0 { N } else { (params.disparities as usize).next_multiple_of(LANES) };
-        let p1 = params.p1 as u8;
-        scratch.iter_mut().for_each(|scratch| scratch.start(n));
-        let mut x = 0;
-        for segment in 0..rows[0].segments.len() {
-            let costs = rows.each_ref().map(|row| row.segments[segment].cost);
-            for i in 0..costs[0].len() / n {
-                for r in 0..R {
-                    let p2 = rows[r].p2[0].at(x);
-                    let RowScratch { right, state, least, .. } = &mut *scratch[r];
-                    let path = Stepping { state: &mut state[PAD - 1..], least, p2 };
-                    steps(simd, [path], &costs[r][i * n..][..n], p1, &mut Store(&mut right[x * n..][..n]));
-                }
-                x += 1;
-            }
-        }
+        let mut x = rightwards(simd, &rows, &mut scratch, n);
         scratch.iter_mut().for_each(|scratch| {
             scratch.start(n);
             scratch.keys.clear();
@@ -183,10 +183,36 @@ impl<const R: usize, const P: u16, const Q: usize, const G: usize, const N: usiz
             }
         }
         for (row, scratch) in rows.into_iter().zip(scratch) {
-            scratch.found.finish(params, &mut row.maps);
-            scratch.keys.finish::<G>(params, row.maps.right);
+            let Goal::Maps(maps) = &mut row.goal else { continue };
+            scratch.found.finish(params, maps);
+            scratch.keys.finish::<G>(params, maps.right);
         }
     }
+}
+
+/// The path to the right along some rows. Returns their columns.
+#[inline(always)]
+pub(super) fn rightwards<V: Simd, const R: usize>(
+    simd: V,
+    rows: &[&mut AcrossRow<'_>; R],
+    scratch: &mut [&mut RowScratch; R],
+    n: usize,
+) -> usize {
+    scratch.iter_mut().for_each(|scratch| scratch.start(n));
+    let mut x = 0;
+    for segment in 0..rows[0].segments.len() {
+        let costs = rows.each_ref().map(|row| row.segments[segment].cost);
+        for i in 0..costs[0].len() / n {
+            for r in 0..R {
+                let penalties = rows[r].penalties[0].at(x);
+                let RowScratch { right, state, least, .. } = &mut *scratch[r];
+                let path = Stepping { state: &mut state[PAD - 1..], least, penalties };
+                steps(simd, [path], &costs[r][i * n..][..n], &mut Store(&mut right[x * n..][..n]));
+            }
+            x += 1;
+        }
+    }
+    x
 }
 
 /// The step to the left into a pixel, its sum and its winner. It is the `i`-th of the segment, in column x.
@@ -206,11 +232,11 @@ fn pixel<V: Simd, const P: u16, const Q: usize, const G: usize, const N: usize>(
         *here = &plane[i * n..][..n];
     }
     let RowScratch { right, state, least, sum, near, beyond, found, keys } = scratch;
-    let path = Stepping { state: &mut state[PAD - 1..], least, p2: row.p2[1].at(x) };
+    let path = Stepping { state: &mut state[PAD - 1..], least, penalties: row.penalties[1].at(x) };
     let (right, sums, beyond) = (&right[x * n..][..n], &mut sum[..n], &beyond[..n]);
     let smallest = Smallest { keys: [simd.splat_u16x16(u16::MAX); 2], blocks: 0, first: 0, best: u32::MAX };
     let mut total = Total::<V, P, Q, G, N> { simd, cost, planes: planes_here, right, beyond, sums, keys, x, smallest };
-    steps(simd, [path], cost, params.p1 as u8, &mut total);
+    steps(simd, [path], cost, &mut total);
     let best = total.smallest.winner::<G, N>(simd);
     let label = (best & 0xffff) as usize;
     let sum = &sum[..n];
@@ -235,7 +261,7 @@ fn pixel<V: Simd, const P: u16, const Q: usize, const G: usize, const N: usize>(
 
 /// [`LANES`] numbers from `at` on.
 #[inline(always)]
-fn words<V: Simd>(simd: V, from: &[u16], at: usize) -> [u16x16<V>; 2] {
+pub(super) fn words<V: Simd>(simd: V, from: &[u16], at: usize) -> [u16x16<V>; 2] {
     let from = &from[at..at + LANES];
     let mut vectors = [simd.splat_u16x16(0); 2];
     for (vector, from) in vectors.iter_mut().zip(from.as_chunks::<{ LANES / 2 }>().0) {
@@ -246,7 +272,7 @@ fn words<V: Simd>(simd: V, from: &[u16], at: usize) -> [u16x16<V>; 2] {
 
 /// Writes them.
 #[inline(always)]
-fn store_words<V: Simd>(vectors: [u16x16<V>; 2], to: &mut [u16], at: usize) {
+pub(super) fn store_words<V: Simd>(vectors: [u16x16<V>; 2], to: &mut [u16], at: usize) {
     let to = &mut to[at..at + LANES];
     to[..LANES / 2].copy_from_slice(&*vectors[0]);
     to[LANES / 2..].copy_from_slice(&*vectors[1]);
@@ -254,7 +280,7 @@ fn store_words<V: Simd>(vectors: [u16x16<V>; 2], to: &mut [u16], at: usize) {
 
 /// Adds bytes to numbers of 16 bits.
 #[inline(always)]
-fn add<V: Simd>(simd: V, sum: [u16x16<V>; 2], bytes: u8x32<V>) -> [u16x16<V>; 2] {
+pub(super) fn add<V: Simd>(simd: V, sum: [u16x16<V>; 2], bytes: u8x32<V>) -> [u16x16<V>; 2] {
     let (low, high) = simd.widen_u8x32(bytes);
     [simd.add_u16x16(sum[0], low), simd.add_u16x16(sum[1], high)]
 }

@@ -47,7 +47,7 @@ pub(crate) struct Aggregation<'a> {
     pub(crate) height: usize,
     /// Validated, with the method `sgm`.
     pub(crate) params: &'a Params,
-    /// Stage `penalties` where P2 is adaptive.
+    /// Stage `penalties` where P1 or P2 is adaptive.
     pub(crate) penalties: Option<&'a Volume<u8>>,
     pub(crate) instructions: Instructions,
     /// Kept from pair to pair.

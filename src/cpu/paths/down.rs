@@ -13,7 +13,6 @@ pub(super) struct DownRow<'a, 'b> {
     pub(super) cost: &'b [u8],
     /// Bytes a pixel.
     pub(super) n: usize,
-    pub(super) p1: u8,
     /// T of the directions, added two by two: half as many planes as directions, rounded up. Nothing if T is not wanted.
     pub(super) planes: Vec<&'b mut [u8]>,
     /// T of a single path from the other side, which goes into the first plane with the T of the first direction.
@@ -54,16 +53,16 @@ where
 
     #[inline(always)]
     fn run<V: Simd>(self, simd: V) {
-        let DownRow { fronts, cost, n, p1, planes, other } = self.0;
+        let DownRow { fronts, cost, n, planes, other } = self.0;
         let n = if N > 0 { N } else { n };
         let Ok(fronts) = <[FrontRow<'_>; K]>::try_from(fronts) else { return };
         match (<[&mut [u8]; S]>::try_from(planes), other) {
-            (Err(_), _) => columns(simd, fronts, cost, n, p1, &mut Nothing),
+            (Err(_), _) => columns(simd, fronts, cost, n, &mut Nothing),
             (Ok(planes), None) => {
-                columns(simd, fronts, cost, n, p1, &mut Sums::<V, S, false> { simd, planes, other: &[], first: 0 });
+                columns(simd, fronts, cost, n, &mut Sums::<V, S, false> { simd, planes, other: &[], first: 0 });
             }
             (Ok(planes), Some(other)) => {
-                columns(simd, fronts, cost, n, p1, &mut Sums::<V, S, true> { simd, planes, other, first: 0 });
+                columns(simd, fronts, cost, n, &mut Sums::<V, S, true> { simd, planes, other, first: 0 });
             }
         }
     }
@@ -76,14 +75,13 @@ fn columns<V: Simd, const K: usize>(
     mut fronts: [FrontRow<'_>; K],
     cost: &[u8],
     n: usize,
-    p1: u8,
     to: &mut impl Receive<V, K>,
 ) where
     for<'f> [FrontRow<'f>; K]: Fronts<K>,
 {
     for (x, cost) in cost.chunks_exact(n).enumerate() {
         to.column(x * n);
-        steps(simd, fronts.next(x), cost, p1, to);
+        steps(simd, fronts.next(x), cost, to);
     }
 }
 

@@ -35,7 +35,7 @@ pub(super) struct FrontRow<'a> {
     leasts: &'a mut [u8],
     slot: usize,
     n: usize,
-    p2: PenaltyRow<'a>,
+    penalties: PenaltyRow<'a>,
     first: usize,
 }
 
@@ -66,7 +66,7 @@ impl Front {
     }
 
     /// The front before the row that is walked as the `row`-th, from 0.
-    pub(super) fn row<'a>(&'a mut self, row: usize, p2: PenaltyRow<'a>) -> FrontRow<'a> {
+    pub(super) fn row<'a>(&'a mut self, row: usize, penalties: PenaltyRow<'a>) -> FrontRow<'a> {
         let (steps, set) = (row / self.sets.len(), row % self.sets.len());
         let dx = self.step.dx.unsigned_abs() as usize;
         let begins = match self.step.dx {
@@ -82,7 +82,7 @@ impl Front {
         }
         let (slot, first, n) = (self.slot(self.window.start, steps), self.window.start, self.n);
         let set = &mut self.sets[set];
-        FrontRow { states: &mut set.states, leasts: &mut set.leasts, slot, n, p2, first }
+        FrontRow { states: &mut set.states, leasts: &mut set.leasts, slot, n, penalties, first }
     }
 
     /// Appends the states of some columns before the `row`-th row.
@@ -151,7 +151,7 @@ impl FrontRow<'_> {
         Stepping {
             state: &mut self.states[at - 1..at + self.n + PAD],
             least: &mut self.leasts[slot],
-            p2: self.p2.at(self.first + x),
+            penalties: self.penalties.at(self.first + x),
         }
     }
 }

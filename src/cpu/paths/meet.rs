@@ -10,9 +10,11 @@
 //! Where T of all rows would take too much memory, it is stored of some rows only, and before the others the states of all
 //! paths are kept. From these T is computed again when it is needed: a third visit.
 
+use super::across::Goal;
 use super::aggregation::{Aggregation, Record, Sources};
 use super::front::Front;
 use super::memory::Chunks;
+use super::second_cost::SecondCost;
 use super::team::{Keep, Planes, Target, Team, Way};
 use crate::cpu::winner::RowOfMaps;
 use crate::reference::Views;
@@ -40,20 +42,35 @@ pub(crate) fn aggregate(job: &Aggregation<'_>, sources: Sources<'_>, record: Opt
     let map = || DisparityMap { width: width as u32, height: height as u32, data: vec![0; pixels] };
     let margins = ConfidenceMap { width: width as u32, height: height as u32, data: vec![0; pixels] };
     let mut views = Views { left: map(), right: map(), margins, labels: vec![0; pixels] };
+    let lefts = views.left.data.chunks_exact_mut(width).zip(views.right.data.chunks_exact_mut(width));
+    let rows = lefts.zip(views.margins.data.chunks_exact_mut(width)).zip(views.labels.chunks_exact_mut(width));
+    let goals = rows.map(|(((left, right), margins), labels)| Goal::Maps(RowOfMaps { left, right, margins, labels }));
+    walk(job, sources, targets(goals, width * disparities, record));
+    views
+}
+
+/// Stage `second_cost`. Within the caller's thread pool.
+pub(crate) fn second_cost(job: &Aggregation<'_>, sources: Sources<'_>, record: Option<&mut Record>) -> SecondCost {
+    let row = job.width * job.n();
+    let mut data = job.buffers.take(job.height * row);
+    let goals = data.chunks_exact_mut(row).map(Goal::SecondCost);
+    walk(job, sources, targets(goals, job.width * job.params.disparities as usize, record));
+    SecondCost { data, width: job.width, n: job.n() }
+}
+
+/// A target for each row; `row`: values of a row that is recorded.
+fn targets<'a>(
+    goals: impl Iterator<Item = Goal<'a>>,
+    row: usize,
+    record: Option<&'a mut Record>,
+) -> Vec<Target<'a>> {
     let (costs, sums) = match record {
         Some(record) => (&mut record.cost.data[..], &mut record.sum.data[..]),
         None => (&mut [][..], &mut [][..]),
     };
-    let records = costs.chunks_exact_mut(width * disparities).zip(sums.chunks_exact_mut(width * disparities));
+    let records = costs.chunks_exact_mut(row).zip(sums.chunks_exact_mut(row));
     let records = records.map(Some).chain(std::iter::repeat_with(|| None));
-    let lefts = views.left.data.chunks_exact_mut(width).zip(views.right.data.chunks_exact_mut(width));
-    let rows = lefts.zip(views.margins.data.chunks_exact_mut(width)).zip(views.labels.chunks_exact_mut(width));
-    let targets = rows.zip(records).map(|((((left, right), margins), labels), record)| Target {
-        maps: RowOfMaps { left, right, margins, labels },
-        record,
-    });
-    walk(job, sources, targets.collect());
-    views
+    goals.zip(records).map(|(goal, record)| Target { goal, record }).collect()
 }
 
 /// Aggregates into `targets`, one for each row.

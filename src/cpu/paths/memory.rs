@@ -28,14 +28,16 @@ impl Chunks {
 }
 
 impl Aggregation<'_> {
-    /// Bytes that [`super::aggregate`] allocates with so many threads, its maps included, the sources of the cost not.
+    /// Bytes that [`super::aggregate`] allocates with so many threads, its maps and the cost of a second pass included, the sources
+    /// of the cost not.
     pub(crate) fn bytes(&self, threads: usize) -> u64 {
         let way = Way::new(self, threads);
         let parts = way.parts.len() as u64;
         let scratch = parts * Scratch::bytes(self.width, way.n, way.across.group);
         let band = way.band as u64 * way.row_bytes() * (1 + way.planes as u64);
         let team = scratch + band + way.state_bytes();
-        let maps = 7 * (self.width * self.height) as u64;
+        let second = if self.params.aggregates_twice() { self.n() } else { 0 };
+        let maps = (7 + second as u64) * (self.width * self.height) as u64;
         if !way.meets {
             return maps + way.teams * team;
         }

@@ -1,8 +1,8 @@
 //! A step of a path, in bytes.
 //!
 //! L(d) = C(d) + T(d) with T(d) = min(L'(d), L'(d - 1) + P1, L'(d + 1) + P1, min L' + P2) - min L'. Where L' is smallest, T is 0,
-//! so min L <= max C = 89, and min L' + P2 <= 89 + 127: nothing that can win exceeds a byte, and what is larger saturates at
-//! 255. A state of zeros starts a path: T is 0 everywhere.
+//! so min L <= max C, and min L' + P2 <= max C + P2 <= 255, as the ranges of the settings have it: nothing that can win exceeds a byte,
+//! and what is larger saturates at 255. A state of zeros starts a path: T is 0 everywhere.
 //!
 //! What lies around a state is 255 and so never the best, and where the cost is 255, beyond the last disparity, L stays 255.
 
@@ -19,8 +19,8 @@ pub(super) struct Stepping<'a> {
     pub(super) state: &'a mut [u8],
     /// The smallest L'.
     pub(super) least: &'a mut u8,
-    /// P2 of this step.
-    pub(super) p2: u8,
+    /// P1 and P2 of this step.
+    pub(super) penalties: [u8; 2],
 }
 
 /// Receives the T of a pixel along several paths.
@@ -53,29 +53,30 @@ pub(super) fn steps<V: Simd, const K: usize>(
     simd: V,
     mut paths: [Stepping<'_>; K],
     cost: &[u8],
-    p1: u8,
     to: &mut impl Receive<V, K>,
 ) {
-    let p1 = simd.splat_u8x32(p1);
+    let zero = simd.splat_u8x32(0);
     for path in &mut paths {
         // So that no access below is checked.
         path.state = &mut std::mem::take(&mut path.state)[..cost.len() + PAD + 1];
     }
-    let (mut leasts, mut most, mut before, mut smallest) = ([p1; K], [p1; K], [p1; K], [p1; K]);
+    let (mut leasts, mut most, mut before, mut smallest) = ([zero; K], [zero; K], [zero; K], [zero; K]);
+    let mut p1 = [zero; K];
     for k in 0..K {
         let path = &paths[k];
         leasts[k] = simd.splat_u8x32(*path.least);
-        most[k] = simd.splat_u8x32(*path.least + path.p2);
+        p1[k] = simd.splat_u8x32(path.penalties[0]);
+        most[k] = simd.splat_u8x32(*path.least + path.penalties[1]);
         before[k] = load(simd, path.state, 0);
         smallest[k] = simd.splat_u8x32(255);
     }
     for at in (0..cost.len()).step_by(LANES) {
         let cost = load(simd, cost, at);
-        let mut t = [p1; K];
+        let mut t = [zero; K];
         for k in 0..K {
             let state = &mut *paths[k].state;
             let (here, after) = (load(simd, state, at + 1), load(simd, state, at + 2));
-            let beside = simd.saturating_add_u8x32(simd.min_u8x32(before[k], after), p1);
+            let beside = simd.saturating_add_u8x32(simd.min_u8x32(before[k], after), p1[k]);
             let best = simd.min_u8x32(simd.min_u8x32(beside, here), most[k]);
             t[k] = simd.sub_u8x32(best, leasts[k]);
             let l = simd.saturating_add_u8x32(cost, t[k]);

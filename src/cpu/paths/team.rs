@@ -9,7 +9,7 @@ use std::ops::Range;
 
 use rayon::prelude::*;
 
-use super::across::{Across, AcrossRow, Scratch, Segment, TOGETHER};
+use super::across::{Across, AcrossRow, Goal, Scratch, Segment, TOGETHER};
 use super::aggregation::{Aggregation, CostSource, Sources};
 use super::buffers::{Buffers, Lent};
 use super::down::{Down, DownRow, down_for};
@@ -17,12 +17,11 @@ use super::front::Front;
 use super::penalties::PenaltyRow;
 
 use crate::Paths;
-use crate::cpu::winner::RowOfMaps;
 use crate::reference::Direction;
 
 /// Where a row of the result goes.
 pub(super) struct Target<'a> {
-    pub(super) maps: RowOfMaps<'a>,
+    pub(super) goal: Goal<'a>,
     /// Its cost and its sum, `[x][d]`, if they are recorded.
     pub(super) record: Option<(&'a mut [u8], &'a mut [u16])>,
 }
@@ -261,19 +260,26 @@ impl<'a, 's> Team<'a, 's> {
         other: Option<&Planes>,
         targets: &mut dyn Iterator<Item = Target<'_>>,
     ) {
-        let (job, way, p2) = (self.job, self.way, self.job.params.p2 as u8);
+        let (job, way) = (self.job, self.way);
         let mut scratch = std::mem::take(&mut self.scratch);
         let right = Direction { dx: 1, dy: 0 };
-        let row = |(i, Target { maps, record })| {
+        let row = |(i, Target { goal, record })| {
             let y = self.row(i, self.walked - count);
             let segment = |(part, columns): (usize, &PartColumns)| self.segment(part, columns, i, y, other);
-            let p2 = [right, right.opposite()].map(|step| PenaltyRow::new(job.penalties, step, y, p2));
-            AcrossRow { segments: way.parts.iter().enumerate().map(segment).collect(), p2, maps, record }
+            let steps = [right, right.opposite()];
+            let penalties = steps.map(|step| PenaltyRow::new(job.penalties, step, y, job.params));
+            AcrossRow { segments: way.parts.iter().enumerate().map(segment).collect(), penalties, goal, record }
         };
         let mut rows: Vec<AcrossRow<'_>> = targets.take(count).enumerate().map(row).collect();
         let share = count.div_ceil(scratch.len()).next_multiple_of(TOGETHER);
         scratch.par_iter_mut().zip(rows.par_chunks_mut(share)).for_each(|(scratch, rows)| {
-            rows.chunks_mut(TOGETHER).for_each(|rows| (way.across.rows)(rows, scratch, job.params, job.instructions));
+            rows.chunks_mut(TOGETHER).for_each(|rows| {
+                let compute = match rows[0].goal {
+                    Goal::Maps(_) => way.across.rows,
+                    Goal::SecondCost(_) => way.across.second,
+                };
+                compute(rows, scratch, job.params, job.instructions);
+            });
         });
         drop(rows);
         self.scratch = scratch;
@@ -338,9 +344,9 @@ impl Part<'_> {
             };
             let fronts = self.fronts.iter_mut().map(|front| {
                 let step = front.step(walk.up);
-                front.row(walk.walked + i, PenaltyRow::new(walk.job.penalties, step, y, walk.job.params.p2 as u8))
+                front.row(walk.walked + i, PenaltyRow::new(walk.job.penalties, step, y, walk.job.params))
             });
-            let row = DownRow { fronts: fronts.collect(), cost, n: way.n, p1: walk.job.params.p1 as u8, planes, other };
+            let row = DownRow { fronts: fronts.collect(), cost, n: way.n, planes, other };
             (way.down)(row, walk.job.instructions);
         }
     }

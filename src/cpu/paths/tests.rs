@@ -6,7 +6,7 @@ use rand::{Rng, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 
 use super::aggregation::Sources;
-use super::{Aggregation, Buffers, CostSource, Record, aggregate, penalties};
+use super::{Aggregation, Buffers, CostSource, Record, aggregate, penalties, second_cost};
 use crate::cpu::instructions::Instructions;
 use crate::reference::{self, Plane, Volume};
 use crate::{Params, Paths, Subpixel};
@@ -46,9 +46,11 @@ impl Case {
         params.min_disparity = [0, 0, 0, 3, -2, -20, 40, -300, 300][random.random_range(0..9)];
         params.paths =
             [Paths::Three, Paths::Four, Paths::Five, Paths::Eight, Paths::Sixteen][random.random_range(0..5)];
-        params.p2 = random.random_range(0..=127);
+        params.passes = random.random_range(1..=2);
+        params.p2 = random.random_range(0..=if params.passes == 2 { 110 } else { 127 });
         params.p1 = random.random_range(0..=params.p2);
         params.adaptive_p2 = random.random_bool(0.4);
+        params.adaptive_p1 = random.random_bool(0.4);
         params.uniqueness = [0, 1, 10, 50, 99][random.random_range(0..5)];
         params.subpixel = [Subpixel::Off, Subpixel::Parabola, Subpixel::Equiangular][random.random_range(0..3)];
         let width = pick(random, &[1, 2, 3, 4, 7, 16, 23, 40, 61]);
@@ -77,10 +79,14 @@ impl Case {
         let name = format!(
             "{name}: {width}x{height}, {threads} threads, budget {budget}, {least_columns} columns, {params:?}"
         );
-        let made = params.adaptive_p2.then(|| penalties(gray, params));
-        let wanted = params.adaptive_p2.then(|| reference::penalties(gray, params));
+        let made = params.adapts_penalties().then(|| penalties(gray, params));
+        let wanted = params.adapts_penalties().then(|| reference::penalties(gray, params));
         assert_eq!(made, wanted, "penalties, {name}");
-        let sum = reference::sgm_aggregate(cost, wanted.as_ref(), params);
+        let mut sum = reference::sgm_aggregate(cost, wanted.as_ref(), params);
+        let second = params.aggregates_twice().then(|| reference::second_cost(cost, &sum, params));
+        if let Some(cost) = &second {
+            sum = reference::sgm_aggregate(cost, wanted.as_ref(), params);
+        }
         let views = reference::winner(&sum, params);
         let n = (params.disparities as usize).next_multiple_of(32);
         let buffers = Buffers::default();
@@ -90,9 +96,21 @@ impl Case {
             ..Aggregation::new([*width, *height], params, made.as_ref(), instructions, &buffers)
         };
         let source = || Box::new(Given(cost, n)) as Box<dyn CostSource + Send + '_>;
-        let sources: Sources<'_> = &source;
         let pool = rayon::ThreadPoolBuilder::new().num_threads(*threads).build().unwrap();
         let mut record = Record::new(*width, *height, params);
+        let made = second.as_ref().map(|_| pool.install(|| second_cost(&job, &source, Some(&mut record))));
+        let given = || Box::new(made.as_ref().unwrap()) as Box<dyn CostSource + Send + '_>;
+        let (cost, sources): (_, Sources<'_>) = match (&second, &made) {
+            (Some(second), Some(made)) => {
+                let first = reference::sgm_aggregate(cost, wanted.as_ref(), params);
+                assert_same(&record.cost.data, &cost.data, cost.disparities, &format!("matching_cost, {name}"));
+                assert_same(&record.sum.data, &first.data, cost.disparities, &format!("first sgm_aggregate, {name}"));
+                let made = made.volume(params).data;
+                assert_same(&made, &second.data, cost.disparities, &format!("second_cost, {name}"));
+                (second, &given)
+            }
+            _ => (cost, &source),
+        };
         let recorded = pool.install(|| aggregate(&job, sources, Some(&mut record)));
         assert_same(&record.cost.data, &cost.data, cost.disparities, &format!("matching_cost, {name}"));
         assert_same(&record.sum.data, &sum.data, cost.disparities, &format!("sgm_aggregate, {name}"));

@@ -105,8 +105,7 @@ impl Expected {
             self.counts = reference::mi_histogram(left, right, self.checked.as_ref(), halved);
             self.table = reference::mi_table(&self.counts, (left.width * left.height) as u64);
         }
-        let adaptive = params.adaptive_p2 && params.method == Method::Sgm;
-        self.penalties = adaptive.then(|| reference::penalties(&self.luma[0], &params));
+        self.penalties = params.adapts_penalties().then(|| reference::penalties(&self.luma[0], &params));
         self.columns = reference::cost_columns(left, right, &self.table, &params);
         let correlates = params.correlates();
         self.statistics = correlates.then(|| reference::block_statistics(left, right, &params));

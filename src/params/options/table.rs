@@ -156,8 +156,14 @@ pub(super) const OPTIONS: &[ParamOption] = options! {
         "p2" "P2" natural p2
             "sgm: penalty of a larger step, P1 to 127"
             idle by "method" if |params| params.method != Method::Sgm;
+        "adaptive-p1" "on|off" switch adaptive_p1
+            "sgm: lower P1 where the intensity changes along the path"
+            idle by "method" if |params| params.method != Method::Sgm;
         "adaptive-p2" "on|off" switch adaptive_p2
             "sgm: lower P2 where the intensity changes along the path"
+            idle by "method" if |params| params.method != Method::Sgm;
+        "passes" "1|2" natural passes
+            "sgm: how often costs are aggregated; the second time from the mean of the cost and of the first aggregate"
             idle by "method" if |params| params.method != Method::Sgm;
         "smoothness" "SMOOTHNESS" Smoothness smoothness
             "bp, and the energy of all: how the smoothness grows with the difference of two neighbours"

@@ -1,4 +1,5 @@
 //! Semi-global matching.
 
 pub(crate) mod penalties;
+pub(crate) mod second_cost;
 pub(crate) mod sgm_aggregate;

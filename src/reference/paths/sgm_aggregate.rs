@@ -48,12 +48,12 @@ impl Direction {
     }
 }
 
-/// One pixel of a path: Hirschmüller 2008, equation 13. `previous` are the path costs of the pixel before and P2 of the
+/// One pixel of a path: Hirschmüller 2008, equation 13. `previous` are the path costs of the pixel before and P1 and P2 of the
 /// step from it, if there is one in the image.
 ///
 /// L(d) = C(d) + min(L'(d), L'(d - 1) + P1, L'(d + 1) + P1, min L' + P2) - min L'; L = C where a path starts.
-fn step(cost: &[u8], previous: Option<(&[u8], u32)>, p1: u32, path: &mut [u8]) {
-    let Some((previous, p2)) = previous else {
+fn step(cost: &[u8], previous: Option<(&[u8], [u32; 2])>, path: &mut [u8]) {
+    let Some((previous, [p1, p2])) = previous else {
         path.copy_from_slice(cost);
         return;
     };
@@ -71,7 +71,8 @@ fn step(cost: &[u8], previous: Option<(&[u8], u32)>, p1: u32, path: &mut [u8]) {
     }
 }
 
-/// The path costs L of one direction, at most 89 + P2. `penalties` are those of [`crate::reference::penalties`] where P2 is adaptive.
+/// The path costs L of one direction, at most the largest cost + P2. `penalties` are those of [`crate::reference::penalties`] where P1 or
+/// P2 is adaptive.
 pub fn aggregate_direction(
     cost: &Volume<u8>,
     penalties: Option<&Volume<u8>>,
@@ -85,7 +86,7 @@ pub fn aggregate_direction(
     let row_len = cost.row_len();
     // Pixels in an order in which the pixel before comes first; of a row all at once where it lies in another row.
     let has_before = |x: i64, y: i64| (0..width).contains(&(x - dx)) && (0..height).contains(&(y - dy));
-    let p2 = |x: i64, y: i64| match penalties {
+    let penalty = |x: i64, y: i64| match penalties {
         // The step from q to p has the penalty of that from p to q: of the two, the forward one is stored.
         Some(penalties) => {
             let forward = |d: &Direction| *d == direction;
@@ -94,9 +95,13 @@ pub fn aggregate_direction(
                 Some(k) => (x, y, k),
                 None => (x - dx, y - dy, Direction::FORWARD.iter().position(backward).unwrap_or(0)),
             };
-            u32::from(penalties.data[(y * width + x) as usize * penalties.disparities + k])
+            let of_pixel = &penalties.data[(y * width + x) as usize * penalties.disparities..][..penalties.disparities];
+            match params.adaptive_p1 {
+                true => [of_pixel[2 * k + 1], of_pixel[2 * k]].map(u32::from),
+                false => [params.p1, of_pixel[k].into()],
+            }
         }
-        None => params.p2,
+        None => [params.p1, params.p2],
     };
     if dy == 0 {
         paths.data.par_chunks_mut(row_len).zip(cost.data.par_chunks(row_len)).enumerate().for_each(
@@ -104,8 +109,8 @@ pub fn aggregate_direction(
                 for i in 0..width {
                     let x = if dx > 0 { i } else { width - 1 - i };
                     let mut path = vec![0; n];
-                    let before = (i > 0).then(|| (&paths[(x - dx) as usize * n..][..n], p2(x, y as i64)));
-                    step(&cost[x as usize * n..][..n], before, params.p1, &mut path);
+                    let before = (i > 0).then(|| (&paths[(x - dx) as usize * n..][..n], penalty(x, y as i64)));
+                    step(&cost[x as usize * n..][..n], before, &mut path);
                     paths[x as usize * n..][..n].copy_from_slice(&path);
                 }
             },
@@ -124,16 +129,16 @@ pub fn aggregate_direction(
                 let x = x as i64;
                 let before = has_before(x, y).then(|| {
                     let at = ((y - dy - first_row) * width + x - dx) as usize;
-                    (&rows_before[at * n..][..n], p2(x, y))
+                    (&rows_before[at * n..][..n], penalty(x, y))
                 });
-                step(cost, before, params.p1, path);
+                step(cost, before, path);
             },
         );
     }
     paths
 }
 
-/// Stage `sgm_aggregate`: the sum of the path costs of all directions (equation 14), at most 16 * (89 + 127).
+/// Stage `sgm_aggregate`: the sum of the path costs of all directions (equation 14), at most 16 * 255.
 pub fn sgm_aggregate(cost: &Volume<u8>, penalties: Option<&Volume<u8>>, params: &Params) -> Volume<u16> {
     let mut sum = Volume::new(cost.width, cost.height, cost.disparities);
     for direction in Direction::all(params.paths) {
