@@ -87,7 +87,13 @@ impl Params {
             format!("from p1 to {}, in units of the quantised cost (0 to 89)", Self::MAX_P2),
             "4 to 8 times p1 is usual",
         )?;
-        check(self.p1 <= self.p2, "p1", self.p1, format!("from 0 to p2, which is {}", self.p2), "lower p1 or raise p2")?;
+        check(
+            self.p1 <= self.p2,
+            "p1",
+            self.p1,
+            format!("from 0 to p2, which is {}", self.p2),
+            "lower p1 or raise p2",
+        )?;
         check((1..=2).contains(&self.passes), "passes", self.passes, "1 or 2", "1 is usual, 2 is more accurate")
     }
 

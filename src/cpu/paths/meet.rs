@@ -59,11 +59,7 @@ pub(crate) fn second_cost(job: &Aggregation<'_>, sources: Sources<'_>, record: O
 }
 
 /// A target for each row; `row`: values of a row that is recorded.
-fn targets<'a>(
-    goals: impl Iterator<Item = Goal<'a>>,
-    row: usize,
-    record: Option<&'a mut Record>,
-) -> Vec<Target<'a>> {
+fn targets<'a>(goals: impl Iterator<Item = Goal<'a>>, row: usize, record: Option<&'a mut Record>) -> Vec<Target<'a>> {
     let (costs, sums) = match record {
         Some(record) => (&mut record.cost.data[..], &mut record.sum.data[..]),
         None => (&mut [][..], &mut [][..]),

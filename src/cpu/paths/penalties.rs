@@ -28,11 +28,7 @@ fn small(delta: usize, &Params { p1, .. }: &Params) -> u8 {
 }
 
 /// The entries of `table`, EACH for each change of intensity.
-fn of_steps<const EACH: usize>(
-    gray: &Plane<u8>,
-    directions: &[Direction],
-    table: &[[u8; EACH]; 256],
-) -> Volume<u8> {
+fn of_steps<const EACH: usize>(gray: &Plane<u8>, directions: &[Direction], table: &[[u8; EACH]; 256]) -> Volume<u8> {
     let (width, count) = (gray.width, EACH * directions.len());
     let mut penalties = Volume::new(width, gray.height, count);
     penalties.data.par_chunks_mut(width * count).enumerate().for_each(|(y, row)| {
