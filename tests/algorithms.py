@@ -508,32 +508,39 @@ class Chain:
     def penalties(self, g):
         p1, p2 = self.case["p1"], self.case["p2"]
 
-        def penalty(x, y, dx, dy):
+        def of_step(x, y, dx, dy):
             inside = self.inside(x - dx) and 0 <= y - dy < self.height
             delta = abs(g[y][x] - g[y - dy][x - dx]) if inside else 0
-            return min(p2, max(10 * p2 // max(delta, 10), p1 + p1 // 2))
+            large = p2
+            if self.case["adaptive_p2"] == "on":
+                large = min(p2, max(10 * p2 // max(delta, 10), p1 + p1 // 2))
+            if self.case["adaptive_p1"] == "on":
+                return [large, min(p1, max(8, 3 * p1 // max(delta, 3)))]
+            return [large]
 
         directions = FORWARD[: 8 if self.case["paths"] == 16 else 4]
-        return self.over_pixels(lambda x, y: [penalty(x, y, dx, dy) for dx, dy in directions])
+        return self.over_pixels(lambda x, y: [v for dx, dy in directions for v in of_step(x, y, dx, dy)])
 
-    def p2(self, penalties, x, y, dx, dy):
-        """P2 of the step into (x, y)."""
+    def of_step(self, penalties, x, y, dx, dy):
+        """P1 and P2 of the step into (x, y)."""
+        p1, p2 = self.case["p1"], self.case["p2"]
         if penalties is None:
-            return self.case["p2"]
+            return p1, p2
         if (dx, dy) in FORWARD:
-            return penalties[y][x][FORWARD.index((dx, dy))]
-        return penalties[y - dy][x - dx][FORWARD.index((-dx, -dy))]
+            entries, k = penalties[y][x], FORWARD.index((dx, dy))
+        else:
+            entries, k = penalties[y - dy][x - dx], FORWARD.index((-dx, -dy))
+        return (entries[2 * k + 1], entries[2 * k]) if self.case["adaptive_p1"] == "on" else (p1, entries[k])
 
     def path_costs(self, cost, penalties, dx, dy):
         """L of one direction. Pixels are visited so that the pixel before comes first."""
-        p1 = self.case["p1"]
         path = self.over_pixels(lambda x, y: None)
         for y in range(self.height) if dy >= 0 else reversed(range(self.height)):
             for x in range(self.width) if dx >= 0 else reversed(range(self.width)):
                 smooth = [0] * self.count
                 if self.inside(x - dx) and 0 <= y - dy < self.height:
                     before = path[y - dy][x - dx]
-                    m, p2 = min(before), self.p2(penalties, x, y, dx, dy)
+                    m, (p1, p2) = min(before), self.of_step(penalties, x, y, dx, dy)
                     for d, stay in enumerate(before):
                         steps = [before[e] + p1 for e in (d - 1, d + 1) if 0 <= e < self.count]
                         smooth[d] = min([stay, m + p2] + steps) - m
@@ -543,6 +550,11 @@ class Chain:
     def sgm_aggregate(self, cost, penalties):
         paths = [self.path_costs(cost, penalties, dx, dy) for dx, dy in PATHS[self.case["paths"]]]
         return self.over_pixels(lambda x, y: [sum(values) for values in zip(*(path[y][x] for path in paths))])
+
+    def second_cost(self, cost, sums):
+        n = self.case["paths"]
+        mean = lambda x, y: [(s + n * c + n) // (2 * n) for s, c in zip(sums[y][x], cost[y][x])]
+        return self.over_pixels(mean)
 
     def coarse_cost(self, cost):
         """The data terms of all levels but the first."""
@@ -893,7 +905,7 @@ class Chain:
         gray = self.gray(*left)
         yield "gray", [("H", channels[0]), ("H", channels[1]), ("B", gray)]
         penalties = None
-        if case["adaptive_p2"] == "on" and case["method"] == "sgm":
+        if "on" in (case["adaptive_p1"], case["adaptive_p2"]) and case["method"] == "sgm":
             penalties = self.penalties(gray)
             yield "penalties", [("B", penalties)]
         if case["prefilter"] == "normalized":
@@ -931,6 +943,11 @@ class Chain:
             yield "matching_cost", [("B", cost)]
             cost = self.sgm_aggregate(cost, penalties)
             yield "sgm_aggregate", [("H", cost)]
+            if self.case["passes"] == 2:
+                cost = self.second_cost(self.terms, cost)
+                yield "second_cost", [("B", cost)]
+                cost = self.sgm_aggregate(cost, penalties)
+                yield "sgm_aggregate", [("H", cost)]
         elif self.case["method"] == "bp":
             name, cost = "winner", self.terms
             yield "matching_cost", [("B", cost)]
@@ -1104,8 +1121,8 @@ def vectors(path):
 EXAMPLE = dict(
     width=6, height=1, method="sgm", cost="sad", census="5x5", color_cost="off", ad_weight=8,
     census_weight=32, paths=4, min_disparity=0, disparities=3, block=3, prefilter="none", prefilter_cap=31,
-    prefilter_window=9, p1=2, p2=6, adaptive_p2="off", texture=0, uniqueness=0, lr_check=0, right_view="diagonal",
-    speckle_window=0, speckle_range=2, median=3, fill="none", subpixel="parabola", weighted_median="off", wls="off",
+    prefilter_window=9, p1=2, p2=6, adaptive_p1="off", adaptive_p2="off", passes=1, texture=0, uniqueness=0, lr_check=0,
+    right_view="diagonal", speckle_window=0, speckle_range=2, median=3, fill="none", subpixel="parabola", weighted_median="off", wls="off",
     opencv_rules="off", right_map="off", confidence="off", depth="off",
 )
 EXAMPLE_PAIR = [10, 40, 70, 60, 200, 90], [40, 66, 190, 210, 90, 90]

@@ -53,8 +53,12 @@ class Options(TypedDict, total=False):
     p1: Union[int, None]
     # sgm: penalty of a larger step, P1 to 127
     p2: Union[int, None]
+    # sgm: lower P1 where the intensity changes along the path
+    adaptive_p1: Union[bool, Literal["on", "off"], None]
     # sgm: lower P2 where the intensity changes along the path
     adaptive_p2: Union[bool, Literal["on", "off"], None]
+    # sgm: how often costs are aggregated; the second time from the mean of the cost and of the first aggregate
+    passes: Union[int, None]
     # bp, and the energy of all: how the smoothness grows with the difference of two neighbours
     smoothness: Literal["linear", "quadratic", "potts", None]
     # bp, and the energy of all: smoothness of a difference of 1, 0 to 127

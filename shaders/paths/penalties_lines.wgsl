@@ -1,6 +1,7 @@
 // penalties_lines: as penalties, with q = p - (dx, dy) in a direction that crosses rows. Where a line leaves the image at a
 //   side it goes on at the other one; there, and in the first rows, q lies outside.
-// gray (u8, in a texture) -> penalties (u8, [place / 16][row of entry][line][place % 16]; a line is named by its column there)
+// gray (u8, in a texture) -> penalties (PENALTY_BYTES a pixel, s pixels a vector, [place / s][row of entry][line][place % s];
+//   a line is named by its column there)
 // One invocation: sixteen pixels of a line. Border: places behind the last one repeat the last row.
 // With: intensity_steps, common
 // Reference: src/reference/paths/penalties.rs
@@ -25,7 +26,7 @@ fn main(@builtin(global_invocation_id) id: vec3<u32>) {
     let turn = u32(abs(moved)) % frame.width;
     var x = i32((id.x + select(turn, frame.width - turn, moved < 0)) % frame.width);
     var before = gray_of(u32(x), u32(max(y, 0)));
-    var bytes = vec4(0u);
+    var bytes: Sixteen;
     for (var i = 0u; i < 4u; i++) {
         var here = vec4(0u);
         var last = vec4(0u);
@@ -41,7 +42,10 @@ fn main(@builtin(global_invocation_id) id: vec3<u32>) {
             here[j] = before;
             outside[j] = starts || leaves;
         }
-        bytes[i] = pack(select(penalty(here, last), vec4(frame.p2), outside));
+        put(&bytes, i, here, last, outside);
     }
-    penalties[id.y * frame.width + id.x] = stored(bytes);
+    for (var j = 0u; j < PENALTY_BYTES; j++) {
+        let row = (id.y / rows * PENALTY_BYTES + j) * rows + id.y % rows;
+        penalties[row * frame.width + id.x] = stored(bytes[j]);
+    }
 }

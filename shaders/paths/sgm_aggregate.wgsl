@@ -82,7 +82,7 @@ fn main(@builtin(global_invocation_id) id: vec3<u32>, @builtin(local_invocation_
     }
 }
 
-fn path_step(state: ptr<function, State>, pixel: u32, p2: u32, writes: bool) {
+fn path_step(state: ptr<function, State>, pixel: u32, steps: vec2<u32>, writes: bool) {
     var around = surroundings(state);
     for (var s = 0u; s < SLICES; s++) {
         var costs = Slice();
@@ -93,7 +93,7 @@ fn path_step(state: ptr<function, State>, pixel: u32, p2: u32, writes: bool) {
                 sums = slice_of(paths[slice_at(pixel + dispatch.slot, s)]);
             }
         }
-        let terms = path_slice(state, s, costs, p2, &around);
+        let terms = path_slice(state, s, costs, steps, &around);
         for (var w = 0u; w < WIDTH; w++) {
             sums[w] += terms[w];
         }

@@ -1,6 +1,6 @@
 //! How the work of a path or a row is spread over invocations.
 
-use crate::{Method, Params, Paths, Schedule};
+use crate::{Params, Paths, Schedule};
 
 /// How invocations that share the disparities of a pixel exchange values.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
@@ -26,7 +26,7 @@ pub(crate) struct Plan {
     pub(crate) threads: Option<u32>,
     /// Vectors of 16 disparities that a load or store of a volume moves: 1, or 2 as 64-bit integers.
     pub(crate) width: u32,
-    /// Whether P2 is loaded for each step of a path.
+    /// Whether penalties are loaded for each step of a path.
     pub(crate) adaptive: bool,
     /// As in `Sizes`.
     pub(crate) part_bits: Option<u32>,
@@ -86,7 +86,7 @@ impl Plan {
         let on_cpu = !per_subgroup && info.device_type == wgpu::DeviceType::Cpu;
         Self {
             threads: on_cpu.then_some(threads),
-            adaptive: params.adaptive_p2 && params.method == Method::Sgm,
+            adaptive: params.adapts_penalties(),
             ..Self::of(params.quads(), per_subgroup, subgroup, features.contains(wgpu::Features::SHADER_INT64))
         }
     }
@@ -172,6 +172,11 @@ pub(crate) fn span(plan: &Plan) -> u32 {
 pub(crate) fn parts_and_strip(disparities: u32) -> (u32, u32) {
     let parts = disparities.div_ceil(16).next_power_of_two().min(8);
     (parts, if disparities <= 16 * parts { 16 } else { 8 })
+}
+
+/// Bytes that the penalties of a step take: of P2, or of P2 and P1.
+pub(crate) fn penalty_bytes(params: &Params) -> u32 {
+    if params.adaptive_p1 { 2 } else { 1 }
 }
 
 /// Volumes that hold the paths which cross rows, two directions each.

@@ -66,7 +66,7 @@ pub(crate) fn rounds(kernel: &str, params: &Params, [width, height]: [u32; 2], p
     let segment = plan::segment(plan);
     let eights = width.div_ceil(8);
     let checks = u32::from(params.shader_checks);
-    let state = over_row(params, plan, kernel == "winner");
+    let state = over_row(params, plan, kernel == "winner" || kernel == "second_cost");
     Some(match kernel {
         "window_columns" | "window_sums" => {
             repeated(block.max(params.prefilter_window), 0) + repeated(segment, repeated(4, 0))
@@ -102,6 +102,7 @@ pub(crate) fn rounds(kernel: &str, params: &Params, [width, height]: [u32; 2], p
             repeated(segment + reach, checks * (row + repeated(2, repeated(block, 0))))
         }
         "sgm_aggregate" => repeated(width.max(height), over_path(params, plan)),
+        "second_cost" => repeated(width, state),
         "winner" => repeated(width + shift, state),
         "winner_beliefs" => repeated(width + shift, over_row(params, plan, true) + checks * (8 * plan.own_quads + 4)),
         "block_match" => repeated(reach, state) + repeated(width + shift, state),

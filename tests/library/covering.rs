@@ -39,6 +39,7 @@ const NUMBERS: &[(&str, &[&str])] = &[
     ("prefilter-window", &["9", "5"]),
     ("p1", &["16", "3"]),
     ("p2", &["96", "40"]),
+    ("passes", &["1", "2"]),
     ("smoothness-weight", &["8", "3"]),
     ("smoothness-truncation", &["40", "90"]),
     ("smoothness-edge", &["off", "15"]),

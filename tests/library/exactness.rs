@@ -44,6 +44,8 @@ fn awkward_sizes() {
                 let mut params = Params::sgm(40);
                 (params.paths, params.schedule) = (paths, schedule);
                 params.adaptive_p2 = (seed as usize + i).is_multiple_of(2);
+                params.adaptive_p1 = (seed as usize + i) % 3 == 1;
+                params.passes = 1 + (seed as u32 + i as u32) / 2 % 2;
                 check(setup, &left, &right, &params, seed);
             }
             for (disparities, min_disparity) in [(21, 0), (150, 0), (14, -3), (14, 1), (14, 3), (14, 6)] {
@@ -150,6 +152,7 @@ fn second_match() {
         {
             params.min_disparity = [0, -4, 3][(seed as usize + i) % 3];
             (params.right_view, params.adaptive_p2) = (RightView::Match, true);
+            (params.adaptive_p1, params.passes) = (seed % 2 == 0, 1 + seed as u32 % 2);
             check(if seed % 3 == 0 { &small } else { &full }, &left, &right, &params, seed);
         }
     }
@@ -203,6 +206,7 @@ fn mutual_information() {
             params.lr_check = if seed % 4 == 2 { None } else { Some(1) };
             params.right_view = if seed % 3 == 1 { RightView::Match } else { RightView::Diagonal };
             params.adaptive_p2 = seed % 2 == 0;
+            (params.adaptive_p1, params.passes) = (seed % 3 == 0, 1 + seed as u32 % 2);
             let [left, right] = [&left, &right].map(|image| support::as_format(image, (seed as u32 + i as u32) % 4));
             check(setup, &left, &right, &params, seed);
         }
@@ -295,6 +299,7 @@ fn longest_rows() {
         {
             let mut params = Params::sgm(6);
             (params.adaptive_p2, params.schedule, params.min_disparity) = (true, schedule, min_disparity);
+            (params.adaptive_p1, params.passes) = (seed % 2 == 0, 2);
             check(&setup, &left, &right, &params, seed);
         }
     }
@@ -338,6 +343,7 @@ fn bands() {
             params.paths = paths;
             params.schedule = if i < PATHS.len() { Schedule::PerThread } else { Schedule::PerSubgroup };
             params.adaptive_p2 = i.is_multiple_of(2);
+            (params.adaptive_p1, params.passes) = (i % 3 == 0, 1 + (i as u32 + seed as u32) % 2);
             params.min_disparity = -3;
             check(&setup, &left, &right, &params, seed);
         }

@@ -252,6 +252,11 @@ pub fn random_params(random: &mut ChaCha8Rng) -> Params {
         (params.bp_levels, params.bp_iterations) = (random.random_range(1..=6), random.random_range(1..5));
         params.bp_reweighting = random.random_range(4..=16);
     }
+    params.adaptive_p1 = random.random_bool(0.3);
+    if random.random_bool(0.3) {
+        params.passes = 2;
+        params.passes = if params.validate().is_ok() { 2 } else { 1 };
+    }
     params.right_map = random.random_bool(0.2);
     if random.random_bool(0.5) {
         let focal = *[1.0, 994.978, 1e6].get(random.random_range(0..3)).unwrap();

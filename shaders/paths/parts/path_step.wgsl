@@ -26,15 +26,15 @@ fn surroundings(state: ptr<function, State>) -> Surroundings {
     return exchange(lowest(least), (*state)[0][0].x & 255u, (*state)[SLICES - 1u][WIDTH - 1u].w >> 24u);
 }
 
-// T of four disparities: `here` their L', `below` and `above` the L' of the disparities next to them.
-fn smoothness(here: vec4<u32>, below: u32, above: u32, least: u32, p2: u32) -> u32 {
-    let neighbours = min(vec4(below, here.xyz), vec4(here.yzw, above)) + vec4(frame.p1);
-    return pack(min(min(here, neighbours), vec4(least + p2))) - least * 0x01010101u;
+// T of four disparities: `here` their L', `below` and `above` the L' of the disparities next to them; P1 and P2.
+fn smoothness(here: vec4<u32>, below: u32, above: u32, least: u32, steps: vec2<u32>) -> u32 {
+    let neighbours = min(vec4(below, here.xyz), vec4(here.yzw, above)) + vec4(steps.x);
+    return pack(min(min(here, neighbours), vec4(least + steps.y))) - least * 0x01010101u;
 }
 
-// One step of a path for slice s, with its P2: returns its T and leaves L = costs + T in the state. `around.below` is the
+// One step of a path for slice s, with its P1 and P2: returns its T and leaves L = costs + T in the state. `around.below` is the
 // L' of the disparity before the slice, and becomes that of its last one.
-fn path_slice(state: ptr<function, State>, s: u32, costs: Slice, p2: u32,
+fn path_slice(state: ptr<function, State>, s: u32, costs: Slice, steps: vec2<u32>,
               around: ptr<function, Surroundings>) -> Slice {
     var terms: Slice;
     for (var w = 0u; w < WIDTH; w++) {
@@ -48,10 +48,10 @@ fn path_slice(state: ptr<function, State>, s: u32, costs: Slice, p2: u32,
         let above = select(next & 255u, (*around).above, s + 1u == SLICES && w + 1u == WIDTH);
         let least = (*around).least;
         terms[w] = vec4(
-            smoothness(a, (*around).below, b.x, least, p2),
-            smoothness(b, a.w, c.x, least, p2),
-            smoothness(c, b.w, d.x, least, p2),
-            smoothness(d, c.w, above, least, p2));
+            smoothness(a, (*around).below, b.x, least, steps),
+            smoothness(b, a.w, c.x, least, steps),
+            smoothness(c, b.w, d.x, least, steps),
+            smoothness(d, c.w, above, least, steps));
         (*around).below = d.w;
         (*state)[s][w] = (terms[w] + costs[w]) | beyond(s * WIDTH + w);
     }

@@ -1,4 +1,4 @@
-// Appended to the kernels that walk a path: P2 of the step into a pixel, the same for all.
+// Appended to the kernels that walk a path: P1 and P2 of the step into a pixel, the same for all.
 fn penalties_from(place: i32, line: u32) -> vec4<u32> {
     return vec4(0u);
 }
@@ -8,6 +8,6 @@ fn is_unknown(place: i32, forward: bool) -> bool {
     return false;
 }
 
-fn penalty(known: vec4<u32>, place: i32) -> u32 {
-    return frame.p2;
+fn penalty(known: vec4<u32>, place: i32) -> vec2<u32> {
+    return vec2(frame.p1, frame.p2);
 }

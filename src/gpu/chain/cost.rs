@@ -1,7 +1,7 @@
 //! From the planes to the matching cost of every disparity.
 
 use crate::gpu::chain::planes::Planes;
-use crate::gpu::layout::{Dispatch, Frame, Piece, Rows, Sizes};
+use crate::gpu::layout::{Dispatch, Frame, Piece, Rows, Sizes, TEXELS, TEXTURE_ROW};
 use crate::gpu::plan;
 use crate::gpu::recording::Bound::{self, Buffer, Texture};
 use crate::gpu::recording::{Builder, Written};
@@ -122,6 +122,18 @@ pub(super) enum CostVolume {
 }
 
 impl CostVolume {
+    /// Goes on with the cost that the last step left in `computed` for some rows, a band: it is copied into the texture, or the two
+    /// buffers change places.
+    pub(super) fn replace(&mut self, b: &mut Builder<'_>, rows: Rows, computed: &mut wgpu::Buffer) {
+        match self {
+            Self::Buffer(buffer) => std::mem::swap(buffer, computed),
+            Self::Texture(view) => {
+                let texels = (b.sizes.volume(rows.count) / TEXTURE_ROW) as u32;
+                b.copy_into(view.texture(), [TEXELS, texels]);
+            }
+        }
+    }
+
     pub(super) fn bound(&self) -> Bound<'_> {
         match self {
             Self::Buffer(buffer) => Buffer(buffer),

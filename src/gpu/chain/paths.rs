@@ -2,31 +2,36 @@
 
 use crate::gpu::chain::cost::{CostVolume, matching_cost};
 use crate::gpu::chain::planes::Planes;
-use crate::gpu::layout::{Dispatch, Frame, PAIR_BUFFERS, PathOwn, Rows, cut};
-use crate::gpu::plan::PATHS_BYTES;
+use crate::gpu::layout::{Dispatch, Frame, PAIR_BUFFERS, PathOwn, Rows, TEXTURE_ROW, cut};
+use crate::gpu::plan::{PATHS_BYTES, ROWS_BYTES, penalty_bytes};
 use crate::gpu::recording::Bound::{self, Buffer, Texture};
 use crate::gpu::recording::{Builder, Written};
 use crate::reference::Direction;
 
-/// What the paths along rows, and the winner, continue from.
-pub(super) struct AcrossRows {
-    /// The two directions along rows, which are not walked yet.
-    pub(super) along: Vec<Direction>,
+/// What is aggregated, and where.
+pub(super) struct Aggregation {
+    /// The directions that cross rows, two by two.
+    pairs: Vec<Vec<Direction>>,
+    /// The directions to the right and to the left.
+    along: Vec<Direction>,
     /// The cost of each band.
     pub(super) costs: Vec<CostVolume>,
-    pub(super) penalties: Penalties,
+    penalties: Penalties,
     /// The sums of the pairs of directions: [`PAIR_BUFFERS`] or fewer, a buffer a band.
     pub(super) paired: Vec<Vec<wgpu::Buffer>>,
-    /// Bound where paths along rows carry nothing.
-    pub(super) unused: [wgpu::Buffer; 2],
+    /// What paths leave at the end of a band, of each of those buffers. Paths along rows carry nothing, and are bound to the first.
+    carries: Vec<[wgpu::Buffer; 2]>,
+    /// T of the path to the right, of a strip of rows, and the rows of that.
+    pub(super) forward: wgpu::Buffer,
+    strip_rows: u32,
 }
 
-/// Stages `penalties` and `matching_cost`, and `sgm_aggregate` of all directions that cross rows.
-pub(super) fn across_rows(b: &mut Builder<'_>, planes: &mut Planes) -> AcrossRows {
+/// Stages `penalties` and `matching_cost`, and what `sgm_aggregate` needs.
+pub(super) fn aggregation(b: &mut Builder<'_>, planes: &mut Planes) -> Aggregation {
     let directions = Direction::all(b.params.paths);
     let penalties = Penalties::new(b, &directions, &planes.grays[0]);
     let (across, along) = directions.split_at(directions.len() - 2);
-    let pairs: Vec<&[Direction]> = across.chunks(2).collect();
+    let pairs: Vec<_> = across.chunks(2).map(<[Direction]>::to_vec).collect();
     // The i-th pair is in buffer i % 3, which is one for each band.
     let slots = pairs.len().div_ceil(PAIR_BUFFERS);
     let paired: Vec<Vec<wgpu::Buffer>> =
@@ -36,20 +41,104 @@ pub(super) fn across_rows(b: &mut Builder<'_>, planes: &mut Planes) -> AcrossRow
     let carries: Vec<[wgpu::Buffer; 2]> =
         paired.iter().map(|_| [(); 2].map(|()| b.buffer("sgm_aggregate.carry", row))).collect();
     // On `per-thread` the cost is computed into what is then the first pair's volume, and copied into a texture.
-    let computed = if b.plan.per_subgroup { b.volumes("matching_cost", 1) } else { paired[0].clone() };
+    let computed = match b.plan.per_subgroup {
+        // In a second pass it changes places with the first pair.
+        true => b.volumes("matching_cost", if b.params.aggregates_twice() { slots as u32 } else { 1 }),
+        false => paired[0].clone(),
+    };
     let costs = matching_cost(b, planes, &computed);
-    for (i, pair) in pairs.iter().enumerate() {
-        let (at, slot) = (i % PAIR_BUFFERS, (i / PAIR_BUFFERS) as u32);
-        paths_across(b, pair, &costs, &penalties, &paired[at], slot, &carries[at]);
-    }
-    AcrossRows { along: along.to_vec(), costs, penalties, paired, unused: carries[0].clone() }
+    let most_band = b.sizes.bands.iter().map(|band| band.count).max().unwrap_or(1);
+    let strip_rows = b.plan.strip(most_band, b.sizes.volume_row, ROWS_BYTES);
+    let room = b.plan.strip_room(most_band, b.sizes.volume_row, ROWS_BYTES);
+    let forward = b.buffer_of("sgm_aggregate.forward", b.sizes.volume(strip_rows), room.next_multiple_of(TEXTURE_ROW));
+    Aggregation { pairs, along: along.to_vec(), costs, penalties, paired, carries, forward, strip_rows }
 }
 
-/// P2 of the steps of each forward direction that is walked, forwards or backwards; empty where it is the same for all.
-pub(super) struct Penalties(Vec<(Direction, wgpu::Buffer)>);
+impl Aggregation {
+    /// `sgm_aggregate` of all directions that cross rows.
+    pub(super) fn across_rows(&self, b: &mut Builder<'_>) {
+        for (i, pair) in self.pairs.iter().enumerate() {
+            let (at, slot) = (i % PAIR_BUFFERS, (i / PAIR_BUFFERS) as u32);
+            paths_across(b, pair, &self.costs, &self.penalties, &self.paired[at], slot, &self.carries[at]);
+        }
+    }
+
+    /// The rows that are walked along at a time: the number of their band, and the strip.
+    pub(super) fn strips(&self, b: &Builder<'_>) -> Vec<(usize, Rows)> {
+        let strips = |(band, &rows)| cut(rows, self.strip_rows).into_iter().map(move |strip| (band, strip));
+        b.sizes.bands.iter().enumerate().flat_map(strips).collect()
+    }
+
+    /// `sgm_aggregate` to the right along a strip.
+    pub(super) fn rightwards(&self, b: &mut Builder<'_>, band: usize, strip: Rows) {
+        let step = self.along[0];
+        let dispatch = strip_of(b, band, strip);
+        let dispatch = Dispatch { lines: strip.count, dx: step.dx, dy: step.dy, slot: 0, ..dispatch };
+        let written = Written::Paths { directions: vec![step], band: strip, volume_row: 0, first: true, last: true };
+        let [from, to] = &self.carries[0];
+        let storage = [self.costs[band].bound(), Buffer(&self.forward), Buffer(from), Buffer(to)];
+        let own = PathOwn::default();
+        let (storage, dispatch) = self.penalties.bound(b.sizes.frame, step, &storage, dispatch, own);
+        b.step("sgm_aggregate", &storage, dispatch, strip.count, 1, written);
+    }
+
+    /// The kernel of the path to the left along a strip, which adds up all.
+    pub(super) fn leftwards(
+        &self,
+        b: &mut Builder<'_>,
+        (kernel, written): (&str, Written),
+        (band, strip): (usize, Rows),
+        storage: &[Bound<'_>],
+        map_row: u32,
+    ) {
+        let dispatch = Dispatch { map_row, ..strip_of(b, band, strip) };
+        let own = PathOwn::default();
+        let (storage, dispatch) = self.penalties.bound(b.sizes.frame, self.along[1], storage, dispatch, own);
+        b.step(kernel, &storage, dispatch, strip.count, 1, written);
+    }
+
+    /// The first pass up to the cost of the second one, stage `second_cost`, which takes the place of the cost.
+    pub(super) fn first_pass(&mut self, b: &mut Builder<'_>) {
+        self.across_rows(b);
+        let height = b.sizes.frame.height;
+        for (band, strip) in self.strips(b) {
+            self.rightwards(b, band, strip);
+            // What the kernel writes is not bound a second time.
+            let pair = |i: usize| Buffer(self.paired.get(i).map_or(&self.carries[0][0], |pair| &pair[band]));
+            let storage = [self.costs[band].bound(), Buffer(&self.forward), pair(0), pair(1), pair(2)];
+            let rows = b.sizes.bands[band];
+            let volume_row = strip.first - rows.first;
+            let written = Written::SecondCost { rows: strip, volume_row, last: strip.end() == height };
+            self.leftwards(b, ("second_cost", written), (band, strip), &storage, 0);
+            if strip.end() == rows.end() {
+                self.costs[band].replace(b, rows, &mut self.paired[0][band]);
+            }
+        }
+    }
+}
+
+/// What kernels that walk along the rows of a strip are given.
+fn strip_of(b: &Builder<'_>, band: usize, strip: Rows) -> Dispatch {
+    let rows = b.sizes.bands[band];
+    Dispatch {
+        first_row: strip.first,
+        rows: strip.count,
+        volume_row: strip.first - rows.first,
+        slot: rows.count * b.sizes.frame.volume_stride,
+        ..Dispatch::default()
+    }
+}
+
+/// P2 of the steps of each forward direction that is walked, forwards or backwards, and P1 if that is adaptive; empty where they
+/// are the same for all.
+struct Penalties {
+    /// Of a step.
+    bytes: u32,
+    of: Vec<(Direction, wgpu::Buffer)>,
+}
 
 impl Penalties {
-    /// Stage `penalties`, if P2 is adaptive.
+    /// Stage `penalties`, if P1 or P2 is adaptive.
     fn new(b: &mut Builder<'_>, directions: &[Direction], gray: &wgpu::TextureView) -> Self {
         let Frame { width, height, .. } = b.sizes.frame;
         let forward: &[Direction] = if b.plan.adaptive { &Direction::FORWARD } else { &[] };
@@ -74,11 +163,12 @@ impl Penalties {
             }
             (direction, buffer)
         };
-        Self(forward.iter().filter(walked).map(compute).collect())
+        let of = forward.iter().filter(walked).map(compute).collect();
+        Self { bytes: penalty_bytes(&b.params), of }
     }
 
     /// What the steps of a direction are bound to besides `storage`, and how they find their penalties.
-    pub(super) fn bound<'a>(
+    fn bound<'a>(
         &'a self,
         frame: Frame,
         direction: Direction,
@@ -86,10 +176,10 @@ impl Penalties {
         dispatch: Dispatch,
         own: PathOwn,
     ) -> (Vec<Bound<'a>>, Dispatch) {
-        let of = self.0.iter().find(|(forward, _)| [direction, direction.opposite()].contains(forward));
+        let of = self.of.iter().find(|(forward, _)| [direction, direction.opposite()].contains(forward));
         let own = match direction.dy.unsigned_abs() {
             0 => {
-                let vectors = frame.width / 16 + 1;
+                let vectors = self.bytes * (frame.width / 16 + 1);
                 let penalties_from = dispatch.first_row * vectors;
                 PathOwn { penalties_from, penalties_line: vectors, penalties_step: 1, ..own }
             }

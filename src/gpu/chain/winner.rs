@@ -3,11 +3,11 @@
 use crate::Method;
 use crate::gpu::chain::beliefs::{beliefs, own_of};
 use crate::gpu::chain::cost::{Columns, Statistics};
-use crate::gpu::chain::paths::{AcrossRows, across_rows};
+use crate::gpu::chain::paths::{Aggregation, aggregation};
 use crate::gpu::chain::planes::Planes;
 use crate::gpu::chain::view_maps::ViewMaps;
-use crate::gpu::layout::{Dispatch, Frame, PathOwn, Rows, TEXTURE_ROW, cut};
-use crate::gpu::plan::{ROWS_BYTES, parts_and_strip};
+use crate::gpu::layout::{Dispatch, Frame, Rows};
+use crate::gpu::plan::parts_and_strip;
 use crate::gpu::recording::Bound::{self, Buffer, Texture};
 use crate::gpu::recording::{Builder, Written};
 
@@ -17,8 +17,12 @@ pub(super) fn winner(b: &mut Builder<'_>, planes: &mut Planes, views: &ViewMaps)
         // A network has its own winners, and does not come here.
         Method::Bm | Method::Psmnet => block_match(b, planes, views),
         Method::Sgm => {
-            let across = across_rows(b, planes);
-            along_rows(b, &across, views);
+            let mut aggregation = aggregation(b, planes);
+            if b.params.aggregates_twice() {
+                aggregation.first_pass(b);
+            }
+            aggregation.across_rows(b);
+            along_rows(b, &aggregation, views);
         }
         Method::Bp => winner_beliefs(b, planes, views),
     }
@@ -40,32 +44,16 @@ fn winner_beliefs(b: &mut Builder<'_>, planes: &mut Planes, views: &ViewMaps) {
 }
 
 /// The directions along rows, which end in the stage `winner`, a strip of rows at a time.
-fn along_rows(b: &mut Builder<'_>, across: &AcrossRows, views: &ViewMaps) {
-    let AcrossRows { along, costs, penalties, paired, unused } = across;
-    let frame = b.sizes.frame;
-    let most_band = b.sizes.bands.iter().map(|band| band.count).max().unwrap_or(1);
-    let strip_rows = b.plan.strip(most_band, b.sizes.volume_row, ROWS_BYTES);
-    let room = b.plan.strip_room(most_band, b.sizes.volume_row, ROWS_BYTES);
-    let forward = b.buffer_of("sgm_aggregate.forward", b.sizes.volume(strip_rows), room.next_multiple_of(TEXTURE_ROW));
-    for (band, &rows) in b.sizes.bands.iter().enumerate() {
-        for strip in cut(rows, strip_rows) {
-            let volume_row = strip.first - rows.first;
-            let dispatch = Dispatch { first_row: strip.first, rows: strip.count, volume_row, ..Dispatch::default() };
-            let along_row = Dispatch { lines: strip.count, dx: along[0].dx, dy: along[0].dy, ..dispatch };
-            let written =
-                Written::Paths { directions: vec![along[0]], band: strip, volume_row: 0, first: true, last: true };
-            let storage = [costs[band].bound(), Buffer(&forward), Buffer(&unused[0]), Buffer(&unused[1])];
-            let (storage, along_row) = penalties.bound(frame, along[0], &storage, along_row, PathOwn::default());
-            b.step("sgm_aggregate", &storage, along_row, strip.count, 1, written);
-            let pair = |i: usize| Buffer(&paired[i.min(paired.len() - 1)][band]);
-            let ([left_map, right_map], map_row) = views.bound(b, strip);
-            let storage = [costs[band].bound(), Buffer(&forward), pair(0), pair(1), pair(2), left_map, right_map];
-            let written =
-                Written::Views { right: views.right.clone(), last: strip.first + strip.count == frame.height };
-            let dispatch = Dispatch { slot: rows.count * frame.volume_stride, map_row, ..dispatch };
-            let (storage, dispatch) = penalties.bound(frame, along[1], &storage, dispatch, PathOwn::default());
-            b.step("winner", &storage, dispatch, strip.count, 1, written);
-        }
+fn along_rows(b: &mut Builder<'_>, aggregation: &Aggregation, views: &ViewMaps) {
+    let Aggregation { costs, paired, forward, .. } = aggregation;
+    let height = b.sizes.frame.height;
+    for (band, strip) in aggregation.strips(b) {
+        aggregation.rightwards(b, band, strip);
+        let pair = |i: usize| Buffer(&paired[i.min(paired.len() - 1)][band]);
+        let ([left_map, right_map], map_row) = views.bound(b, strip);
+        let storage = [costs[band].bound(), Buffer(forward), pair(0), pair(1), pair(2), left_map, right_map];
+        let written = Written::Views { right: views.right.clone(), last: strip.end() == height };
+        aggregation.leftwards(b, ("winner", written), (band, strip), &storage, map_row);
     }
 }
 

@@ -4,6 +4,7 @@ use crate::PixelFormat;
 use crate::check::StageCheck;
 use crate::gpu::check::expected::Expected;
 use crate::gpu::layout::Rows;
+use crate::gpu::plan::penalty_bytes;
 use crate::gpu::maps::{confidence_of, depth_of, labels_of, map_of};
 use crate::gpu::recording::{Level, Written};
 use crate::params::Filter;
@@ -51,6 +52,7 @@ impl Comparison<'_> {
             Written::Penalties { direction } => self.penalties(*direction),
             Written::Cost { chunk, volume_row } => self.cost(*chunk, *volume_row),
             Written::Paths { directions, band, volume_row, .. } => self.paths(directions, *band, *volume_row),
+            Written::SecondCost { rows, volume_row, last } => self.second_cost(*rows, *volume_row, *last),
             Written::CoarseCost { level, band } => self.coarse_cost(*level, *band),
             Written::Messages { level, band, .. } => self.messages(*level, *band),
             Written::Layer { operation, at, .. } => self.layer(*operation, *at),
@@ -176,6 +178,7 @@ impl Comparison<'_> {
         let k = Direction::FORWARD.iter().position(|forward| *forward == direction);
         let (Some(penalties), Some(k)) = (&self.expected.penalties, k) else { return };
         let (dx, dy) = (direction.dx as isize, direction.dy as usize);
+        let each = penalty_bytes(self.params()) as usize;
         for (i, values) in penalties.data.chunks_exact(penalties.disparities).enumerate() {
             let (x, y) = (i % width, i / width);
             let (line, place) = match dy {
@@ -185,8 +188,16 @@ impl Comparison<'_> {
                     (y % dy * width + column as usize, y / dy)
                 }
             };
-            let vector = line + place / 16 * (dy * width).max(1);
-            self.stage.compare(x, y, Some(k), values[k].into(), self.bytes[16 * vector + place % 16].into());
+            for (i, &expected) in values[each * k..][..each].iter().enumerate() {
+                let got = match dy {
+                    0 => self.bytes[each * (16 * line + place) + i],
+                    _ => {
+                        let vector = line + each * place / 16 * dy * width;
+                        self.bytes[16 * vector + each * place % 16 + i]
+                    }
+                };
+                self.stage.compare(x, y, Some(each * k + i), expected.into(), got.into());
+            }
         }
     }
 
@@ -221,6 +232,14 @@ impl Comparison<'_> {
             let volume = |&path: &usize| -> &Volume<u8> { &expected.paths[path].1 };
             known.iter().map(|path| i64::from(volume(path).data[i]) - cost).sum()
         });
+    }
+
+    fn second_cost(&mut self, rows: Rows, volume_row: u32, last: bool) {
+        self.expected.second_cost();
+        self.volume(rows, volume_row, |expected, i| expected.second.as_ref().map_or(0, |second| second.data[i].into()));
+        if last {
+            self.expected.begin_second_pass();
+        }
     }
 
     fn coarse_cost(&mut self, level: usize, band: usize) {

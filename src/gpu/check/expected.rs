@@ -35,6 +35,8 @@ pub(super) struct Expected {
     pub(super) columns: Volume<u32>,
     pub(super) statistics: Option<[BlockStatistics; 2]>,
     pub(super) cost: Volume<u8>,
+    /// The cost of the second pass, while the first one goes on.
+    pub(super) second: Option<Volume<u8>>,
     pub(super) paths: Vec<(Direction, Volume<u8>)>,
     /// The data terms and the messages of the levels of belief propagation, the finest first.
     pub(super) coarse: Vec<Volume<u16>>,
@@ -77,6 +79,7 @@ impl Expected {
             columns: Volume::new(0, 0, 0),
             statistics: None,
             cost: Volume::new(0, 0, 0),
+            second: None,
             paths: Vec::new(),
             coarse: Vec::new(),
             messages: Vec::new(),
@@ -131,6 +134,33 @@ impl Expected {
         &self.paths[i].1
     }
 
+    /// The sum of the path costs of all directions.
+    fn sum(&mut self) -> Volume<u16> {
+        let Volume { width, height, disparities, .. } = self.cost;
+        let mut sum = Volume::<u16>::new(width, height, disparities);
+        for direction in Direction::all(self.params.paths) {
+            for (sum, &path) in sum.data.iter_mut().zip(&self.path(direction).data) {
+                *sum += u16::from(path);
+            }
+        }
+        sum
+    }
+
+    /// Computes the cost of the second pass, if it is not yet there.
+    pub(super) fn second_cost(&mut self) {
+        if self.second.is_none() {
+            let sum = self.sum();
+            self.second = Some(reference::second_cost(&self.cost, &sum, &self.params));
+        }
+    }
+
+    /// Goes on with the second pass.
+    pub(super) fn begin_second_pass(&mut self) {
+        if let Some(second) = self.second.take() {
+            (self.cost, self.paths) = (second, Vec::new());
+        }
+    }
+
     /// The right view that the filters read.
     pub(super) fn right_view(&mut self) -> DisparityMap {
         match (&self.right, &self.matched) {
@@ -170,13 +200,7 @@ impl Expected {
                 // A network has its own winners, and does not come here.
                 Method::Bm | Method::Psmnet => reference::block_match(&self.columns, self.statistics.as_ref(), params),
                 Method::Sgm => {
-                    let cost = &self.cost;
-                    let mut sum = Volume::<u16>::new(cost.width, cost.height, cost.disparities);
-                    for direction in Direction::all(params.paths) {
-                        for (sum, &path) in sum.data.iter_mut().zip(&self.path(direction).data) {
-                            *sum += u16::from(path);
-                        }
-                    }
+                    let sum = self.sum();
                     self.paths = Vec::new();
                     reference::winner(&sum, params)
                 }

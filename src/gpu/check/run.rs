@@ -59,7 +59,8 @@ impl<'a> Checked<'a> {
             Written::Views { .. } => self.views_level.replace(step.level) != Some(step.level),
             Written::Cost { volume_row, .. } => *volume_row == 0,
             Written::BlockStatistics { side, .. } => *side == 0,
-            Written::Part => false,
+            // The paths of the first pass, from which it is made, lie in the same buffer.
+            Written::Part | Written::SecondCost { .. } => false,
             Written::Messages { rounds, .. } => *rounds == 0,
             Written::Descriptors { first, .. } => *first == 0,
             Written::Layer { joined, .. } => !joined,
@@ -144,6 +145,10 @@ impl StereoMatcher {
                 stages.len() - 1
             });
             self.compare(step, &mut checked.expected, &mut stages[place], spoil).await?;
+            // A second pass that follows a wrong cost is wrong.
+            if matches!(step.written, Written::SecondCost { .. }) && stages[place].mismatches > 0 {
+                break;
+            }
         }
         self.has_computed();
         Ok(stages)

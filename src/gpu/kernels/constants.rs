@@ -5,7 +5,7 @@ use std::collections::HashSet;
 use super::table::{Access, Kernel, SETTINGS};
 use crate::PixelFormat;
 use crate::gpu::layout::{NO_OWN, TEXELS};
-use crate::gpu::plan::{Plan, paired, parts_and_strip, segment, span, vectors};
+use crate::gpu::plan::{Plan, paired, parts_and_strip, penalty_bytes, segment, span, vectors};
 use crate::params::{Census, Descriptor, Params, Prefilter, Subpixel};
 use crate::reference::LARGEST_TERM;
 
@@ -115,7 +115,10 @@ fn winner(kernel: &Kernel, params: &Params) -> Vec<Constant> {
     let before = kernel.storage.iter().position(|access| *access == Access::Penalties).unwrap_or(0);
     vec![
         number("PENALTIES", before as u32 + 2),
+        number("PENALTY_BYTES", penalty_bytes(params)),
+        number("ADAPTIVE_P2", params.adaptive_p2),
         number("PATHS", params.paths.count()),
+        number("PATH_BITS", params.paths.count().ilog2()),
         number("PAIRED", paired(params.paths)),
         number("SUBPIXEL", params.subpixel as u32),
         number("SUBPIXEL_OFF", Subpixel::Off as u32),

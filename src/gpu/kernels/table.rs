@@ -33,7 +33,7 @@ pub(crate) enum Choice {
     Volumes,
     /// Where the cost is read.
     Cost,
-    /// Where P2 comes from.
+    /// Where P1 and P2 come from.
     Penalty,
     /// How the smoothness grows with the difference of disparities.
     Smoothness,
@@ -117,7 +117,8 @@ pub(crate) const KERNELS: &[Kernel] = &[
     Kernel { name: "matching_cost_parallel", stage: "matching_cost", lanes: 128, sources: wgsl!("cost/matching_cost_parallel", "cost/parts/differences", "cost/parts/quantise", "shared/common"), choices: &[Choice::PixelCosts], storage: &[Read, Read, Write, Table] },
     Kernel { name: "matching_cost_small", stage: "matching_cost", lanes: 32, sources: wgsl!("cost/matching_cost_small", "cost/parts/right_bytes", "cost/parts/differences", "cost/parts/quantise", "shared/common"), choices: &[Choice::PixelCosts], storage: &[WORD, WORD, Write, Table] },
     Kernel { name: "sgm_aggregate", stage: "sgm_aggregate", lanes: STRIP_LANES, sources: wgsl!("paths/sgm_aggregate", "paths/parts/path_step", "shared/common"), choices: PATHS, storage: &[Costs, Write, Read, Write, Penalties] },
-    Kernel { name: "winner", stage: "winner", lanes: STRIP_LANES, sources: wgsl!("winner/winner", "paths/parts/path_step", "winner/parts/winner_row", "winner/parts/refinement", "winner/parts/totals_pairs", "beliefs/parts/pairs", "shared/common"), choices: PATHS, storage: &[Costs, Read, Read, Read, Read, Write, Write, Penalties] },
+    Kernel { name: "second_cost", stage: "second_cost", lanes: STRIP_LANES, sources: wgsl!("paths/second_cost", "paths/parts/path_step", "paths/parts/row_step", "beliefs/parts/pairs", "shared/common"), choices: PATHS, storage: &[Costs, Read, Write, Read, Read, Penalties] },
+    Kernel { name: "winner", stage: "winner", lanes: STRIP_LANES, sources: wgsl!("winner/winner", "paths/parts/path_step", "paths/parts/row_step", "winner/parts/winner_row", "winner/parts/refinement", "winner/parts/totals_pairs", "beliefs/parts/pairs", "shared/common"), choices: PATHS, storage: &[Costs, Read, Read, Read, Read, Write, Write, Penalties] },
     Kernel { name: "block_statistics", stage: "block_statistics", lanes: 32, sources: wgsl!("winner/block_statistics", "shared/root", "shared/common"), choices: &[], storage: &[Read, Write] },
     Kernel { name: "block_match", stage: "block_match", lanes: 32, sources: wgsl!("winner/block_match", "cost/parts/column_sums", "winner/parts/costs", "winner/parts/totals_wide", "winner/parts/winner_row", "winner/parts/refinement", "shared/common"), choices: &[Choice::SharedPath, Choice::Sums, Choice::BlockCosts], storage: &[Read, Write, Write, Read] },
     Kernel { name: "block_match_small", stage: "block_match", lanes: 8, sources: wgsl!("winner/block_match_small", "winner/parts/refinement", "shared/common"), choices: &[], storage: &[WORD, WORD, Write, Write] },
@@ -217,6 +218,7 @@ impl Kernel {
                 Choice::Volumes => wgsl!("paths/parts/volume32"),
                 Choice::Cost if plan.per_subgroup => wgsl!("paths/parts/cost_buffer"),
                 Choice::Cost => wgsl!("paths/parts/cost_texels"),
+                Choice::Penalty if plan.adaptive && params.adaptive_p1 => wgsl!("paths/parts/penalty_pairs"),
                 Choice::Penalty if plan.adaptive => wgsl!("paths/parts/penalty_lines"),
                 Choice::Penalty => wgsl!("paths/parts/penalty_fixed"),
                 Choice::Smoothness => match params.smoothness {

@@ -6,7 +6,7 @@ use crate::gpu::layout::request::{Request, SMALLER, Strides, source_layout};
 use crate::gpu::layout::rows::Rows;
 use crate::gpu::layout::scales::{Scale, scales};
 use crate::gpu::layout::uniforms::{Frame, TEXTURE_ROW};
-use crate::gpu::plan::{MOST_PARTS, Plan};
+use crate::gpu::plan::{MOST_PARTS, Plan, penalty_bytes};
 use crate::{Error, Fill, Method, Params, PixelFormat, reference};
 
 /// The sizes of everything. A volume is cut into bands of rows, each in a buffer of its own, none larger than one
@@ -173,11 +173,11 @@ fn check_images(request: &Request<'_>, strides: &Strides, source_texels: u32, so
 
 /// Bytes of the penalties of a direction. The vector after the last one is read, too.
 fn penalties(request: &Request<'_>) -> Result<u64, Error> {
-    let Request { width, height, plan, .. } = *request;
+    let Request { width, height, plan, params, .. } = *request;
     let (across, along) = (width * 2 * (height.div_ceil(2) / 16 + 1), (width / 16 + 1) * height);
-    let penalties = 16 * u64::from(across.max(along));
+    let penalties = u64::from(penalty_bytes(params)) * 16 * u64::from(across.max(along));
     if plan.adaptive {
-        request.fits("the penalties of the pixels", penalties, "make the images smaller or switch adaptive_p2 off")?;
+        request.fits("the penalties of the pixels", penalties, "make the images smaller or switch adaptive-p1 and adaptive-p2 off")?;
     }
     Ok(penalties)
 }

@@ -126,10 +126,6 @@ impl StereoMatcher {
         span!(DEBUG, "new", width = width, height = height, disparities = params.disparities);
         let pulse = Pulse::new(device, queue)?;
         params.accepts(width, height)?;
-        if params.method == crate::Method::Sgm && (params.adaptive_p1 || params.aggregates_twice()) {
-            let text = "adaptive_p1 and two passes have no kernels yet; take the native schedule (--backend cpu)";
-            return Err(Error::Misuse(text.into()));
-        }
         let levels = levels(device, [width, height], format, params, &[])?;
         let before = rooms(device, [width, height], format, params, &levels)?;
         let lists: Vec<&[Level]> = before.iter().chain([&levels]).map(|levels| &levels[..]).collect();

@@ -68,6 +68,12 @@ pub(crate) enum Written {
         first: bool,
         last: bool,
     },
+    /// The cost of the second pass, of some rows; the last ones end what is of the first pass.
+    SecondCost {
+        rows: Rows,
+        volume_row: u32,
+        last: bool,
+    },
     /// The sums of costs of a level of belief propagation.
     CoarseCost {
         level: usize,

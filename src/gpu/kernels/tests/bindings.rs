@@ -101,7 +101,7 @@ fn own_layout(kernel: &str) -> Option<StructLayout> {
         "window_columns" | "window_sums" => layout!(WindowOwn { window }),
         "mi_histogram" => layout!(HistogramOwn { halvings }),
         "mi_smooth" => layout!(SmoothOwn { narrowing, prior, logarithms }),
-        "sgm_aggregate" | "winner" => {
+        "sgm_aggregate" | "second_cost" | "winner" => {
             layout!(PathOwn { accumulate, carry_from, carry_to, penalties_from, penalties_line, penalties_step, place })
         }
         "coarse_cost" | "coarse_cost_sums" => layout!(CoarseOwn { width, rows, stride, coarse_stride }),

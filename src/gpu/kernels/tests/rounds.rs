@@ -81,7 +81,7 @@ fn cases() -> Vec<(bool, Params)> {
     let sgm = Params::sgm;
     let mut cases = Vec::new();
     for (i, disparities) in (0..).zip([8, 30, 48, 64, 96, 300]) {
-        let adaptive = Params { adaptive_p2: true, min_disparity: -3, ..sgm(disparities) };
+        let adaptive = Params { adaptive_p2: true, passes: 2, min_disparity: -3, ..sgm(disparities) };
         cases.push((i % 2 == 1, Params { schedule: Schedule::PerThread, ..adaptive.clone() }));
         if i % 3 == 2 {
             cases.push((i % 2 == 0, Params { schedule: Schedule::PerSubgroup, paths: Paths::Eight, ..adaptive }));
@@ -133,11 +133,13 @@ fn too_few_rounds_are_noticed() {
     let mut filtered = Params { adaptive_p2: true, ..Params::sgm(21) };
     filters(&mut filtered);
     let pixels = Params { block: 1, ..Params::sgm(21) };
+    let passes = Params { passes: 2, ..Params::sgm(21) };
     let wide = Params { block: 17, ..Params::sgm(21) };
     let columns = Params { block: 17, ..Params::bm(21) };
     for (kernel, params) in [
         ("matching_cost_small", &filtered),
         ("sgm_aggregate", &filtered),
+        ("second_cost", &passes),
         ("winner", &filtered),
         ("fill_rows", &filtered),
         ("fill_lines", &filtered),

@@ -150,6 +150,16 @@ pub(crate) fn adaptive(params: &mut Params) {
     (params.adaptive_p2, params.p1, params.p2) = (true, 9, 100);
 }
 
+/// Small penalties that depend on the image, too.
+pub(crate) fn adaptive_both(params: &mut Params) {
+    adaptive(params);
+    (params.adaptive_p1, params.p1) = (true, 40);
+}
+
+pub(crate) fn two_passes(params: &mut Params) {
+    params.passes = 2;
+}
+
 pub(crate) fn twice(params: &mut Params) {
     params.right_view = RightView::Match;
 }

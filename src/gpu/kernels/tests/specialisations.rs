@@ -15,7 +15,7 @@ use crate::{Census, Cost, Median, Method, Params, Paths, PixelFormat, Prefilter,
 pub(crate) fn plans(params: &Params) -> BTreeSet<Plan> {
     let devices =
         [(false, 1, false), (false, 1, true), (false, 8, true), (true, 1, false), (true, 4, true), (true, 32, true)];
-    let adaptive = params.adaptive_p2;
+    let adaptive = params.adapts_penalties();
     let of = |&(per_subgroup, subgroup, int64)| {
         let part_bits = (subgroup == 8).then_some(20);
         Plan { adaptive, part_bits, ..Plan::of(params.quads(), per_subgroup, subgroup, int64) }
@@ -38,8 +38,9 @@ pub(crate) fn specialisations() -> Vec<(Params, PixelFormat, Plan)> {
                         let confidence = subpixel == Subpixel::Equiangular;
                         let adaptive_p2 = prefilter == Prefilter::None && base.method == crate::Method::Sgm;
                         let labels = subpixel == Subpixel::Off;
-                        let params =
-                            Params { paths, prefilter, subpixel, confidence, labels, adaptive_p2, ..base.clone() };
+                        let adaptive_p1 = adaptive_p2 && subpixel == Subpixel::Parabola;
+                        let params = Params { paths, prefilter, subpixel, confidence, labels, ..base.clone() };
+                        let params = Params { adaptive_p1, adaptive_p2, ..params };
                         let params = Params { block: if subpixel == Subpixel::Off { 21 } else { 5 }, ..params };
                         // A filter of each kind, and every spacing of the weighted median.
                         let params = Params {

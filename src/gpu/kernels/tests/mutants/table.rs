@@ -1,7 +1,7 @@
 //! The mutants.
 
 use crate::gpu::kernels::tests::settings::*;
-use crate::{Census, Cost, Fill, Params, Prefilter};
+use crate::{Census, Cost, Fill, Params, Paths, Prefilter};
 
 /// A change to a shader, and settings that show it.
 pub(super) struct Mutant {
@@ -136,6 +136,23 @@ pub(super) const MUTANTS: &[Mutant] = &[
     mutant("penalties", "frame.p1 / 2u", "frame.p1 / 4u", adaptive),
     mutant("penalties", "+ 0.5)", "- 0.5)", adaptive),
     mutant("penalties", "0xffffff00u) | frame.p2", "0xffffff00u) | frame.p1", adaptive),
+    mutant("penalties", "vec4(3.0))", "vec4(4.0))", adaptive_both),
+    mutant("penalties", "max(quotient, vec4(8u))", "max(quotient, vec4(9u))", adaptive_both),
+    mutant("penalties", "min(max(quotient, vec4(8u)), vec4(frame.p1))", "max(quotient, vec4(8u))", |params| {
+        adaptive_both(params);
+        params.p1 = 5;
+    }),
+    mutant("penalties_lines", "* PENALTY_BYTES + j) * rows", "* PENALTY_BYTES) * rows", adaptive_both),
+    mutant("sgm_aggregate", "both >> 8u", "frame.p1", adaptive_both),
+    mutant("sgm_aggregate", "both & 255u", "frame.p2", adaptive_both),
+    mutant("sgm_aggregate", "select(7, 0, forward)", "7", adaptive_both),
+    mutant("second_cost", "PATHS * 0x10001u", "PATHS * 0x10000u", two_passes),
+    mutant("second_cost", "PATH_BITS + 1u", "PATH_BITS", two_passes),
+    mutant("second_cost", "32768u / PATHS + 1u", "32768u / PATHS", |params| {
+        (params.passes, params.paths) = (2, Paths::Three);
+    }),
+    mutant("second_cost", "own + (*t)[0][w]", "own", two_passes),
+    mutant("second_cost", "dispatch.volume_row * frame.volume_stride", "0u", two_passes),
     mutant("penalties_lines", "starts || leaves", "starts", sixteen),
     mutant("penalties_lines", "id.y / rows * 16u * rows + id.y % rows", "id.y * 16u", sixteen),
     mutant("winner", "known, x + 1", "known, x", adaptive),
