@@ -177,7 +177,11 @@ fn penalties(request: &Request<'_>) -> Result<u64, Error> {
     let (across, along) = (width * 2 * (height.div_ceil(2) / 16 + 1), (width / 16 + 1) * height);
     let penalties = u64::from(penalty_bytes(params)) * 16 * u64::from(across.max(along));
     if plan.adaptive {
-        request.fits("the penalties of the pixels", penalties, "make the images smaller or switch adaptive-p1 and adaptive-p2 off")?;
+        request.fits(
+            "the penalties of the pixels",
+            penalties,
+            "make the images smaller or switch adaptive-p1 and adaptive-p2 off",
+        )?;
     }
     Ok(penalties)
 }
