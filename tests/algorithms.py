@@ -750,28 +750,32 @@ class Chain:
 
         return self.over_pixels(middle)
 
+    def gray_weight(self, difference):
+        sigma = self.case["weighted_median_sigma"]
+        decay = (65536 + sigma // 2) // sigma
+        t = (difference * decay) >> 8
+        return (64 * (512 - t % 256)) >> (t // 256)
+
+    def weighted_middle(self, pairs):
+        """The smallest value up to which half of the weight lies; pairs are (value, weight)."""
+        total, reached = sum(w for _, w in pairs), 0
+        for value, w in sorted(pairs):
+            reached += w
+            if 2 * reached >= total:
+                return value
+
     def weighted_median(self, disparities, gray):
         if self.case["weighted_median"] == "off":
             return disparities
-        spacing, sigma = (self.case["weighted_median"] + 1) // 2, self.case["weighted_median_sigma"]
-        decay = (65536 + sigma // 2) // sigma
+        spacing = (self.case["weighted_median"] + 1) // 2
         steps = [spacing * i for i in (-2, -1, 0, 1, 2)]
-
-        def weight(difference):
-            t = (difference * decay) >> 8
-            return (64 * (512 - t % 256)) >> (t // 256)
 
         def middle(x, y):
             if disparities[y][x] == INVALID:
                 return INVALID
             around = [(x + i, y + j) for j in steps for i in steps if self.inside(x + i) and 0 <= y + j < self.height]
-            valid = [(disparities[v][u], weight(abs(gray[v][u] - gray[y][x]))) for u, v in around]
-            valid = sorted(pair for pair in valid if pair[0] != INVALID)
-            total, reached = sum(w for _, w in valid), 0
-            for value, w in valid:
-                reached += w
-                if 2 * reached >= total:
-                    return value
+            valid = [(disparities[v][u], self.gray_weight(abs(gray[v][u] - gray[y][x]))) for u, v in around]
+            return self.weighted_middle([pair for pair in valid if pair[0] != INVALID])
 
         return self.over_pixels(middle)
 
@@ -842,18 +846,33 @@ class Chain:
 
         return self.over_pixels(of)
 
-    def nearest(self, disparities, x, y, directions):
-        found = []
-        for dx, dy in directions:
-            i, j = x + dx, y + dy
-            while self.inside(i) and 0 <= j < self.height:
-                if disparities[j][i] != INVALID:
-                    found.append(disparities[j][i])
-                    break
-                i, j = i + dx, j + dy
-        return sorted(found)
+    def on_ray(self, disparities, x, y, direction, count):
+        """The first valid pixels in a direction, at most `count`."""
+        found, i, j = [], x + direction[0], y + direction[1]
+        while self.inside(i) and 0 <= j < self.height and len(found) < count:
+            if disparities[j][i] != INVALID:
+                found.append((i, j))
+            i, j = i + direction[0], j + direction[1]
+        return found
 
-    def fill(self, disparities, right):
+    def nearest(self, disparities, x, y, directions):
+        found = [pixel for direction in directions for pixel in self.on_ray(disparities, x, y, direction, 1)]
+        return sorted(disparities[j][i] for i, j in found)
+
+    def medians_of_sides(self, disparities, x, y):
+        """The smaller of the medians of three on either side of the row."""
+        medians = []
+        for direction in [(-1, 0), (1, 0)]:
+            values = sorted(disparities[j][i] for i, j in self.on_ray(disparities, x, y, direction, 3))
+            medians += [values[(len(values) - 1) // 2]] if values else []
+        return min(medians)
+
+    def weighted_rays(self, disparities, gray, x, y):
+        found = [pixel for direction in EIGHT for pixel in self.on_ray(disparities, x, y, direction, 1)]
+        weight = lambda u, v: 1 + self.gray_weight(abs(gray[v][u] - gray[y][x]))
+        return self.weighted_middle([(disparities[v][u], weight(u, v)) for u, v in found])
+
+    def fill(self, disparities, right, gray):
         limit = 1 if self.case["lr_check"] == "off" else self.case["lr_check"]
 
         def mismatch(x, y):
@@ -879,6 +898,12 @@ class Chain:
         if kind == "rays":
             disparities = step(disparities, row, lambda x, y, v: INVALID if mismatch(x, y) else smallest(x, y, v))
             disparities = step(disparities, EIGHT, median)
+        if kind == "weighted-rays":
+            unfilled = disparities
+            three = lambda x, y, v: INVALID if mismatch(x, y) else self.medians_of_sides(unfilled, x, y)
+            disparities = step(disparities, row, three)
+            after = disparities
+            disparities = step(disparities, EIGHT, lambda x, y, v: self.weighted_rays(after, gray, x, y))
         if kind == "hirschmuller":
             disparities = step(disparities, EIGHT, lambda *a: median(*a) if mismatch(*a[:2]) else second(*a))
         return step(step(disparities, row, smallest), column, smallest)
@@ -986,7 +1011,7 @@ class Chain:
         if not all(has for content in contents for row in content for has in row):
             self.contents = contents
             yield "content", [("B", [[int(has) for has in row] for row in content]) for content in contents]
-        reads = case["right_map"] == "on" or case["lr_check"] != "off" or case["fill"] in ("rays", "hirschmuller")
+        reads = case["right_map"] == "on" or case["lr_check"] != "off" or case["fill"] in ("rays", "weighted-rays", "hirschmuller")
         matched = None
         if case["right_view"] == "match" and reads:
             second = Chain({**case, "subpixel": "off", "uniqueness": 0, "labels": "off"})
@@ -1006,7 +1031,7 @@ class Chain:
             ("lr_check", "off", False, lambda: self.lr_check(view, other)),
             ("speckle_window", 0, False, lambda: self.speckle(view)),
             ("median", "off", True, lambda: self.median(view)),
-            ("fill", "none", True, lambda: self.fill(view, other)),
+            ("fill", "none", True, lambda: self.fill(view, other, gray)),
             ("weighted_median", "off", True, lambda: self.weighted_median(view, gray)),
             ("wls", "off", True, lambda: self.wls(view, gray)),
         ):

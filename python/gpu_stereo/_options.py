@@ -92,10 +92,10 @@ class Options(TypedDict, total=False):
     # Median filter
     median: Literal["3", "5", "off", 3, 5, False, None]
     # How holes are filled
-    fill: Literal["none", "background", "rays", "hirschmuller", None]
+    fill: Literal["none", "background", "rays", "weighted-rays", "hirschmuller", None]
     # Median weighted by the left image, its radius in pixels, 1 to 15
     weighted_median: Union[int, Literal["off", False], None]
-    # Intensity step at which a weight halves, 1 to 255
+    # Intensity step at which a weight halves, 1 to 255; also of --fill weighted-rays
     weighted_median_sigma: Union[int, None]
     # Edge-preserving smoothing by weighted least squares
     wls: Union[bool, Literal["on", "off"], None]

@@ -3,22 +3,14 @@
 // map (i16, in a texture), gray (u8, of the left image, in a texture) -> filtered (i16)
 // One invocation: four words, eight pixels of a row.
 // Border: pixels outside the image and invalid ones have no weight; an invalid pixel stays invalid.
-// With: weighted_keys, map_octet, common
+// With: weighted_keys, gray_weight, gray_octet, map_octet, common
 // Reference: src/reference/filters/weighted_median.rs
 
 @group(0) @binding(3) var<storage, read_write> filtered: array<vec4<u32>>;
-@group(0) @binding(4) var gray: texture_storage_2d<rgba32uint, read>;
 
 // Vectors of eight pixels that are read on either side, and with the one between.
 const AROUND: u32 = (2u * SPACING + 7u) / 8u;
 const EIGHTS: u32 = 2u * AROUND + 1u;
-
-// Of eight columns from 8 i on, in the gray image's row: its vectors hold sixteen, from column -16 on.
-fn gray_words(row: u32, i: u32) -> vec2<u32> {
-    let index = row * frame.gray_stride + i / 2u;
-    let words = textureLoad(gray, vec2(index % TEXELS, index / TEXELS));
-    return select(words.xy, words.zw, (i & 1u) == 1u);
-}
 
 // Eight pixels of the map, from column x on; arbitrary where they lie outside.
 fn inside(words: vec4<u32>, x: i32) -> vec4<u32> {

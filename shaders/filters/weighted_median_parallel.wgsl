@@ -2,7 +2,7 @@
 // map (i16, in a texture), gray (u8, of the left image, in a texture) -> filtered (i16)
 // One invocation: a word, two pixels of a row.
 // Border: pixels outside the image and invalid ones have no weight; an invalid pixel stays invalid.
-// With: weighted_keys, map_octet, common
+// With: weighted_keys, gray_weight, map_octet, common
 // Reference: src/reference/filters/weighted_median.rs
 
 @group(0) @binding(3) var<storage, read_write> filtered: array<u32>;

@@ -189,8 +189,22 @@ pub enum Fill {
     Background,
     /// Occlusions by the farther neighbour in the row, then mismatches by the median along eight rays.
     Rays,
+    /// As rays, but less sensitive to single values: occlusions by the farther of the medians of three on either side in the row,
+    /// then mismatches by the median along eight rays, weighted by how near the gray of a value's pixel is, as in
+    /// [`Params::weighted_median`](crate::Params::weighted_median).
+    WeightedRays,
     /// Occlusions by the second lowest and mismatches by the median along eight rays: Hirschmüller 2008, section 2.6.
     Hirschmuller,
+}
+
+impl Fill {
+    /// Whether it tells occlusions from mismatches, by the right view.
+    pub(crate) fn reads_right(self) -> bool {
+        match self {
+            Self::Rays | Self::WeightedRays | Self::Hirschmuller => true,
+            Self::None | Self::Background => false,
+        }
+    }
 }
 
 /// Edge-preserving smoothing of the map, guided by the left image: Min et al., "Fast Global Image Smoothing Based on

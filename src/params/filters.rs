@@ -160,7 +160,7 @@ filters! {
         stage: "fill",
         wanted: |params| params.fill != Fill::None,
         clear: |params| params.fill = Fill::None,
-        reads_right: |params| matches!(params.fill, Fill::Rays | Fill::Hirschmuller),
+        reads_right: |params| params.fill.reads_right(),
         gives_disparities: true,
         steps: Fill,
         ranges: |_| Ok(()),

@@ -142,6 +142,7 @@ names! {
         None "none" "holes stay",
         Background "background" "the farther neighbour in the row",
         Rays "rays" "occlusions by the row, mismatches by the median of 8 rays",
+        WeightedRays "weighted-rays" "as rays, by medians: of three in the row, and weighted by gray",
         Hirschmuller "hirschmuller" "second lowest and median of 8 rays",
     }
     Schedule "schedule" {

@@ -96,7 +96,7 @@ pub struct Params {
     pub fill: Fill,
     /// Radius in pixels of the median weighted by the left image, 1 to 15; `None` switches it off.
     pub weighted_median: Option<u32>,
-    /// Intensity step at which a weight of that median halves, 1 to 255.
+    /// Intensity step at which a weight of that median halves, 1 to 255; also of [`Fill::WeightedRays`].
     pub weighted_median_sigma: u32,
     /// Smoothing by weighted least squares.
     pub wls: Option<Wls>,

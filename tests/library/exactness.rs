@@ -370,7 +370,7 @@ fn images_beyond_a_binding() {
             params.depth = (i % 2 == 1).then_some(camera);
             params.texture = if i == 3 { 40 } else { 0 };
             params.median = if i == 1 { Median::Five } else { Median::Three };
-            params.fill = if i == 3 { Fill::Hirschmuller } else { params.fill };
+            params.fill = [Fill::WeightedRays, params.fill, Fill::None, Fill::Hirschmuller][i];
             (params.right_map, params.min_disparity) = (i == 0, [0, -3, 2, 0][i]);
             check(&setup, &left, &right, &params, seed);
         }

@@ -60,11 +60,12 @@ fn all_keep_to(matched: &Matched, left: &dyn Fn(u32, u32) -> bool, right: &dyn F
 fn settings(disparities: u32) -> Vec<Params> {
     let presets = [Preset::Balanced, Preset::Dense, Preset::Strict, Preset::Classic, Preset::Fast];
     let bases = presets.map(|preset| Params::preset(preset, disparities)).into_iter().chain([Params::bm(disparities)]);
-    let more: [fn(&mut Params); 7] = [
+    let more: [fn(&mut Params); 8] = [
         |_| (),
         |params| params.wls = Some(Wls::default()),
         |params| params.fill = Fill::Background,
         |params| params.fill = Fill::Rays,
+        |params| params.fill = Fill::WeightedRays,
         |params| params.fill = Fill::Hirschmuller,
         |params| (params.median, params.lr_check, params.uniqueness) = (Median::Five, None, 0),
         |params| {

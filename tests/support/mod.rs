@@ -216,9 +216,9 @@ pub fn random_params(random: &mut ChaCha8Rng) -> Params {
     if random.random_bool(0.3) {
         params.median = Median::Five;
     }
+    params.weighted_median_sigma = random.random_range(1..=255);
     if random.random_bool(0.4) {
         params.weighted_median = Some(random.random_range(1..=15));
-        params.weighted_median_sigma = random.random_range(1..=255);
     }
     if random.random_bool(0.3) {
         let lambda = *[0.0, 0.7, 50.0, 8000.0, 1e6].get(random.random_range(0..5)).unwrap();
@@ -230,7 +230,8 @@ pub fn random_params(random: &mut ChaCha8Rng) -> Params {
     params.fill = match random.random_range(0..10) {
         0..6 => Fill::None,
         6 => Fill::Background,
-        7 | 8 => Fill::Rays,
+        7 => Fill::Rays,
+        8 => Fill::WeightedRays,
         _ => Fill::Hirschmuller,
     };
     params.adaptive_p2 = random.random_bool(0.4);

@@ -34,12 +34,6 @@ fn sort(keys: ptr<function, array<u32, 25>>) {
     exchange(keys, 1u, 1u, 1u);
 }
 
-// A weight halves with each SIGMA of the difference, linearly in between.
-fn weight(difference: u32) -> u32 {
-    let halvings = (difference * DECAY) >> 8u;
-    return ((512u - (halvings & 255u)) << 6u) >> min(halvings >> 8u, 31u);
-}
-
 // Of keys in ascending order, a value above its weight: the first value at which half of all weight is reached.
 fn middle(keys: ptr<function, array<u32, 25>>) -> u32 {
     var total = 0u;

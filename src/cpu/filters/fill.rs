@@ -1,10 +1,12 @@
+use crate::reference::{Plane, median_weight};
 use crate::{DisparityMap, Fill, Params};
 use rayon::prelude::*;
+use std::ops::Range;
 
 const INVALID: i16 = DisparityMap::INVALID;
 
 /// [`crate::reference::fill`]: the nearest values along rays are carried from pixel to pixel.
-pub(super) fn fill(map: &DisparityMap, right: &DisparityMap, params: &Params) -> DisparityMap {
+pub(super) fn fill(map: &DisparityMap, right: &DisparityMap, gray: &Plane<u8>, params: &Params) -> DisparityMap {
     let mut map = map.clone();
     let width = map.width as usize;
     match params.fill {
@@ -16,6 +18,13 @@ pub(super) fn fill(map: &DisparityMap, right: &DisparityMap, params: &Params) ->
                 fill_row(row, |x| !mismatches[x]);
             });
             along_rays(&mut map, |_, _, values| median(values));
+        }
+        Fill::WeightedRays => {
+            map.data.par_chunks_mut(width).zip(right.data.par_chunks(width)).for_each(|(row, right)| {
+                let mismatches = mismatches(right, params);
+                fill_row_by_medians(row, |x| !mismatches[x]);
+            });
+            along_weighted_rays(&mut map, gray, params.weighted_median_sigma);
         }
         Fill::Hirschmuller => {
             let mismatches: Vec<bool> =
@@ -64,8 +73,9 @@ fn farther(a: i16, b: i16) -> i16 {
     if a == INVALID || b == INVALID { a.max(b) } else { a.min(b) }
 }
 
-/// Sets each invalid pixel of a row to `value` of its column and the nearest values before and after it.
-fn fill_holes(row: &mut [i16], value: impl Fn(usize, i16, i16) -> i16) {
+/// Sets each invalid pixel of a row to `value` of its column, the nearest values before and after it, and the columns of the
+/// hole that it lies in.
+fn fill_holes(row: &mut [i16], value: impl Fn(usize, i16, i16, &Range<usize>) -> i16) {
     let (mut x, mut before) = (0, INVALID);
     while x < row.len() {
         if row[x] != INVALID {
@@ -75,8 +85,9 @@ fn fill_holes(row: &mut [i16], value: impl Fn(usize, i16, i16) -> i16) {
         }
         let end = row[x..].iter().position(|&value| value != INVALID).map_or(row.len(), |count| x + count);
         let after = row.get(end).copied().unwrap_or(INVALID);
+        let hole = x..end;
         for (x, to) in (x..).zip(&mut row[x..end]) {
-            *to = value(x, before, after);
+            *to = value(x, before, after, &hole);
         }
         x = end;
     }
@@ -84,7 +95,32 @@ fn fill_holes(row: &mut [i16], value: impl Fn(usize, i16, i16) -> i16) {
 
 /// Fills the invalid pixels of a row that are `wanted` with the farther one of the two nearest values.
 fn fill_row(row: &mut [i16], wanted: impl Fn(usize) -> bool) {
-    fill_holes(row, |x, before, after| if wanted(x) { farther(before, after) } else { INVALID });
+    fill_holes(row, |x, before, after, _| if wanted(x) { farther(before, after) } else { INVALID });
+}
+
+/// The same with the medians of the three nearest values on either side, or of as many as there are.
+fn fill_row_by_medians(row: &mut [i16], wanted: impl Fn(usize) -> bool) {
+    let values: Vec<i16> = row.iter().copied().filter(|&value| value != INVALID).collect();
+    let median_of = |values: &[i16]| {
+        let mut three = [INVALID; 3];
+        three[..values.len()].copy_from_slice(values);
+        let three = &mut three[..values.len()];
+        three.sort_unstable();
+        median(three)
+    };
+    // How many of the values lie before a pixel, and what a pixel between them and the others takes.
+    let (mut passed, mut taken) = (0usize, None);
+    for (x, to) in row.iter_mut().enumerate() {
+        if *to != INVALID {
+            (passed, taken) = (passed + 1, None);
+        } else if wanted(x) {
+            let medians = || {
+                let [before, after] = [passed.saturating_sub(3)..passed, passed..values.len().min(passed + 3)];
+                farther(median_of(&values[before]), median_of(&values[after]))
+            };
+            *to = *taken.get_or_insert_with(medians);
+        }
+    }
 }
 
 /// Rows without a value take the farther one of the nearest rows on either side.
@@ -103,13 +139,13 @@ fn fill_columns(map: &mut DisparityMap) {
 }
 
 /// Of each pixel the nearest values in rows before it, of three directions: straight, from the left and from the right.
-type Carried = [Vec<i16>; 3];
+type Carried<T> = [Vec<T>; 3];
 
-/// The nearest values above, or with `upwards` below.
-fn carried(data: &[i16], width: usize, upwards: bool) -> Carried {
+/// The nearest values above, or with `upwards` below, which are `none` where there is none.
+fn carried<T: Copy + PartialEq>(data: &[T], none: T, width: usize, upwards: bool) -> Carried<T> {
     let height = data.len() / width;
-    let mut all: Carried = std::array::from_fn(|_| vec![INVALID; data.len()]);
-    let mut last: Carried = std::array::from_fn(|_| vec![INVALID; width]);
+    let mut all: Carried<T> = std::array::from_fn(|_| vec![none; data.len()]);
+    let mut last: Carried<T> = std::array::from_fn(|_| vec![none; width]);
     let at = |n: usize| if upwards { height - 1 - n } else { n } * width;
     for n in 1..height {
         let values = &data[at(n - 1)..][..width];
@@ -117,7 +153,7 @@ fn carried(data: &[i16], width: usize, upwards: bool) -> Carried {
             let row = &mut all[at(n)..][..width];
             let before = values[from..].iter().zip(&last[from..]);
             for (to, (&value, &carried)) in row[to..].iter_mut().zip(before) {
-                *to = if value == INVALID { carried } else { value };
+                *to = if value == none { carried } else { value };
             }
             last.copy_from_slice(row);
         }
@@ -125,12 +161,17 @@ fn carried(data: &[i16], width: usize, upwards: bool) -> Carried {
     all
 }
 
+/// The nearest values above and below.
+fn nearest<T: Copy + PartialEq + Send + Sync>(data: &[T], none: T, width: usize) -> (Carried<T>, Carried<T>) {
+    rayon::join(|| carried(data, none, width, false), || carried(data, none, width, true))
+}
+
 /// Fills invalid pixels by `value` of the column, the row and the nearest values along eight rays in ascending order.
 fn along_rays(map: &mut DisparityMap, value: impl Fn(usize, usize, &[i16]) -> i16 + Sync) {
     let width = map.width as usize;
-    let (above, below) = rayon::join(|| carried(&map.data, width, false), || carried(&map.data, width, true));
+    let (above, below) = nearest(&map.data, INVALID, width);
     map.data.par_chunks_mut(width).enumerate().for_each(|(y, row)| {
-        fill_holes(row, |x, before, after| {
+        fill_holes(row, |x, before, after, _| {
             let [[a, b, c], [d, e, f]] = [&above, &below].map(|of| of.each_ref().map(|of| of[y * width + x]));
             let mut values = [before, after, a, b, c, d, e, f];
             values.sort_unstable();
@@ -138,6 +179,45 @@ fn along_rays(map: &mut DisparityMap, value: impl Fn(usize, usize, &[i16]) -> i1
             value(x, y, &values[valid..])
         });
     });
+}
+
+/// A value, above invalid, which is 0, over a number of 16 bits.
+fn key(value: i16, low: u32) -> u32 {
+    (u32::from(value as u16 ^ 0x8000) << 16) | low
+}
+
+/// Fills invalid pixels by the median of the nearest values along eight rays, each weighted by the difference of its pixel's
+/// gray. Keys hold the gray of a value, then its weight.
+fn along_weighted_rays(map: &mut DisparityMap, gray: &Plane<u8>, sigma: u32) {
+    let width = map.width as usize;
+    let weights: [u32; 256] = std::array::from_fn(|difference| 1 + median_weight(difference as u32, sigma));
+    let with_gray = |(&value, &gray): (&i16, &u8)| if value == INVALID { 0 } else { key(value, gray.into()) };
+    let keys: Vec<u32> = map.data.iter().zip(&gray.data).map(with_gray).collect();
+    let (above, below) = nearest(&keys, 0, width);
+    map.data.par_chunks_mut(width).zip(keys.par_chunks(width)).enumerate().for_each(|(y, (row, keys))| {
+        fill_holes(row, |x, _, _, hole| {
+            let [[a, b, c], [d, e, f]] = [&above, &below].map(|of| of.each_ref().map(|of| of[y * width + x]));
+            let before = hole.start.checked_sub(1).map_or(0, |x| keys[x]);
+            let after = keys.get(hole.end).copied().unwrap_or(0);
+            let own = gray.data[y * width + x];
+            let weighted = |key: u32| {
+                if key == 0 { 0 } else { (key & 0xffff_0000) | weights[usize::from((key as u8).abs_diff(own))] }
+            };
+            weighted_middle([before, after, a, b, c, d, e, f].map(weighted))
+        });
+    });
+}
+
+/// Of keys the smallest value for which it and all smaller ones have at least half of the weight.
+fn weighted_middle(mut keys: [u32; 8]) -> i16 {
+    keys.sort_unstable();
+    let total: u32 = keys.iter().map(|key| key & 0xffff).sum();
+    let mut reached = 0;
+    let enough = |&&key: &&u32| {
+        reached += key & 0xffff;
+        2 * reached >= total
+    };
+    keys.iter().find(enough).map_or(INVALID, |key| (key >> 16) as u16 as i16 ^ INVALID)
 }
 
 fn second_lowest(values: &[i16]) -> i16 {

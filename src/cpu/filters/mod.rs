@@ -27,7 +27,7 @@ pub(super) fn filtered(
         Filter::LrCheck => lr_check::lr_check(map, right, params.lr_check?),
         Filter::Speckle => speckle::speckle(map, params.speckle_window, params.speckle_range),
         Filter::Median => median::median(map, params.median.side()?, instructions),
-        Filter::Fill => fill::fill(map, right, params),
+        Filter::Fill => fill::fill(map, right, luma, params),
         Filter::WeightedMedian => {
             weighted_median::weighted_median(map, luma, params.weighted_median?, params, instructions)
         }

@@ -24,7 +24,7 @@ fn map(random: &mut ChaCha8Rng, [width, height]: [u32; 2], params: &Params) -> D
 /// All filters, over all instruction sets.
 #[test]
 fn filters_are_those_of_the_reference() {
-    for seed in 0..60 {
+    for seed in 0..80 {
         let mut random = ChaCha8Rng::seed_from_u64(seed);
         let size = SIZES[seed as usize % SIZES.len()];
         let mut params = Params::sgm([1, 2, 17, 64][random.random_range(0..4)]);
@@ -37,7 +37,7 @@ fn filters_are_those_of_the_reference() {
         params.speckle_range = if random.random_range(0..9) == 0 { 4095 } else { params.speckle_range };
         params.weighted_median = Some(random.random_range(1..=15));
         params.weighted_median_sigma = random.random_range(1..=255);
-        params.fill = [Fill::Background, Fill::Rays, Fill::Hirschmuller][random.random_range(0..3)];
+        params.fill = [Fill::Background, Fill::Rays, Fill::WeightedRays, Fill::Hirschmuller][random.random_range(0..4)];
         params.median = [Median::Three, Median::Five][random.random_range(0..2)];
         for &filter in Filter::ALL {
             let expected = reference::filtered(filter, &left, &right, &luma, &params);

@@ -4,6 +4,7 @@ use crate::gpu::kernels::tests::{Setup, support};
 use crate::gpu::maps::map_of;
 use crate::gpu::readback;
 use crate::gpu::recording::{Written, record_steps};
+use crate::reference::Plane;
 use crate::{DisparityMap, Fill, Median, Params, PixelFormat, Schedule, reference};
 
 const INVALID: i16 = DisparityMap::INVALID;
@@ -207,13 +208,15 @@ fn speckle_of_long_maps() {
 
 fn fill(setup: &Setup, left: &DisparityMap, right: &DisparityMap, lr_check: Option<u32>) {
     for (fill, shader_checks) in
-        [Fill::Background, Fill::Rays, Fill::Hirschmuller].into_iter().zip([false, true, false])
+        [Fill::Background, Fill::Rays, Fill::WeightedRays, Fill::Hirschmuller].into_iter().zip([false, true, true, false])
     {
         let base = Params { block: 1, shader_checks, schedule: Schedule::PerSubgroup, ..Params::bm(40) };
         let params = Params { fill, min_disparity: -3, ..base };
         let got = run(setup, &params, "fill", left, right);
+        // Nothing has written the gray image, so its pixels are alike.
+        let gray = Plane { width: left.width as usize, height: left.height as usize, data: vec![0; left.data.len()] };
         // `run` switches the check off, which means 1 px here.
-        let expected = reference::fill(left, right, &Params { lr_check, ..params });
+        let expected = reference::fill(left, right, &gray, &Params { lr_check, ..params });
         let wrong = got.data.iter().zip(&expected.data).filter(|(a, b)| a != b).count();
         assert!(wrong == 0, "{wrong} pixels of {}x{}, {fill:?}", left.width, left.height);
         let any = left.data.iter().any(|&value| value != INVALID);

@@ -35,7 +35,7 @@ pub(crate) struct Sizes {
     pub(crate) confidence: u64,
     /// Bytes of one number of 32 bits a pixel of a map.
     pub(crate) regions: u64,
-    /// Bytes of the nearest values on both sides of each pixel.
+    /// Bytes of the nearest values on both sides of each pixel, and of what comes along with them.
     pub(crate) nearest: u64,
     /// Bytes of a row of a volume with a byte a disparity.
     pub(crate) volume_row: u64,
@@ -225,7 +225,9 @@ impl PixelSizes {
                 remedy: "make the images smaller or switch the filter off",
             });
         }
-        let nearest_row = 32 * u64::from(strides.map / 4 + 1);
+        // Twice so many where the gray of their pixels comes along.
+        let widened = if params.fill == Fill::WeightedRays { 2 } else { 1 };
+        let nearest_row = widened * 32 * u64::from(strides.map / 4 + 1);
         let nearest = nearest_row * u64::from(height);
         if params.fill != Fill::None {
             let remedy = "make the images smaller or switch fill off";

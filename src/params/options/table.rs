@@ -202,7 +202,7 @@ pub(super) const OPTIONS: &[ParamOption] = options! {
         "right-view" "RIGHT-VIEW" RightView right_view
             "Where the right view comes from"
             idle by "lr-check" if |params| params.lr_check.is_none()
-                && !matches!(params.fill, Fill::Rays | Fill::Hirschmuller);
+                && !params.fill.reads_right();
         "speckle-window" "PX|off" or_zero speckle_window
             "Regions of at most so many pixels are removed";
         "speckle-range" "PX" natural speckle_range
@@ -215,8 +215,8 @@ pub(super) const OPTIONS: &[ParamOption] = options! {
         "weighted-median" "RADIUS|off" or_off weighted_median
             "Median weighted by the left image, its radius in pixels, 1 to 15";
         "weighted-median-sigma" "S" natural weighted_median_sigma
-            "Intensity step at which a weight halves, 1 to 255"
-            idle by "weighted-median" if |params| params.weighted_median.is_none();
+            "Intensity step at which a weight halves, 1 to 255; also of --fill weighted-rays"
+            idle by "weighted-median" if |params| params.weighted_median.is_none() && params.fill != Fill::WeightedRays;
         "wls" "on|off" wls switch
             "Edge-preserving smoothing by weighted least squares";
         "wls-lambda" "L|off" wls lambda

@@ -1,3 +1,4 @@
+use crate::reference::{Plane, median_weight, weighted_middle};
 use crate::{DisparityMap, Fill, Params};
 
 const INVALID: i16 = DisparityMap::INVALID;
@@ -15,6 +16,8 @@ const RAYS: [Ray; 8] = [(-1, 0), (1, 0), (0, -1), (0, 1), (-1, -1), (1, 1), (-1,
 ///   leaves rows without a value between rows that have some.
 /// - [`Fill::Rays`]: occlusions take the smaller of the two nearest values of the row, or the only one; then each pixel that
 ///   is still invalid takes the median along eight rays; then the background.
+/// - [`Fill::WeightedRays`]: as rays, but of each side of the row an occlusion sees the median of the three nearest values, and
+///   in the median along the rays a value weighs the more, the nearer its pixel's gray is to that of the pixel to fill.
 /// - [`Fill::Hirschmuller`]: occlusions take the second lowest value along eight rays and mismatches the median; then the
 ///   background. Hirschmüller 2008, section 2.6.
 ///
@@ -25,14 +28,16 @@ const RAYS: [Ray; 8] = [(-1, 0), (1, 0), (0, -1), (0, 1), (-1, -1), (1, 1), (-1,
 /// is filled from the next one. The result need not point into the right image:
 ///
 /// ```
-/// use gpu_stereo::{DisparityMap, Fill, Params, reference};
+/// use gpu_stereo::reference::{self, Plane};
+/// use gpu_stereo::{DisparityMap, Fill, Params};
 /// const NONE: i16 = DisparityMap::INVALID;
 /// let map = DisparityMap { width: 4, height: 2, data: vec![NONE, 32, NONE, 16, NONE, NONE, NONE, NONE] };
+/// let gray = Plane { width: 4, height: 2, data: vec![0; 8] };
 /// let mut params = Params::sgm(16);
 /// params.fill = Fill::Background;
-/// assert_eq!(reference::fill(&map, &map, &params).data, [32, 32, 16, 16, 32, 32, 16, 16]);
+/// assert_eq!(reference::fill(&map, &map, &gray, &params).data, [32, 32, 16, 16, 32, 32, 16, 16]);
 /// ```
-pub fn fill(map: &DisparityMap, right: &DisparityMap, params: &Params) -> DisparityMap {
+pub fn fill(map: &DisparityMap, right: &DisparityMap, gray: &Plane<u8>, params: &Params) -> DisparityMap {
     let occluded = |x, y| !mismatch(right, params, x, y);
     let map = match params.fill {
         Fill::None | Fill::Background => map.clone(),
@@ -40,6 +45,11 @@ pub fn fill(map: &DisparityMap, right: &DisparityMap, params: &Params) -> Dispar
             let row = |x, y| if occluded(x, y) { farther(&nearest(map, &AXES[0], x, y)) } else { INVALID };
             let map = filled(map, row);
             filled(&map, |x, y| median(&nearest(&map, &RAYS, x, y)))
+        }
+        Fill::WeightedRays => {
+            let row = |x, y| if occluded(x, y) { farther(&medians_of_sides(map, x, y)) } else { INVALID };
+            let map = filled(map, row);
+            filled(&map, |x, y| weighted_median(&map, gray, params.weighted_median_sigma, x, y))
         }
         Fill::Hirschmuller => filled(map, |x, y| {
             let values = nearest(map, &RAYS, x, y);
@@ -60,17 +70,39 @@ fn filled(map: &DisparityMap, value: impl Fn(i64, i64) -> i16) -> DisparityMap {
     DisparityMap { data: map.data.iter().enumerate().map(fill).collect(), ..*map }
 }
 
+/// The valid pixels on a ray, as indices, the nearest first.
+fn on_ray(map: &DisparityMap, (dx, dy): Ray, x: i64, y: i64) -> impl Iterator<Item = usize> {
+    let (width, height) = (i64::from(map.width), i64::from(map.height));
+    let points = (1..).map(move |n| (x + n * dx, y + n * dy));
+    let inside = points.take_while(move |&(x, y)| (0..width).contains(&x) && (0..height).contains(&y));
+    inside.map(move |(x, y)| (y * width + x) as usize).filter(|&i| map.data[i] != INVALID)
+}
+
 /// The nearest valid value on each ray that has one, in ascending order.
 fn nearest(map: &DisparityMap, rays: &[Ray], x: i64, y: i64) -> Vec<i16> {
-    let (width, height) = (i64::from(map.width), i64::from(map.height));
-    let on = |&(dx, dy): &Ray| {
-        let points = (1..).map(|n| (x + n * dx, y + n * dy));
-        let inside = points.take_while(|&(x, y)| (0..width).contains(&x) && (0..height).contains(&y));
-        inside.map(|(x, y)| map.data[(y * width + x) as usize]).find(|&value| value != INVALID)
-    };
+    let on = |&ray: &Ray| on_ray(map, ray, x, y).next().map(|i| map.data[i]);
     let mut values: Vec<i16> = rays.iter().filter_map(on).collect();
     values.sort_unstable();
     values
+}
+
+/// Of each side of the row that has valid values the median of the three nearest, or of as many as there are, in ascending order.
+fn medians_of_sides(map: &DisparityMap, x: i64, y: i64) -> Vec<i16> {
+    let side = |&ray: &Ray| {
+        let mut values: Vec<i16> = on_ray(map, ray, x, y).take(3).map(|i| map.data[i]).collect();
+        values.sort_unstable();
+        median(&values)
+    };
+    let mut medians: Vec<i16> = AXES[0].iter().map(side).filter(|&value| value != INVALID).collect();
+    medians.sort_unstable();
+    medians
+}
+
+/// The median along the rays, a value weighted by its pixel's gray. No weight is 0, so there is one wherever there is a value.
+fn weighted_median(map: &DisparityMap, gray: &Plane<u8>, sigma: u32, x: i64, y: i64) -> i16 {
+    let own = gray.clamped(x, y);
+    let weighted = |i: usize| (map.data[i], 1 + median_weight(i32::from(gray.data[i]).abs_diff(own), sigma));
+    weighted_middle(RAYS.iter().filter_map(|&ray| on_ray(map, ray, x, y).next()).map(weighted).collect())
 }
 
 fn farther(values: &[i16]) -> i16 {

@@ -19,7 +19,7 @@ pub use median::median;
 pub use speckle::speckle;
 pub use texture::texture;
 pub use validity::{Content, validity};
-pub(crate) use weighted_median::{median_decay, median_spacing};
+pub(crate) use weighted_median::{median_decay, median_spacing, weighted_middle};
 pub use weighted_median::{median_weight, weighted_median};
 pub(crate) use wls::wls_bits;
 pub use wls::{wls, wls_couplings};
@@ -43,7 +43,7 @@ pub(crate) fn filtered(
         Filter::LrCheck => lr_check(map, right, params.lr_check?),
         Filter::Speckle => speckle(map, params.speckle_window, params.speckle_range),
         Filter::Median => median(map, params.median.side()?),
-        Filter::Fill => fill(map, right, params),
+        Filter::Fill => fill(map, right, luma, params),
         Filter::WeightedMedian => weighted_median(map, luma, params.weighted_median?, params),
         Filter::Wls => wls(map, luma, params.wls.as_ref()?, params),
     })

@@ -38,17 +38,20 @@ pub fn weighted_median(map: &DisparityMap, gray: &Plane<u8>, radius: u32, params
             let difference = gray.clamped(u, v).abs_diff(gray.clamped(x, y));
             (at(u, v), median_weight(difference, params.weighted_median_sigma))
         };
-        let mut values: Vec<(i16, u32)> =
-            around.filter(inside).map(weighted).filter(|&(value, _)| value != DisparityMap::INVALID).collect();
-        values.sort_unstable();
-        let total: u32 = values.iter().map(|&(_, weight)| weight).sum();
-        let mut reached = 0;
-        let enough = |&&(_, weight): &&(i16, u32)| {
-            reached += weight;
-            2 * reached >= total
-        };
-        values.iter().find(enough).map_or(DisparityMap::INVALID, |&(value, _)| value)
+        weighted_middle(around.filter(inside).map(weighted).filter(|&(value, _)| value != DisparityMap::INVALID).collect())
     };
     let rows = (0..height).into_par_iter().flat_map_iter(|y| (0..width).map(move |x| (x, y)));
     DisparityMap { data: rows.map(|(x, y)| middle(x, y)).collect(), ..*map }
+}
+
+/// The smallest value for which it and all smaller ones have at least half of the weight; of none, invalid.
+pub(crate) fn weighted_middle(mut values: Vec<(i16, u32)>) -> i16 {
+    values.sort_unstable();
+    let total: u32 = values.iter().map(|&(_, weight)| weight).sum();
+    let mut reached = 0;
+    let enough = |&&(_, weight): &&(i16, u32)| {
+        reached += weight;
+        2 * reached >= total
+    };
+    values.iter().find(enough).map_or(DisparityMap::INVALID, |&(value, _)| value)
 }

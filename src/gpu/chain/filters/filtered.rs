@@ -70,7 +70,7 @@ fn filter_step(
             map_step(b, kernel, [&reads, &[]], written)
         }
         Steps::Speckle => speckle(b),
-        Steps::Fill => fill(b, right),
+        Steps::Fill => fill(b, right, gray),
         Steps::Wls => {
             let couplings = b.params.wls.as_ref().map_or_else(Vec::new, reference::wls_couplings);
             wls(b, gray, couplings)

@@ -92,7 +92,7 @@ fn cases() -> Vec<(bool, Params)> {
     filters(&mut filtered);
     cases.push((false, filtered));
     cases.push((false, Params { fill: Fill::Hirschmuller, block: 51, prefilter: Prefilter::Normalized, ..sgm(20) }));
-    cases.push((false, Params { block: 1, ..sgm(64) }));
+    cases.push((false, Params { block: 1, fill: Fill::WeightedRays, ..sgm(64) }));
     for (i, disparities) in (0..).zip([8, 40, 96, 130]) {
         let schedule = [Schedule::PerThread, Schedule::PerSubgroup][i / 2 % 2];
         cases.push((i % 2 == 1, Params { bp_levels: 2, bp_iterations: 2, schedule, ..Params::bp(disparities) }));
@@ -132,7 +132,7 @@ fn too_few_rounds_are_noticed() {
     }
     let mut filtered = Params { adaptive_p2: true, ..Params::sgm(21) };
     filters(&mut filtered);
-    let pixels = Params { block: 1, ..Params::sgm(21) };
+    let pixels = Params { block: 1, fill: Fill::WeightedRays, ..Params::sgm(21) };
     let passes = Params { passes: 2, ..Params::sgm(21) };
     let wide = Params { block: 17, ..Params::sgm(21) };
     let columns = Params { block: 17, ..Params::bm(21) };
@@ -143,6 +143,9 @@ fn too_few_rounds_are_noticed() {
         ("winner", &filtered),
         ("fill_rows", &filtered),
         ("fill_lines", &filtered),
+        ("fill_rows_medians", &pixels),
+        ("fill_rows_gray", &pixels),
+        ("fill_lines_gray", &pixels),
         ("wls_forward", &filtered),
         ("matching_cost_pixels", &pixels),
         ("matching_cost", &wide),

@@ -191,6 +191,12 @@ pub(crate) fn rays(params: &mut Params) {
     (params.p1, params.p2, params.fill) = (2, 9, Fill::Rays);
 }
 
+/// The same, with grays that differ by a few sigma.
+pub(crate) fn weighted_rays(params: &mut Params) {
+    rays(params);
+    (params.fill, params.weighted_median_sigma) = (Fill::WeightedRays, 9);
+}
+
 /// Small regions of many sizes.
 pub(crate) fn speckle(params: &mut Params) {
     (params.p1, params.p2, params.lr_check) = (0, 3, None);
