@@ -7,7 +7,7 @@ use crate::cpu::paths::{Aggregation, Buffers};
 use crate::cpu::{LANES, check};
 use crate::image_view::check_made_for;
 use crate::reference::{ensure_memory, follow};
-use crate::{Error, ImageView, Matched, Method, Params, PixelFormat, StageTime, memory};
+use crate::{Error, Fill, ImageView, Matched, Method, Params, PixelFormat, StageTime, memory};
 use std::fmt;
 
 /// Matches pairs on the CPU, by the native schedule: the same results as [`crate::reference::compute_all`], to the bit, in a
@@ -48,7 +48,8 @@ fn bytes(size: [u32; 2], params: &Params, instructions: Instructions, buffers: &
     let [width, height, threads] = [width, height, threads].map(|count| count as u64);
     let (columns, padded) = (width + 2 * u64::from(params.radius()), u64::from(params.disparities) + LANES as u64);
     let planes = PLANES * height * (2 * columns + padded);
-    paths + planes + ROW_BYTES * threads * columns * padded + PIXEL_BYTES * width * height
+    let pixel = PIXEL_BYTES + if params.fill == Fill::WeightedRays { GRAY_BYTES } else { 0 };
+    paths + planes + ROW_BYTES * threads * columns * padded + pixel * width * height
 }
 
 /// About the bytes per column and disparity that a thread takes for the costs of a row, and for the sums that they are made of.
@@ -59,6 +60,9 @@ const PLANES: u64 = 9;
 
 /// About the bytes per pixel that images, penalties and maps take.
 const PIXEL_BYTES: u64 = 36;
+
+/// About the bytes per pixel that the gray takes that comes along with values to fill holes.
+const GRAY_BYTES: u64 = 16;
 
 impl CpuMatcher {
     /// A matcher for pairs of `width` x `height` pixels in `format`.
