@@ -356,7 +356,7 @@ fn bands() {
 /// Images of which a binding holds a part of the rows: planes in pieces, maps by lots, trees in parts, whatever follows.
 #[test]
 fn images_beyond_a_binding() {
-    let setup = support::device_with(|_, limits| limits.max_storage_buffer_binding_size = 24 << 10);
+    let setup = support::device_with(|_, limits| limits.max_storage_buffer_binding_size = 28 << 10);
     let Some(setup) = setup else { return };
     let camera = Camera::new(700.0, 0.2);
     for (seed, (width, height)) in (0..).zip([(45, 320), (31, 500), (13, 1000)]) {
