@@ -503,7 +503,10 @@ fn bad_parameters() {
         (&["--disp", "16", "--speckle-window", "on"], &["--speckle-window is on,", "a whole number or off"]),
         (&["--disp", "16", "--speckle-range", "off"], &["--speckle-range is off,", "a whole number"]),
         (&["--disp", "16", "--speckle-range", "5000"], &["--speckle-range is 5000,", "0 to 4095"]),
-        (&["--disp", "16", "--fill", "all"], &["--fill is all,", "none, background, rays, weighted-rays, hirschmuller"]),
+        (
+            &["--disp", "16", "--fill", "all"],
+            &["--fill is all,", "none, background, rays, weighted-rays, hirschmuller"],
+        ),
         (&["--disp", "16", "--weighted-median", "16"], &["--weighted-median is 16,", "1 to 15"]),
         (&["--disp", "16", "--weighted-median", "0"], &["--weighted-median is 0,", "off"]),
         (&["--disp", "16", "--weighted-median-sigma", "256"], &["--weighted-median-sigma is 256,", "1 to 255"]),

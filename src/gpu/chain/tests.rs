@@ -207,8 +207,9 @@ fn speckle_of_long_maps() {
 }
 
 fn fill(setup: &Setup, left: &DisparityMap, right: &DisparityMap, lr_check: Option<u32>) {
-    for (fill, shader_checks) in
-        [Fill::Background, Fill::Rays, Fill::WeightedRays, Fill::Hirschmuller].into_iter().zip([false, true, true, false])
+    for (fill, shader_checks) in [Fill::Background, Fill::Rays, Fill::WeightedRays, Fill::Hirschmuller]
+        .into_iter()
+        .zip([false, true, true, false])
     {
         let base = Params { block: 1, shader_checks, schedule: Schedule::PerSubgroup, ..Params::bm(40) };
         let params = Params { fill, min_disparity: -3, ..base };

@@ -38,7 +38,9 @@ pub fn weighted_median(map: &DisparityMap, gray: &Plane<u8>, radius: u32, params
             let difference = gray.clamped(u, v).abs_diff(gray.clamped(x, y));
             (at(u, v), median_weight(difference, params.weighted_median_sigma))
         };
-        weighted_middle(around.filter(inside).map(weighted).filter(|&(value, _)| value != DisparityMap::INVALID).collect())
+        weighted_middle(
+            around.filter(inside).map(weighted).filter(|&(value, _)| value != DisparityMap::INVALID).collect(),
+        )
     };
     let rows = (0..height).into_par_iter().flat_map_iter(|y| (0..width).map(move |x| (x, y)));
     DisparityMap { data: rows.map(|(x, y)| middle(x, y)).collect(), ..*map }

@@ -60,7 +60,11 @@ impl Filling {
         let map_stride = b.sizes.frame.map_stride;
         let occlusions = Dispatch { own: FillOwn { occlusions: 1 }.into(), ..Dispatch::default() };
         let fill = b.params.fill;
-        if fill == Fill::WeightedRays { self.medians(b, map) } else { self.rows(b, map) }
+        if fill == Fill::WeightedRays {
+            self.medians(b, map)
+        } else {
+            self.rows(b, map)
+        }
         let storage = [by_rows(b, right), Buffer(&self.seen)];
         b.step_rows("fill_seen", &storage, Dispatch::default(), map_stride / 4, 1, Written::Part);
         if fill == Fill::Hirschmuller {
