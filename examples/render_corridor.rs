@@ -6,11 +6,14 @@
 //! Only integer hashes, the four operations, floor and sqrt are used, which IEEE 754 defines to the bit: every
 //! platform writes the same files.
 
-use std::array::from_fn;
 use std::path::Path;
 
-use image::{ExtendedColorType, ImageEncoder, codecs::png};
+use image::ExtendedColorType;
 use rayon::prelude::*;
+
+mod caster;
+
+use caster::{Shape, V, add, dot, hash, pfm, png, unit, value_noise};
 
 // The camera: x to the right, y downwards, z forwards, in metres; pixel centres at whole coordinates.
 const WIDTH: usize = 400;
@@ -23,81 +26,6 @@ const SAMPLES: usize = 8; // along each side of a pixel
 const LEFT: f64 = 0.0; // x of the cameras
 const RIGHT: f64 = BASELINE;
 const LIGHT: V = [0.45, -0.45, 0.9];
-
-type V = [f64; 3];
-
-fn add(a: V, b: V, scale: f64) -> V {
-    from_fn(|i| a[i] + b[i] * scale)
-}
-
-fn dot(a: V, b: V) -> f64 {
-    a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
-}
-
-fn unit(a: V) -> V {
-    let length = dot(a, a).sqrt();
-    a.map(|v| v / length)
-}
-
-enum Shape {
-    /// All points whose coordinate `axis` is `at`.
-    Plane {
-        axis: usize,
-        at: f64,
-    },
-    Sphere {
-        centre: V,
-        radius: f64,
-    },
-    /// Upright, open below.
-    Cone {
-        apex: V,
-        height: f64,
-        radius: f64,
-    },
-}
-
-impl Shape {
-    /// The smallest t > `after` at which `from + t * along` lies on the shape.
-    fn hit(&self, from: V, along: V, after: f64) -> Option<f64> {
-        match *self {
-            Shape::Plane { axis, at } => Some((at - from[axis]) / along[axis]).filter(|&t| t > after && t.is_finite()),
-            Shape::Sphere { centre, radius } => {
-                let offset = add(from, centre, -1.0);
-                let roots = roots(dot(along, along), dot(offset, along), dot(offset, offset) - radius * radius);
-                roots.into_iter().find(|&t| t > after)
-            }
-            Shape::Cone { apex, height, radius } => {
-                // x^2 + z^2 = slope y^2 seen from the apex: a dot product that counts y negatively.
-                let slope = (radius / height) * (radius / height);
-                let across = |a: V, b: V| a[0] * b[0] - slope * a[1] * b[1] + a[2] * b[2];
-                let offset = add(from, apex, -1.0);
-                let mut roots = roots(across(along, along), across(offset, along), across(offset, offset));
-                roots.sort_by(f64::total_cmp);
-                roots.into_iter().find(|&t| t > after && (0.0..=height).contains(&(offset[1] + t * along[1])))
-            }
-        }
-    }
-
-    /// The normal at `point`, towards `from`.
-    fn normal(&self, point: V, from: V) -> V {
-        let normal = match *self {
-            Shape::Plane { axis, .. } => from_fn(|i| f64::from(u8::from(i == axis))),
-            Shape::Sphere { centre, .. } => unit(add(point, centre, -1.0)),
-            Shape::Cone { apex, height, radius } => {
-                let offset = add(point, apex, -1.0);
-                unit([offset[0], -offset[1] * (radius / height) * (radius / height), offset[2]])
-            }
-        };
-        if dot(normal, add(from, point, -1.0)) < 0.0 { normal.map(|v| -v) } else { normal }
-    }
-}
-
-/// The solutions of a t^2 + 2 b t + c = 0, the smaller first where a > 0; NaN where there is none.
-fn roots(a: f64, b: f64, c: f64) -> [f64; 2] {
-    let root = (b * b - a * c).sqrt();
-    [(-b - root) / a, (-b + root) / a]
-}
 
 /// A surface: its shape and its colour at a point.
 struct Surface {
@@ -167,33 +95,6 @@ fn speckled(colour: V, point: V, seed: u32) -> V {
     colour.map(|v| v * (1.0 + 0.65 * noise).max(0.1))
 }
 
-/// Random values 0 to 1 at whole coordinates, interpolated between them.
-fn value_noise(point: V, seed: u32) -> f64 {
-    let base = point.map(f64::floor);
-    let weight: V = from_fn(|i| {
-        let t = point[i] - base[i];
-        t * t * (3.0 - 2.0 * t)
-    });
-    let mut sum = 0.0;
-    for corner in 0..8 {
-        let far: [bool; 3] = from_fn(|i| corner >> i & 1 == 1);
-        let share = |i: usize| if far[i] { weight[i] } else { 1.0 - weight[i] };
-        sum += share(0) * share(1) * share(2) * hash(from_fn(|i| base[i] as i64 + i64::from(far[i])), seed);
-    }
-    sum
-}
-
-/// A random value 0 to 1 for a point of the lattice.
-fn hash(point: [i64; 3], seed: u32) -> f64 {
-    let mut h = seed;
-    for v in point {
-        h = (h ^ v as u32).wrapping_mul(0x7feb_352d);
-        h = (h ^ h >> 15).wrapping_mul(0x846c_a68b);
-        h ^= h >> 16;
-    }
-    f64::from(h) / f64::from(u32::MAX)
-}
-
 /// The first surface on a ray, and where.
 fn first(scene: &[Surface], from: V, along: V, after: f64) -> Option<(&Surface, f64)> {
     let hits = scene.iter().filter_map(|s| s.shape.hit(from, along, after).map(|t| (s, t)));
@@ -249,20 +150,6 @@ fn visible_from_right(scene: &[Surface], disparity: &[f64]) -> Vec<u8> {
     disparity.iter().enumerate().map(visible).collect()
 }
 
-/// A little-endian PFM: rows from the bottom.
-fn pfm(values: &[f64]) -> Vec<u8> {
-    let mut bytes = format!("Pf\n{WIDTH} {HEIGHT}\n-1.0\n").into_bytes();
-    bytes.extend(values.chunks_exact(WIDTH).rev().flatten().flat_map(|&v| (v as f32).to_le_bytes()));
-    bytes
-}
-
-fn png(samples: &[u8], colour: ExtendedColorType) -> Result<Vec<u8>, Box<dyn std::error::Error>> {
-    let mut bytes = Vec::new();
-    let encoder = png::PngEncoder::new_with_quality(&mut bytes, png::CompressionType::Best, png::FilterType::Adaptive);
-    encoder.write_image(samples, WIDTH as u32, HEIGHT as u32, colour)?;
-    Ok(bytes)
-}
-
 fn main() -> Result<(), Box<dyn std::error::Error>> {
     let here = Path::new(env!("CARGO_MANIFEST_DIR")).join("data/corridor");
     let directory = std::env::args_os().nth(1).map_or(here, Into::into);
@@ -277,11 +164,11 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
         y = CENTRE[1],
     );
     let files = [
-        ("left.png", png(&picture(&scene, LEFT), ExtendedColorType::Rgb8)?),
-        ("right.png", png(&picture(&scene, RIGHT), ExtendedColorType::Rgb8)?),
-        ("disp_left.pfm", pfm(&left)),
-        ("disp_right.pfm", pfm(&right)),
-        ("nonocc_left.png", png(&visible, ExtendedColorType::L8)?),
+        ("left.png", png(&picture(&scene, LEFT), WIDTH, ExtendedColorType::Rgb8)?),
+        ("right.png", png(&picture(&scene, RIGHT), WIDTH, ExtendedColorType::Rgb8)?),
+        ("disp_left.pfm", pfm(&left, WIDTH)),
+        ("disp_right.pfm", pfm(&right, WIDTH)),
+        ("nonocc_left.png", png(&visible, WIDTH, ExtendedColorType::L8)?),
         ("calib.txt", calib.into_bytes()),
     ];
     std::fs::create_dir_all(&directory)?;
