@@ -65,7 +65,7 @@ fn render(options: &Options, seed: u64, directory: &Path) -> Result<String, Box<
         Picture { samples: view.exposed(&lights[i], &side), disparities }
     });
     let visible = view.visible_from_right(&scene, &pictures[0].disparities);
-    let most = pictures.iter().flat_map(|p| &p.disparities).fold(0_f64, |a, &b| a.max(b));
+    let most = pictures[0].disparities.iter().fold(0_f64, |a, &b| a.max(b));
     let disparities = (most as u32 + 16) / 16 * 16;
     let (x, y) = ((width - 1) as f64 / 2.0, (height - 1) as f64 / 2.0);
     let camera = format!("[{focal} 0 {x}; 0 {focal} {y}; 0 0 1]");

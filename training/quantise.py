@@ -14,6 +14,8 @@ import numpy as np
 import pairs
 from features import LAST, Layer, Network, normalised, write, write_compact
 
+LICENSE = "Apache-2.0, Copyright (c) 2026 Centre National d'Etudes Spatiales (CNES)"
+
 
 def folded(path):
     """The layers of the ONNX file as (kind, activation, weight, bias) in floats, its first two made one."""
@@ -70,20 +72,33 @@ def quantised_layer(kind, activation, weight, bias, scale_in, scale_out):
     return Layer(kind, activation, whole.astype(np.int8), offset.astype(np.int32), m, s)
 
 
-def quantised(layers, images, share=0.9995):
-    """The network in integers. Each channel's scale lets `share` of its values in `images` fit its range."""
+def balanced(layers, images, share=0.999, span=4.0):
+    """Layers that give the same features, and the span of each channel's values in `images` for `share` of the pixels.
+
+    Each channel is divided so that its span is `span`, unless it is hardly used, and the next layer multiplied.
+    """
     values = [normalised(image)[None].astype(np.float32) / 32 for image in images]
-    scale = np.full(1, 32.0)
-    result = []
+    result, factor = [], np.ones(1)
     for i, (kind, activation, weight, bias) in enumerate(layers):
+        weight = weight * (factor[:, None, None, None] if kind == "depthwise" else factor[None, :, None, None])
         values = [float_layer(kind, activation, weight, bias, v) for v in values]
         sizes = np.concatenate([np.abs(v.reshape(len(v), -1)) for v in values], 1)
-        if i + 1 < len(layers):
-            largest = np.quantile(sizes, share, axis=1)
-            scale_out = 127 / np.maximum(largest, largest.max() / 64)  # a channel that is hardly used needs no scale of its own
-        else:
-            scale_out = np.full(len(weight), LAST / np.quantile(sizes, 0.9999))
-        result.append(quantised_layer(kind, activation, weight, bias, scale, scale_out))
+        largest = np.quantile(sizes, share, axis=1)
+        if i + 1 == len(layers):
+            largest[:] = np.quantile(sizes, 0.9999)
+        factor = np.maximum(largest, largest.max() / 64) / span
+        values = [v / factor[:, None, None].astype(np.float32) for v in values]
+        result.append((kind, activation, weight / factor[:, None, None, None], bias / factor))
+    return result
+
+
+def quantised(layers, images, span=4.0):
+    """The network in integers, from layers in floats; `images` tell what their values are."""
+    scale, result = np.full(1, 32.0), []
+    for layer in balanced(layers, images, span=span):
+        outputs = len(layer[2])
+        scale_out = np.full(outputs, (LAST if len(result) + 1 == len(layers) else 127) / span)
+        result.append(quantised_layer(*layer, scale, scale_out))
         scale = scale_out
     return Network(result)
 
@@ -98,7 +113,7 @@ def main():
     network = quantised(folded(options.onnx), images)
     network.metadata = {
         "source": "CNES MC-CNN 1.4.1, mc_cnn_fast_dw.onnx, quantised by training/quantise.py of gpu-stereo",
-        "license": "Apache-2.0, Copyright (c) 2026 Centre National d'Etudes Spatiales (CNES)",
+        "license": LICENSE,
     }
     write(network, options.out.with_suffix(".safetensors"))
     write_compact(network, options.out.with_suffix(".bin"))

@@ -67,7 +67,7 @@ impl Builder<'_> {
         let upright = self.chance.happens(0.5);
         let frame = if upright { self.turned() } else { self.chance.frame([0.0, 0.0, -1.0], 1.5) };
         let material = self.material(frame, at[2]);
-        let half = [0; 3].map(|_| size * self.chance.skewed(0.15, 1.0));
+        let half = [0; 3].map(|_| size * self.chance.within(0.15, 1.0));
         match self.chance.below(10) {
             0..3 => self.put(Solid::Block { centre: at, axes: frame, half }, material),
             3..5 => self.put(Solid::Plain(Shape::Sphere { centre: at, radius: half[0] }), material),
@@ -98,8 +98,13 @@ impl Builder<'_> {
         let (left, right) = (-self.chance.within(0.5, 1.6), self.chance.within(0.5, 1.6));
         let (above, below) = (-self.chance.within(0.5, 1.5), self.chance.within(0.3, 0.9));
         let [x, y, z] = [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]];
-        let walls = [(x, [left, 0.0, depth / 2.0]), (x, [right, 0.0, depth / 2.0]), (y, [0.0, above, depth / 2.0]),
-            (y, [0.0, below, depth / 2.0]), (z, [0.0, 0.0, depth])];
+        let walls = [
+            (x, [left, 0.0, depth / 2.0]),
+            (x, [right, 0.0, depth / 2.0]),
+            (y, [0.0, above, depth / 2.0]),
+            (y, [0.0, below, depth / 2.0]),
+            (z, [0.0, 0.0, depth]),
+        ];
         for (facing, middle) in walls {
             let tilt = self.chance.within(0.0, 0.25);
             let facing = unit(add(facing, self.chance.direction(), tilt));
@@ -116,7 +121,7 @@ impl Builder<'_> {
         for _ in 0..self.chance.below(16) + 6 {
             let z = depth * self.chance.within(0.3, 1.0);
             let at = self.chance.point([left, above, z], [right, below, z]);
-            let size = self.chance.skewed(0.04, 0.45);
+            let size = self.chance.within(0.06, 0.6);
             self.thing(at, size);
         }
         false
@@ -144,7 +149,10 @@ impl Builder<'_> {
                     wall = wall.with_windows(self.chance.within(0.8, 2.5));
                 }
                 let half = [3.0 - setback, height / 2.0, length / 2.0];
-                self.put(Solid::Block { centre, axes: [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]], half }, wall);
+                self.put(
+                    Solid::Block { centre, axes: [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]], half },
+                    wall,
+                );
                 z += length + self.chance.skewed(0.0, 6.0);
             }
         }
@@ -201,7 +209,7 @@ impl Builder<'_> {
         for _ in 0..self.chance.below(25) + 8 {
             let z = self.chance.within(1.0, depth);
             let at = self.chance.point([-0.6 * z, -0.45 * z, z], [0.6 * z, 0.45 * z, z]);
-            let size = z * self.chance.skewed(0.02, 0.3);
+            let size = z * self.chance.within(0.03, 0.4);
             self.thing(at, size);
         }
         false

@@ -41,7 +41,7 @@ impl Material {
         use Pattern::{Bricks, Checks, Clouds, Panes, Plain, Spots, Stripes};
         let patterns = [Plain, Plain, Clouds, Clouds, Clouds, Checks, Bricks, Stripes, Spots, Panes];
         let first = chance.point([0.08; 3], [0.85; 3]);
-        let gray = chance.within(0.1, 1.0); // most things have little colour
+        let gray = chance.within(0.3, 1.0); // most things have little colour
         let level = (first[0] + first[1] + first[2]) / 3.0;
         let first = first.map(|v| v * (1.0 - gray) + level * gray);
         let share = chance.within(0.3, 1.7);

@@ -8,4 +8,4 @@ mod solid;
 
 pub use camera::{Picture, Side, View};
 pub use chance::Chance;
-pub use layout::{Scene, random_scene};
+pub use layout::random_scene;
