@@ -122,7 +122,8 @@ def sums(layer, values):
         for dx in range(3):
             near = padded[:, dy : dy + height, dx : dx + width]
             if layer.kind == "depthwise":
-                out += weight[:, 0, dy, dx][:, None, None] * near
+                for o in range(len(out)):
+                    out[o] += weight[o, 0, dy, dx] * near[o]
             else:
                 out += np.tensordot(weight[:, :, dy, dx], near, 1)
     return out
@@ -130,12 +131,14 @@ def sums(layer, values):
 
 def apply(layer, values, last):
     """A layer on int16 [channel][y][x]."""
-    m, s = (a.astype(np.int64)[:, None, None] for a in (layer.multiplier, layer.shift))
     out = np.empty((len(layer.weight), *values.shape[1:]), np.int16)
     acc = sums(layer, values)
     low, high = (0 if layer.activation == "relu" else -127, 127) if not last else (-LAST, LAST)
-    for o in range(len(out)):  # a channel at a time: 64-bit products are large
-        scaled = (acc[o].astype(np.int64) * m[o] + (1 << (s[o] - 1))) >> s[o]
+    for o, (m, s) in enumerate(zip(layer.multiplier, layer.shift)):
+        scaled = acc[o].astype(np.int32)  # `check` has seen that the products fit 32 bits
+        scaled *= m
+        scaled += np.int32(1 << (int(s) - 1))
+        scaled >>= s
         out[o] = np.clip(scaled, low, high)
     return out
 

@@ -26,7 +26,7 @@ after(() => rmSync(folder, { recursive: true, force: true }));
 test("it holds what it needs, and no more", () => {
     const files = readdirSync(join(folder, "node_modules/gpu-stereo")).sort();
     assert.deepEqual(files, [
-        "LICENSE-APACHE", "LICENSE-MIT", "README.md", "gpu_stereo_cpu.js", "gpu_stereo_cpu_bg.wasm", "gpu_stereo_gpu.js", "gpu_stereo_gpu_bg.wasm", "index.d.ts",
+        "LICENSE-APACHE", "LICENSE-MIT", "NOTICE", "README.md", "gpu_stereo_cpu.js", "gpu_stereo_cpu_bg.wasm", "gpu_stereo_gpu.js", "gpu_stereo_gpu_bg.wasm", "index.d.ts",
         "index.js", "package.json",
     ]);
 });
