@@ -109,6 +109,7 @@ mod color;
 pub mod cpu;
 mod error;
 pub mod evaluation;
+pub mod features;
 #[cfg(feature = "files")]
 #[cfg_attr(docsrs, doc(cfg(feature = "files")))]
 pub mod files;
@@ -128,6 +129,7 @@ mod yuv;
 pub use check::{Mismatch, StageCheck};
 pub use color::{Colors, turbo};
 pub use error::Error;
+pub use features::FeatureNetwork;
 #[cfg(feature = "gpu")]
 #[cfg_attr(docsrs, doc(cfg(feature = "gpu")))]
 pub use gpu::interop::{Inputs, Outputs, PixelBuffer, TextureLayer, YuvPicture};

@@ -71,6 +71,38 @@ def smoothed(table):
     return zip(*(smoothed_row(column) for column in zip(*rows)))
 
 
+def angle(l, p):
+    return clamp((28900 - sum((a - 128) * (b - 128) for a, b in zip(l, p))) >> 7, 0, 225)
+
+
+def network_of(case):
+    """The layers of a case, or the network of the library."""
+    if case.get("features") == "formula":
+        return formula_network()
+    if "features" in case:
+        return [(layer["kind"], layer["relu"], layer["outputs"]) for layer in case["features"]]
+    return library_network()
+
+
+@functools.lru_cache(maxsize=1)
+def library_network():
+    with open(os.path.join(os.path.dirname(os.path.abspath(__file__)), "../src/features/weights.bin"), "rb") as file:
+        data = file.read()
+    layers = [("convolution", True, 9)] + 4 * [("depthwise", False, 9), ("point", True, 64)]
+    layers[-1] = ("point", False, 64)
+    found, at = [], 0
+    for kind, relu, each in layers:
+        weights = array.array("b", data[at : at + 64 * each])
+        words = array.array("i", data[at + 64 * each : at + 64 * each + 3 * 256])
+        if sys.byteorder == "big":
+            words.byteswap()
+        at += 64 * each + 3 * 256
+        outputs = [(weights[o * each : (o + 1) * each], words[o], words[64 + o], words[128 + o]) for o in range(64)]
+        found.append((kind, relu, outputs))
+    assert at == len(data)
+    return found
+
+
 def arc_tangent(r):
     for _ in range(4):
         r = r / (1.0 + math.sqrt(1.0 + r * r))
@@ -313,6 +345,59 @@ class Chain:
             found.append(last + (sum(bit(dx, 0) << (7 + dx) for dx in range(-4, 0)) if symmetric else 0))
         return found
 
+    def feature_statistics(self, f, u):
+        """The mean and the deviation."""
+        deep = [v if u == 257 else 256 * v for row in f for v in row]
+        shift = 0
+        while len(deep) >> shift > 8192:
+            shift += 1
+        counts = [0] * 1024
+        for v in deep:
+            counts[v >> 6] += 1
+        some = [(n + ((1 << shift) // 2)) >> shift for n in counts]
+        number, total = sum(some), sum(n * k for k, n in enumerate(some))
+        centre, mean = total // number, 64 * total // number
+        spread = sum(n * (k - centre) ** 2 for k, n in enumerate(some))
+        variance = 256 * spread // number - ((mean - 64 * centre) ** 2 >> 4)
+        return [mean + (32 if u == 257 else 0), max(1, math.isqrt(variance))]
+
+    def features(self, f, u, statistics):
+        """The bytes of each pixel; a layer is (kind, relu, and for each output its weights, bias, multiplier and shift)."""
+        mean, deviation = statistics
+
+        def of_input(x, y):
+            a = (f[y][x] if u == 257 else 256 * f[y][x]) - mean
+            size = min(127, (16 * abs(a) + deviation) // (2 * deviation))
+            return -size if a < 0 else size
+
+        values, layers = [self.over_pixels(of_input)], network_of(self.case)
+        square = [(i, j) for j in (-1, 0, 1) for i in (-1, 0, 1)]
+        for n, (kind, relu, outputs) in enumerate(layers):
+            last = n == len(layers) - 1
+            low, high = (-2047, 2047) if last else (0, 127) if relu else (-127, 127)
+
+            def output(o, weights, bias, multiplier, shift, values=values, kind=kind, low=low, high=high):
+                channels = [values[o]] if kind == "depthwise" else values
+                taps = [(v, i, j) for v in channels for i, j in (((0, 0),) if kind == "point" else square)]
+                taps = [(w, v, i, j) for w, (v, i, j) in zip(weights, taps) if w != 0]
+
+                def value(x, y):
+                    acc = bias + sum(w * self.at(v, x + i, y + j) for w, v, i, j in taps)
+                    return clamp((acc * multiplier + (1 << (shift - 1))) >> shift, low, high)
+
+                return self.over_pixels(value)
+
+            values = [output(o, *numbers) for o, numbers in enumerate(outputs)]
+
+        def bytes_of(x, y):
+            v = [channel[y][x] for channel in values]
+            total = sum(a * a for a in v)
+            length = math.isqrt(total - 1) + 1 if total > 0 else 0
+            sizes = [min(127, (340 * abs(a) + length) // (2 * length)) if length > 0 else 0 for a in v]
+            return [128 + (-size if a < 0 else size) for a, size in zip(v, sizes)]
+
+        return self.over_pixels(bytes_of)
+
     def descriptors(self, channels, u):
         cost, n = self.case["cost"], self.block**2
 
@@ -327,7 +412,7 @@ class Chain:
                 a, b = ((v + level(self.at(f, x + i, y), u)) // 2 for i in (-1, 1))
                 return [v, min(v, a, b), max(v, a, b)]
             found = self.census(f, x, y) if self.census_bytes else []
-            if cost in ("sad-xy", "census-sobel"):
+            if cost in ("sad-xy", "census-sobel", "learned-census"):
                 found += [self.clipped(g) for g in self.derivatives(f, u, x, y)]
             if cost == "ad-census":
                 found.append(v)
@@ -338,6 +423,9 @@ class Chain:
 
     def mix(self, a, b):
         return min(255, (self.case["ad_weight"] * a + self.case["census_weight"] * b + 8) >> 4)
+
+    def blend(self, a, b):
+        return min(255, (self.case["learned_weight"] * a + self.case["census_weight"] * b + 32) >> 6)
 
     def largest_pixel_cost(self):
         v = 255 if self.case["prefilter"] == "none" else 2 * self.cap
@@ -353,12 +441,16 @@ class Chain:
             "census": self.census_bits,
             "census-sobel": 2 * self.census_bits + 4 * self.cap,
             "ad-census": max(1, self.mix(v, self.census_bits)),
+            "learned": 225,
+            "learned-census": max(1, self.blend(225, 2 * self.census_bits + 4 * self.cap)),
         }[self.case["cost"]]
 
     def pixel_cost(self, l, p):
         cost, i = self.case["cost"], self.census_bytes
         if cost == "mi":
             return self.table[l[0]][p[0]]
+        if cost == "learned":
+            return angle(l, p)
         if cost in ("bt", "bt-gray"):
 
             def between(i):
@@ -384,8 +476,9 @@ class Chain:
             return difference[0] + difference[1]
         if cost == "census":
             return bits
-        if cost == "census-sobel":
-            return 2 * bits + difference[i] + difference[i + 1]
+        if cost in ("census-sobel", "learned-census"):
+            both = 2 * bits + difference[i] + difference[i + 1]
+            return both if cost == "census-sobel" else self.blend(angle(l[i + 2 :], p[i + 2 :]), both)
         return self.mix(difference[i], bits)
 
     def halve(self, image):
@@ -478,6 +571,7 @@ class Chain:
     def scale(self):
         largest = self.largest_total >> self.narrowing
         tops = {"census-sobel": 128 * self.largest_pixel_cost(), "mi": 64 * 1024}
+        tops.update({cost: 256 * self.largest_pixel_cost() for cost in ("learned", "learned-census")})
         top = tops.get(self.case["cost"], 59 * 1550)
         return (top * 2**14 + largest // 2) // largest
 
@@ -942,7 +1036,15 @@ class Chain:
         if case["cost"] == "zsad":
             yield "window_sums", [("I", self.window_sums(f, self.block)) for side in channels for f in side]
         units = units if case["prefilter"] == "none" else [1, 1]
+        features = None
+        if case["cost"].startswith("learned"):
+            statistics = [self.feature_statistics(f, unit) for (f,), unit in zip(channels, units)]
+            yield "feature_statistics", [("I", [numbers]) for numbers in statistics]
+            features = [self.features(f, unit, of) for (f,), unit, of in zip(channels, units, statistics)]
+            yield "features", [("B", side) for side in features]
         sides = [self.descriptors(side, unit) for side, unit in zip(channels, units)]
+        if features is not None:
+            sides = [self.over_pixels(lambda x, y: f[y][x] + g[y][x]) for f, g in zip(sides, features)]
         if case["cost"] == "bt-gray":
             grays = [self.descriptors([self.gray(*image)], 1) for image in (left, right)]
             sides = [self.over_pixels(lambda x, y: f[y][x] + g[y][x]) for f, g in zip(sides, grays)]
@@ -1103,6 +1205,20 @@ def seen_right(x, y, c):
     else:
         v = paint(x + 5, y, c)
     return min(v + (mixed(x, y, c + 8) >> 7), 65535)
+
+
+def formula_network():
+    """That of docs/VECTORS.md."""
+    layers = [("convolution", True, 8, 9), ("depthwise", False, 8, 9), ("point", True, 12, 8), ("point", False, 8, 12)]
+
+    def output(n, o, each):
+        weights = [mixed(k, o, 16 + n) % 255 - 127 for k in range(each)]
+        bias, multiplier, shift = (mixed(o, i, 24 + n) % m for i, m in enumerate((2001, 300, 3)))
+        return weights, bias - 1000, multiplier + 100, shift + 14
+
+    return [
+        (kind, relu, [output(n, o, each) for o in range(outputs)]) for n, (kind, relu, outputs, each) in enumerate(layers)
+    ]
 
 
 def vector_image(case, formula, kind):

@@ -54,9 +54,16 @@ impl Stages for Native<'_> {
         trace.done("gray", || (channels.each_ref().map(Channels::images), luma));
         let channels = channels.map(|channels| channels.prefiltered(params));
         trace.done("prefilter", || channels.each_ref().map(Channels::images));
-        let planes = [channels[0].planes(Side::Left, params), channels[1].planes(Side::Right, params)];
+        let features = channels.each_ref().map(|side| side.features(params));
+        let [left, right] = features.each_ref().map(Option::as_ref);
+        if let (Some(left), Some(right)) = (left, right) {
+            trace.show("feature_statistics", || [left.statistics, right.statistics]);
+            trace.done("features", || [left.descriptors(), right.descriptors()]);
+        }
+        let planes = [channels[0].planes(Side::Left, left, params), channels[1].planes(Side::Right, right, params)];
         // In the definition's layout both sides are laid out like the left one.
-        let descriptors = || channels.each_ref().map(|side| side.planes(Side::Left, params).descriptors(params));
+        let of = |side: usize| channels[side].planes(Side::Left, [left, right][side], params).descriptors(params);
+        let descriptors = || [of(0), of(1)];
         trace.done("descriptors", descriptors);
         let table = match params.has_table() {
             true => trace.table(&descriptors(), content, params, self),

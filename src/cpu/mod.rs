@@ -8,6 +8,7 @@ pub(crate) mod aligned;
 mod chain;
 mod check;
 pub(crate) mod cost;
+mod features;
 mod filters;
 pub(crate) mod images;
 pub(crate) mod instructions;

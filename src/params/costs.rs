@@ -25,9 +25,9 @@ pub(crate) struct CostRow {
     pub(crate) color: bool,
     /// Whether the gray image, which is not prefiltered, is described, too, after the prefiltered one.
     pub(crate) beside_gray: bool,
-    /// Whether it weights its descriptors by `ad-weight` and `census-weight`.
-    pub(crate) weighted: bool,
-    /// What it compares of a pixel, one after the other: at most one besides a census string.
+    /// The options that weight its descriptors.
+    pub(crate) weights: &'static [&'static str],
+    /// What it compares of a pixel, one after the other: at most one besides a census string and features, which come last.
     pub(crate) descriptors: &'static [Descriptor],
     /// What the cost of a pixel is.
     pub(crate) kind: Kind,
@@ -56,6 +56,8 @@ pub(crate) enum Descriptor {
     Gradients,
     /// The census string.
     Census,
+    /// What a network says of the pixels around it.
+    Features,
 }
 
 impl Descriptor {
@@ -66,13 +68,14 @@ impl Descriptor {
         ("DESCRIPTOR_GRADIENTS", Self::Gradients),
     ];
 
-    /// Its bytes.
-    pub(crate) fn planes(self, census: Census) -> u32 {
+    /// Its bytes, `features` of a network that makes so many.
+    pub(crate) fn planes(self, census: Census, features: u32) -> u32 {
         match self {
             Self::Value | Self::Excess => 1,
             Self::Interval => 3,
             Self::Gradients => 2,
             Self::Census => census.planes(),
+            Self::Features => features,
         }
     }
 
@@ -83,6 +86,7 @@ impl Descriptor {
             Self::Excess => 127 + ranges.value.min(127),
             Self::Gradients => 2 * ranges.cap,
             Self::Census => 0,
+            Self::Features => 255,
         }
     }
 }
@@ -122,10 +126,15 @@ pub(crate) struct Ranges {
     pub(crate) ad_weight: u32,
     /// Weight of a differing bit, in sixteenths.
     pub(crate) census_weight: u32,
+    /// Weight of the cost of features, in 64ths.
+    pub(crate) learned_weight: u32,
 }
 
 /// 1024 times the largest quantised cost: it gives 89.
 const TOP: u32 = 59 * 1550;
+
+/// The largest cost of two vectors of features: a right angle, 170 * 170 >> 7.
+const FEATURES_MAX: u32 = 225;
 
 /// The largest block, and the largest clip, where a cost sets no lower limit.
 const ANY_BLOCK: RangeInclusive<u32> = 1..=51;
@@ -173,7 +182,7 @@ costs! {
     /// Absolute differences.
     Sad {
         name: "sad", help: "absolute differences",
-        prefilter: Prefilter::XSobel, block: 5, methods: ALL, blocks: ANY_BLOCK, color: true, beside_gray: false, weighted: false,
+        prefilter: Prefilter::XSobel, block: 5, methods: ALL, blocks: ANY_BLOCK, color: true, beside_gray: false, weights: &[],
         descriptors: &[Descriptor::Value], kind: Kind::Difference,
         pixel_max: |of| of.value, largest_cap: ANY_CAP, top: |_| TOP,
         fragments: wgsl!("pixel_sad"), small_match: true,
@@ -181,7 +190,7 @@ costs! {
     /// Squared differences.
     Ssd {
         name: "ssd", help: "squared differences",
-        prefilter: Prefilter::XSobel, block: 5, methods: ALL, blocks: ANY_BLOCK, color: false, beside_gray: false, weighted: false,
+        prefilter: Prefilter::XSobel, block: 5, methods: ALL, blocks: ANY_BLOCK, color: false, beside_gray: false, weights: &[],
         descriptors: &[Descriptor::Value], kind: Kind::Product,
         pixel_max: |of| of.value * of.value, largest_cap: ANY_CAP, top: |_| TOP,
         fragments: wgsl!("pixel_ssd"), small_match: false,
@@ -189,7 +198,7 @@ costs! {
     /// Absolute differences after the mean of the block around each pixel is subtracted from it.
     ZeroMeanSad {
         name: "zsad", help: "absolute differences less the block's mean",
-        prefilter: Prefilter::None, block: 5, methods: ALL, blocks: ANY_BLOCK, color: false, beside_gray: false, weighted: false,
+        prefilter: Prefilter::None, block: 5, methods: ALL, blocks: ANY_BLOCK, color: false, beside_gray: false, weights: &[],
         descriptors: &[Descriptor::Excess], kind: Kind::Difference,
         pixel_max: |of| (2 * of.value).min(254), largest_cap: ANY_CAP, top: |_| TOP,
         fragments: wgsl!("pixel_sad"), small_match: false,
@@ -198,7 +207,7 @@ costs! {
     /// Insensitive to Image Sampling", IEEE TPAMI 20(4), 1998.
     BirchfieldTomasi {
         name: "bt", help: "Birchfield-Tomasi: the same between two pixels as on them",
-        prefilter: Prefilter::XSobel, block: 5, methods: ALL, blocks: ANY_BLOCK, color: true, beside_gray: false, weighted: false,
+        prefilter: Prefilter::XSobel, block: 5, methods: ALL, blocks: ANY_BLOCK, color: true, beside_gray: false, weights: &[],
         descriptors: &[Descriptor::Interval], kind: Kind::Difference,
         pixel_max: |of| of.value, largest_cap: ANY_CAP, top: |_| TOP,
         fragments: wgsl!("pixel_bt"), small_match: false,
@@ -206,7 +215,7 @@ costs! {
     /// [`Cost::BirchfieldTomasi`] of the prefiltered image, and a quarter of it of the gray one: that of OpenCV's StereoSGBM.
     BirchfieldTomasiGray {
         name: "bt-gray", help: "bt, and a quarter of it on the gray image: that of StereoSGBM",
-        prefilter: Prefilter::XSobel, block: 5, methods: ALL, blocks: ANY_BLOCK, color: false, beside_gray: true, weighted: false,
+        prefilter: Prefilter::XSobel, block: 5, methods: ALL, blocks: ANY_BLOCK, color: false, beside_gray: true, weights: &[],
         descriptors: &[Descriptor::Interval], kind: Kind::Difference,
         pixel_max: |of| (of.value + 63).min(255), largest_cap: |_| (255 - 63) / 2, top: |_| TOP,
         fragments: wgsl!("pixel_bt"), small_match: false,
@@ -214,7 +223,7 @@ costs! {
     /// Absolute differences of the horizontal and of the vertical Sobel derivative.
     SadXy {
         name: "sad-xy", help: "absolute differences of both Sobel derivatives",
-        prefilter: Prefilter::None, block: 5, methods: ALL, blocks: ANY_BLOCK, color: false, beside_gray: false, weighted: false,
+        prefilter: Prefilter::None, block: 5, methods: ALL, blocks: ANY_BLOCK, color: false, beside_gray: false, weights: &[],
         descriptors: &[Descriptor::Gradients], kind: Kind::Difference,
         pixel_max: |of| 4 * of.cap, largest_cap: |_| 255 / 4, top: |_| TOP,
         fragments: wgsl!("pixel_sad"), small_match: false,
@@ -223,7 +232,7 @@ costs! {
     /// Computing Visual Correspondence", ECCV 1994.
     Census {
         name: "census", help: "differing bits of census strings",
-        prefilter: Prefilter::None, block: 1, methods: ALL, blocks: ANY_BLOCK, color: false, beside_gray: false, weighted: false,
+        prefilter: Prefilter::None, block: 1, methods: ALL, blocks: ANY_BLOCK, color: false, beside_gray: false, weights: &[],
         descriptors: &[Descriptor::Census], kind: Kind::Difference,
         pixel_max: |of| of.census_bits, largest_cap: ANY_CAP, top: |_| TOP,
         fragments: wgsl!("pixel_census", "pixel_bits"), small_match: false,
@@ -231,7 +240,7 @@ costs! {
     /// Twice the Hamming distance of census strings, and the absolute differences of both Sobel derivatives.
     CensusSobel {
         name: "census-sobel", help: "census and sad-xy together",
-        prefilter: Prefilter::None, block: 1, methods: ALL, blocks: ANY_BLOCK, color: false, beside_gray: false, weighted: false,
+        prefilter: Prefilter::None, block: 1, methods: ALL, blocks: ANY_BLOCK, color: false, beside_gray: false, weights: &[],
         descriptors: &[Descriptor::Census, Descriptor::Gradients], kind: Kind::Difference,
         pixel_max: |of| 2 * of.census_bits + 4 * of.cap, largest_cap: |of| (255 - 2 * of.census_bits) / 4,
         top: |pixel_max| 128 * pixel_max,
@@ -240,16 +249,37 @@ costs! {
     /// Absolute differences and the Hamming distance of census strings, each with a weight.
     AdCensus {
         name: "ad-census", help: "absolute differences and census, each with a weight",
-        prefilter: Prefilter::None, block: 1, methods: ALL, blocks: ANY_BLOCK, color: false, beside_gray: false, weighted: true,
+        prefilter: Prefilter::None, block: 1, methods: ALL, blocks: ANY_BLOCK, color: false, beside_gray: false, weights: &["ad-weight", "census-weight"],
         descriptors: &[Descriptor::Census, Descriptor::Value], kind: Kind::Difference,
         pixel_max: |of| ((of.ad_weight * of.value + of.census_weight * of.census_bits + 8) >> 4).clamp(1, 255),
         largest_cap: ANY_CAP, top: |_| TOP,
         fragments: wgsl!("pixel_ad_census", "pixel_bits"), small_match: false,
     }
+    /// The angle between vectors of features that a network makes of both sides ([`crate::FeatureNetwork`]).
+    Learned {
+        name: "learned", help: "the angle between features that a network makes",
+        prefilter: Prefilter::None, block: 1, methods: ALL, blocks: ANY_BLOCK, color: false, beside_gray: false, weights: &[],
+        descriptors: &[Descriptor::Features], kind: Kind::Difference,
+        pixel_max: |_| FEATURES_MAX, largest_cap: ANY_CAP, top: |pixel_max| 256 * pixel_max,
+        fragments: wgsl!("pixel_sad"), small_match: false,
+    }
+    /// [`Cost::Learned`] and [`Cost::CensusSobel`], each with a weight.
+    LearnedCensus {
+        name: "learned-census", help: "learned and census-sobel, each with a weight",
+        prefilter: Prefilter::None, block: 1, methods: ALL, blocks: ANY_BLOCK, color: false, beside_gray: false,
+        weights: &["learned-weight", "census-weight"],
+        descriptors: &[Descriptor::Census, Descriptor::Gradients, Descriptor::Features], kind: Kind::Difference,
+        pixel_max: |of| {
+            let beside = 2 * of.census_bits + 4 * of.cap;
+            ((of.learned_weight * FEATURES_MAX + of.census_weight * beside + 32) >> 6).clamp(1, 255)
+        },
+        largest_cap: |of| (255 - 2 * of.census_bits) / 4, top: |pixel_max| 256 * pixel_max,
+        fragments: wgsl!("pixel_census_sobel", "pixel_bits"), small_match: false,
+    }
     /// Normalised cross correlation; for [`Method::Bm`].
     Ncc {
         name: "ncc", help: "normalised cross correlation, for bm",
-        prefilter: Prefilter::None, block: 5, methods: &[Method::Bm], blocks: 3..=19, color: false, beside_gray: false, weighted: false,
+        prefilter: Prefilter::None, block: 5, methods: &[Method::Bm], blocks: 3..=19, color: false, beside_gray: false, weights: &[],
         descriptors: &[Descriptor::Value], kind: Kind::Correlation,
         pixel_max: |of| of.value * of.value, largest_cap: ANY_CAP, top: |_| TOP,
         fragments: wgsl!("pixel_ncc"), small_match: false,
@@ -258,7 +288,7 @@ costs! {
     /// Information", CVPR 2005.
     MutualInformation {
         name: "mi", help: "mutual information",
-        prefilter: Prefilter::None, block: 1, methods: ALL, blocks: ANY_BLOCK, color: false, beside_gray: false, weighted: false,
+        prefilter: Prefilter::None, block: 1, methods: ALL, blocks: ANY_BLOCK, color: false, beside_gray: false, weights: &[],
         descriptors: &[Descriptor::Value], kind: Kind::Table,
         pixel_max: |_| 255, largest_cap: ANY_CAP, top: |_| 64 * 1024,
         fragments: wgsl!("pixel_mi"), small_match: false,

@@ -3,6 +3,7 @@
 use std::ops::RangeInclusive;
 
 use crate::Error;
+use crate::features::FeatureNetwork;
 use crate::network::{Network, Padded};
 use crate::params::costs::{Descriptor, Kind, Ranges};
 use crate::params::{Filter, Method, Params, Prefilter, RightView, Subpixel};
@@ -174,6 +175,7 @@ impl Params {
             census_bits: self.census.bits(),
             ad_weight: self.ad_weight,
             census_weight: self.census_weight,
+            learned_weight: self.learned_weight,
         }
     }
 
@@ -192,16 +194,29 @@ impl Params {
         if self.compares(Descriptor::Census) { self.census.planes() } else { 0 }
     }
 
-    /// What the cost compares as numbers: beside a census string, if it compares one.
+    /// What the cost compares as numbers: beside a census string and features, if it compares such; else it is the census string.
     pub(crate) fn numeric_descriptor(&self) -> Descriptor {
         let mut descriptors = self.cost.row().descriptors.iter();
-        descriptors.find(|&&descriptor| descriptor != Descriptor::Census).copied().unwrap_or(Descriptor::Census)
+        let beside = [Descriptor::Census, Descriptor::Features];
+        descriptors.find(|descriptor| !beside.contains(descriptor)).copied().unwrap_or(Descriptor::Census)
     }
 
     /// Bytes of a pixel that the cost compares.
     pub(crate) fn planes(&self) -> u32 {
         let descriptors = self.cost.row().descriptors.iter();
-        self.described() * descriptors.map(|descriptor| descriptor.planes(self.census)).sum::<u32>()
+        let features = self.feature_planes();
+        self.described() * descriptors.map(|descriptor| descriptor.planes(self.census, features)).sum::<u32>()
+    }
+
+    /// The network that makes features, where the cost compares such.
+    pub(crate) fn feature_network(&self) -> Option<FeatureNetwork> {
+        let given = || self.features.clone().unwrap_or_else(FeatureNetwork::built_in);
+        self.compares(Descriptor::Features).then(given)
+    }
+
+    /// Features of a pixel that the cost compares.
+    pub(crate) fn feature_planes(&self) -> u32 {
+        self.feature_network().map_or(0, |network| network.channels() as u32)
     }
 
     /// The largest value of those bytes, as far as they are compared as numbers.

@@ -1,10 +1,10 @@
 //! The settings, and those to start from.
 
-use crate::Network;
 use crate::params::{
     Camera, Census, Cost, Fill, Masks, Median, Method, Paths, Prefilter, Rectification, RightView, Schedule,
     Smoothness, Subpixel, Wls,
 };
+use crate::{FeatureNetwork, Network};
 
 /// What a user may ask for. Start from [`Params::default_for`], [`Params::preset`], [`Params::sgm`], [`Params::bm`] or [`Params::bp`]
 /// and change what differs, or
@@ -32,8 +32,13 @@ pub struct Params {
     pub census: Census,
     /// Weight of an absolute difference in [`Cost::AdCensus`], in sixteenths.
     pub ad_weight: u32,
-    /// Weight of a differing bit in [`Cost::AdCensus`], in sixteenths.
+    /// Weight of a differing bit in [`Cost::AdCensus`], in sixteenths; of [`Cost::CensusSobel`] in [`Cost::LearnedCensus`], in 64ths.
     pub census_weight: u32,
+    /// Weight of [`Cost::Learned`] in [`Cost::LearnedCensus`], in 64ths.
+    pub learned_weight: u32,
+    /// The network that makes the features of [`Cost::Learned`] and [`Cost::LearnedCensus`]; `None` for the one that comes with the
+    /// library.
+    pub features: Option<FeatureNetwork>,
     /// Compare red, green and blue rather than luma: [`Cost::Sad`] and [`Cost::BirchfieldTomasi`].
     pub color_cost: bool,
     /// Side of the square block in pixels: odd, 1 to 51.
@@ -139,7 +144,7 @@ impl Params {
     pub(crate) const SMALL_BLOCK: u32 = 15;
     /// The largest clip of a prefilter: twice it fits a byte.
     pub const MAX_CAP: u32 = 127;
-    /// The largest weight of [`Cost::AdCensus`]: four times what it counts.
+    /// The largest weight of [`Cost::AdCensus`], four times what it counts, and of [`Cost::LearnedCensus`], once.
     pub const MAX_WEIGHT: u32 = 64;
     /// The largest texture: every pixel of the largest block at the largest clip.
     pub const MAX_TEXTURE: u32 = Self::MAX_BLOCK * Self::MAX_BLOCK * Self::MAX_CAP;
@@ -161,6 +166,8 @@ impl Params {
             census: Census::NineBySeven,
             ad_weight: 8,
             census_weight: 32,
+            learned_weight: 40,
+            features: None,
             color_cost: false,
             block: 5,
             prefilter: Prefilter::XSobel,

@@ -155,12 +155,18 @@ impl Params {
 
     /// What is allowed with this cost.
     fn validate_cost(&self) -> Result<(), Error> {
-        for (name, weight) in [("ad-weight", self.ad_weight), ("census-weight", self.census_weight)] {
-            let allowed = format!("from 0 to {} sixteenths", Self::MAX_WEIGHT);
-            check(weight <= Self::MAX_WEIGHT, name, weight, allowed, "16 counts once")?;
+        for (name, weight, unit, remedy) in [
+            ("ad-weight", self.ad_weight, "sixteenths", "16 counts once"),
+            ("census-weight", self.census_weight, "sixteenths", "16 counts once"),
+            ("learned-weight", self.learned_weight, "64ths", "64 counts once"),
+        ] {
+            let allowed = format!("from 0 to {} {unit}", Self::MAX_WEIGHT);
+            check(weight <= Self::MAX_WEIGHT, name, weight, allowed, remedy)?;
         }
         let none = self.ad_weight + self.census_weight == 0;
         check(!none, "ad-weight", 0, "more than 0 if census-weight is 0", "8 and 32 are usual")?;
+        let none = self.learned_weight + self.census_weight == 0;
+        check(!none, "learned-weight", 0, "more than 0 if census-weight is 0", "40 and 32 are usual")?;
         let (cost, method, row) = (self.cost, self.method, self.cost.row());
         check(
             row.methods.contains(&method),

@@ -4,9 +4,10 @@ use crate::params::{Descriptor, Filter};
 use crate::reference::energy::energy_of;
 use crate::reference::trace::Trace;
 use crate::reference::{
-    Channel, Content, Descriptors, Plane, Report, Values, Views, Volume, beliefs, block_match, block_statistics,
-    block_sums, coarse_cost, cost_columns, filtered, gray, halve, images, lr_check, matching_cost, messages,
-    mi_histogram, mi_table, network, penalties, rounds, second_cost, sgm_aggregate, stage, validity, winner,
+    Channel, Content, Descriptors, Images, Plane, Report, Values, Views, Volume, beliefs, block_match,
+    block_statistics, block_sums, coarse_cost, cost_columns, feature_statistics, feature_values, features, filtered,
+    gray, halve, images, lr_check, matching_cost, messages, mi_histogram, mi_table, network, penalties, rounds,
+    second_cost, sgm_aggregate, stage, validity, winner,
 };
 use crate::{DisparityMap, Energy, Error, ImageView, Method, Params, Prefilter};
 
@@ -92,7 +93,10 @@ pub(crate) fn views_of(
     if params.compares(Descriptor::Excess) {
         trace.show("window_sums", || [&left, &right].map(|images| images.window_sums(params.block)));
     }
-    let sides = trace.stage("descriptors", [left.descriptors(params), right.descriptors(params)]);
+    let features = trace.features([&left, &right], params);
+    let described =
+        |images: &Images, side: usize| images.described(features.as_ref().map(|sides| &sides[side]), params);
+    let sides = trace.stage("descriptors", [described(&left, 0), described(&right, 1)]);
     let table = trace.table(&sides, content, params, stages);
     let views = stages.winner(&sides, &table, penalties.as_ref(), Some(luma), params, trace);
     if params.labels {
@@ -112,6 +116,18 @@ pub fn cost_table(sides: &[Descriptors; 2], content: Option<&Content>, params: &
 }
 
 impl Trace<'_> {
+    /// The features of both sides, where the cost compares such, from the prefiltered images.
+    fn features(&mut self, sides: [&Images; 2], params: &Params) -> Option<[Descriptors; 2]> {
+        let network = params.feature_network()?;
+        let of = |images: &Images| feature_statistics(&images.channels[0], images.unit);
+        let statistics = self.stage("feature_statistics", sides.map(of));
+        let values = [0, 1].map(|side: usize| {
+            let Images { channels, unit, .. } = sides[side];
+            feature_values(&channels[0], *unit, statistics[side], &network)
+        });
+        Some(self.stage("features", values.each_ref().map(features)))
+    }
+
     /// [`cost_table`].
     pub(crate) fn table(
         &mut self,

@@ -1,6 +1,8 @@
 //! Follows the chain: times, and the results of stages as bytes.
 
-use crate::reference::{BlockStatistics, Content, Descriptors, Images, Messages, Plane, Values, Views, Volume};
+use crate::reference::{
+    BlockStatistics, Content, Descriptors, FeatureStatistics, Images, Messages, Plane, Values, Views, Volume,
+};
 use crate::{ConfidenceMap, DepthMap, DisparityMap, Image, Labels, Matched, Pixels, StageTime};
 #[cfg(not(all(target_family = "wasm", target_os = "unknown")))]
 use std::time::Instant;
@@ -201,6 +203,7 @@ fields! {
     [] Images: channels;
     [] BlockStatistics: data;
     [] Content: sides;
+    [] FeatureStatistics: mean deviation;
     [] Messages: received;
     [] Values: data;
     [] Views: left right margins;

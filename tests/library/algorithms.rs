@@ -54,6 +54,7 @@ fn settings(params: &Params) -> Vec<(&'static str, String)> {
         ("census", params.get("census").unwrap()),
         ("ad_weight", number(params.ad_weight)),
         ("census_weight", number(params.census_weight)),
+        ("learned_weight", number(params.learned_weight)),
         ("color_cost", params.get("color-cost").unwrap()),
         ("paths", number(params.paths.count())),
         ("block", number(params.block)),
@@ -97,6 +98,17 @@ fn settings(params: &Params) -> Vec<(&'static str, String)> {
     settings
 }
 
+/// A layer of a network of features: for each output its weights, bias, multiplier and shift.
+fn layer(layer: &gpu_stereo::features::Layer) -> String {
+    let each = layer.kind.weights(layer.inputs);
+    let output = |o: usize| {
+        let weights = &layer.weights[o * each..][..each];
+        format!("[{weights:?}, {}, {}, {}]", layer.bias[o], layer.multiplier[o], layer.shift[o])
+    };
+    let outputs: Vec<String> = (0..layer.outputs).map(output).collect();
+    format!("{{\"kind\": \"{}\", \"relu\": {}, \"outputs\": [{}]}}", layer.kind, layer.relu, outputs.join(", "))
+}
+
 fn json(Case { left, right, params }: &Case) -> String {
     let format = |image: &Image| match image.format() {
         PixelFormat::Gray8 => "gray8",
@@ -121,6 +133,10 @@ fn json(Case { left, right, params }: &Case) -> String {
     for (name, value) in settings(params).into_iter().chain(outputs) {
         let value = if value.parse::<i64>().is_ok() { value } else { format!("\"{value}\"") };
         fields.push(format!("\"{name}\": {value}"));
+    }
+    if let Some(network) = params.features.as_ref().filter(|_| params.cost.to_string().starts_with("learned")) {
+        let layers: Vec<String> = network.layers().iter().map(layer).collect();
+        fields.push(format!("\"features\": [{}]", layers.join(", ")));
     }
     if let Some(rectification) = &params.rectify {
         let lens = |lens: &gpu_stereo::Lens| {
@@ -261,7 +277,7 @@ fn cases() -> Vec<Case> {
         params.uniqueness = 99;
     });
     // Every cost on samples of 16 bits, colour and gray: small blocks, then the largest block, cap and weights.
-    for (seed, option) in (300..).zip(support::costs()) {
+    for (seed, option) in (300..).zip(support::costs().into_iter().chain(["learned", "learned-census"])) {
         let mut random = ChaCha8Rng::seed_from_u64(seed);
         for (format, census) in ["5x5", "7x7", "9x7", "cs9x7"].into_iter().enumerate() {
             let mut params = if format % 2 == 0 { Params::sgm(6) } else { Params::bm(6) };
@@ -270,6 +286,8 @@ fn cases() -> Vec<Case> {
             let mut set = |name: &str, value: &str| params.set(name, value).unwrap();
             set("cost", option);
             set("census", census);
+            params.features = Some(support::feature_network(&mut random));
+            let mut set = |name: &str, value: &str| params.set(name, value).unwrap();
             set("prefilter", ["none", "xsobel", "normalized", "none"][format]);
             if matches!(option, "sad" | "bt") && format >= 2 {
                 set("color-cost", "on");
@@ -284,15 +302,26 @@ fn cases() -> Vec<Case> {
             params.set("cost", option).unwrap();
             params.prefilter_cap = match option {
                 "sad-xy" => 63,
-                "census-sobel" => 32,
+                "census-sobel" | "learned-census" => 32,
                 "bt-gray" => 96,
                 _ => Params::MAX_CAP,
             };
-            (params.ad_weight, params.census_weight) = (64, 64);
+            (params.ad_weight, params.census_weight, params.learned_weight) = (64, 64, 64);
+            params.features = Some(support::feature_network(&mut random));
             let left = few_levels(11, 6, 1, &mut random);
             let right = few_levels(11, 6, 1, &mut random);
             cases.push(Case { left, right, params });
         }
+    }
+    // The network of the library; sides shorter than it reaches.
+    for (i, (width, height)) in [(7, 3), (2, 2), (1, 1)].into_iter().enumerate() {
+        let mut random = ChaCha8Rng::seed_from_u64(390 + i as u64);
+        let mut params = Params::sgm(3);
+        params.min_disparity = -1;
+        params.set("cost", if i == 1 { "learned-census" } else { "learned" }).unwrap();
+        params.block = 1;
+        let [left, right] = [0, 1].map(|_| noise(width, height, i as u32, &mut random));
+        cases.push(Case { left, right, params });
     }
     // Windows and blocks at their largest, on 16 bits: the largest sums. Weights that leave no cost at all.
     for (window, cost) in [(51, "zsad"), (3, "zsad"), (51, "ad-census")] {

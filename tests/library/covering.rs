@@ -34,6 +34,7 @@ const NUMBERS: &[(&str, &[&str])] = &[
     ("min-disp", &["0", "-4", "3"]),
     ("ad-weight", &["8", "40"]),
     ("census-weight", &["32", "5"]),
+    ("learned-weight", &["40", "9"]),
     ("block", &["5", "1", "17"]),
     ("prefilter-cap", &["31", "7"]),
     ("prefilter-window", &["9", "5"]),
@@ -57,8 +58,14 @@ const NUMBERS: &[(&str, &[&str])] = &[
 ];
 
 /// Words of options that no case takes: one that stands for another, and those of networks, whose stages are compared with
-/// a tolerance by tests of their own.
-const UNLISTED: &[(&str, &str)] = &[("schedule", "auto"), ("method", "psmnet"), ("align-corners", "off")];
+/// a tolerance by tests of their own; and costs that devices do not compute.
+const UNLISTED: &[(&str, &str)] = &[
+    ("schedule", "auto"),
+    ("method", "psmnet"),
+    ("align-corners", "off"),
+    ("cost", "learned"),
+    ("cost", "learned-census"),
+];
 
 /// What a case has besides its options.
 const CIRCUMSTANCES: &[(&str, &[&str])] = &[

@@ -4,7 +4,8 @@
 //!     GPU_STEREO_UPDATE_VECTORS=1 cargo test --test library vectors
 
 use crate::support::mixed;
-use gpu_stereo::{Camera, Distortion, Image, Lens, Masks, Params, Pixels, Rectification, reference};
+use gpu_stereo::features::{Layer, LayerKind};
+use gpu_stereo::{Camera, Distortion, FeatureNetwork, Image, Lens, Masks, Params, Pixels, Rectification, reference};
 use serde_json::Value;
 use std::collections::BTreeSet;
 use std::fmt::Write as _;
@@ -81,6 +82,23 @@ fn lens(value: &Value) -> Lens {
     Lens::new(matrix, distortion, rotation, projection)
 }
 
+/// The network of docs/VECTORS.md.
+fn formula_network() -> FeatureNetwork {
+    let kinds = [LayerKind::Convolution, LayerKind::Depthwise, LayerKind::Point, LayerKind::Point];
+    let (mut layers, mut inputs) = (Vec::new(), 1);
+    for ((n, kind), outputs) in (0..).zip(kinds).zip([8, 8, 12, 8]) {
+        let each = kind.weights(inputs) as u32;
+        let weights = |o: u32| (0..each).map(move |k| (mixed(k, o, 16 + n) % 255) as i16 - 127);
+        let weights = (0..outputs).flat_map(weights).map(|weight| weight as i8).collect();
+        let [bias, multiplier, shift] = [(0, 2001, -1000), (1, 300, 100), (2, 3, 14)]
+            .map(|(i, many, first)| (0..outputs).map(|o| (mixed(o, i, 24 + n) % many) as i32 + first).collect());
+        let outputs = outputs as usize;
+        layers.push(Layer { kind, relu: n % 2 == 0, inputs, outputs, weights, bias, multiplier, shift });
+        inputs = outputs;
+    }
+    FeatureNetwork::new(layers).unwrap()
+}
+
 /// The settings of a case: every parameter of the page by its name.
 fn params(case: &Value) -> Params {
     let mut params = Params::sgm(1);
@@ -106,6 +124,7 @@ fn params(case: &Value) -> Params {
                 let [focal, baseline, doffs] = [0, 1, 2].map(|i| parts[i].parse().unwrap());
                 params.depth = Some(Camera::new(focal, baseline).with_doffs(doffs));
             }
+            "features" => params.features = Some(formula_network()),
             "masks" => params.masks = masks(case, width, height),
             "rectify" => {
                 let lenses = [lens(&value[0]), lens(&value[1])];

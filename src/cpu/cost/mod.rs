@@ -1,5 +1,6 @@
 //! The matching cost, row by row.
 
+mod angles;
 mod block_match;
 mod compare;
 mod correlation;

@@ -5,6 +5,7 @@ use std::ops::Range;
 use fearless_simd::Simd;
 
 use crate::cpu::LANES;
+use crate::cpu::cost::angles::Angles;
 use crate::cpu::cost::compare::{
     Bits, BitsAndGradients, BitsAndValue, ColourDifferences, Compare, Differences, Intervals, Products, Squares, Table,
 };
@@ -24,6 +25,9 @@ pub struct Pixels<'a> {
     color: bool,
     /// Weights of bits and of values.
     weights: [u16; 2],
+    /// Weight of features, and how many there are.
+    learned_weight: u16,
+    features: usize,
     instructions: Instructions,
 }
 
@@ -39,6 +43,8 @@ impl<'a> Pixels<'a> {
             census: params.census,
             color: params.color_cost,
             weights,
+            learned_weight: params.learned_weight as u16,
+            features: params.feature_planes() as usize,
             instructions,
         }
     }
@@ -74,6 +80,17 @@ impl<'a> Pixels<'a> {
                 Census::NineBySeven => self.fill::<9, _>(BitsAndValue::<8> { of_bits, of_value }, at, out),
             },
             Cost::MutualInformation => self.fill(Table(self.table), at, out),
+            Cost::Learned => self.features(at, 0, None, out),
+            Cost::LearnedCensus => {
+                let beside = At { y, columns: at.columns.clone(), d };
+                match self.census {
+                    Census::Five => self.fill::<5, _>(BitsAndGradients::<3>, beside, out),
+                    Census::CentreSymmetric => self.fill::<6, _>(BitsAndGradients::<4>, beside, out),
+                    Census::Seven => self.fill::<8, _>(BitsAndGradients::<6>, beside, out),
+                    Census::NineBySeven => self.fill::<10, _>(BitsAndGradients::<8>, beside, out),
+                }
+                self.features(at, self.left.planes - self.features, Some([self.learned_weight, of_bits]), out);
+            }
             Cost::Ssd | Cost::Ncc => unreachable!("a product is no byte"),
         }
     }
@@ -85,6 +102,12 @@ impl<'a> Pixels<'a> {
             Cost::Ssd => self.fill(Squares, at, out),
             _ => self.fill(Products, at, out),
         }
+    }
+
+    /// The cost of features, which begin at the plane `first`.
+    fn features(&self, At { y, columns, d }: At, first: usize, weights: Option<[u16; 2]>, out: &mut [u8]) {
+        let (sides, planes) = ([self.left, self.right], first..first + self.features);
+        self.instructions.launch(Angles { sides, planes, weights, y, columns, d, out });
     }
 
     fn fill<const P: usize, C: Compare<P>>(&self, cost: C, at: At, out: &mut [C::Value]) {

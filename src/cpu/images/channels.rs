@@ -1,5 +1,6 @@
 //! An image as the chain takes it, in one channel or three: the twin of [`Images`].
 
+use crate::cpu::features::FeatureRows;
 use crate::cpu::images::derivatives::Depth as _;
 use crate::cpu::images::padded::{Padded, Samples};
 use crate::cpu::images::{gray, prefilter};
@@ -41,6 +42,12 @@ impl Channels {
             })
         };
         Self { channels: channels.iter().map(filtered).collect(), gray: gray.map(narrowed), instructions }
+    }
+
+    /// Stage `features` of the prefiltered image, where the cost compares such.
+    pub fn features(&self, params: &Params) -> Option<FeatureRows> {
+        let network = params.feature_network()?;
+        Some(FeatureRows::new(&self.channels[0], &network, self.instructions))
     }
 
     /// The set that the stages are compiled for.

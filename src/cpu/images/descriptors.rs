@@ -1,6 +1,7 @@
 //! Stage `descriptors`, as planes.
 
 use crate::Params;
+use crate::cpu::features::FeatureRows;
 use crate::cpu::images::channels::Channels;
 use crate::cpu::images::derivatives::{Depth, derivatives};
 use crate::cpu::images::padded::{MARGIN, Padded, Samples};
@@ -9,8 +10,8 @@ use crate::cpu::images::prefilter::window_sums;
 use crate::params::Descriptor;
 
 impl Channels {
-    /// What the cost compares of one side.
-    pub fn planes(&self, side: Side, params: &Params) -> Planes {
+    /// What the cost compares of one side, of which these are the features, if it compares such.
+    pub fn planes(&self, side: Side, features: Option<&FeatureRows>, params: &Params) -> Planes {
         let instructions = self.instructions();
         let (width, height) = match &self.channels[0] {
             Samples::Bytes(image) => (image.width, image.height),
@@ -24,8 +25,8 @@ impl Channels {
                 || {
                     for samples in self.channels.iter().chain(&self.gray) {
                         match samples {
-                            Samples::Bytes(image) => describe(image, y, params, &neighbours, row),
-                            Samples::Words(image) => describe(image, y, params, &neighbours, row),
+                            Samples::Bytes(image) => describe(image, y, params, &neighbours, features, row),
+                            Samples::Words(image) => describe(image, y, params, &neighbours, features, row),
                         }
                     }
                 },
@@ -36,7 +37,14 @@ impl Channels {
 
 /// The planes of one channel.
 #[inline(always)]
-fn describe<T: Depth>(image: &Padded<T>, y: i64, params: &Params, census: &[[[i64; 2]; 2]], row: &mut RowOfPlanes<'_>) {
+fn describe<T: Depth>(
+    image: &Padded<T>,
+    y: i64,
+    params: &Params,
+    census: &[[[i64; 2]; 2]],
+    features: Option<&FeatureRows>,
+    row: &mut RowOfPlanes<'_>,
+) {
     for descriptor in params.cost.row().descriptors {
         match descriptor {
             Descriptor::Value => {
@@ -51,6 +59,10 @@ fn describe<T: Depth>(image: &Padded<T>, y: i64, params: &Params, census: &[[[i6
             }
             Descriptor::Interval => interval(image, y, row),
             Descriptor::Excess => row.next(|out| excess(image, y, params, out)),
+            Descriptor::Features => {
+                let rows = features.into_iter().flat_map(|features| features.row(y as usize));
+                rows.for_each(|feature| row.next(|out| out.copy_from_slice(feature)));
+            }
             Descriptor::Census => census.chunks(8).for_each(|eight| row.next(|out| bits(image, y, eight, out))),
         }
     }

@@ -12,4 +12,5 @@ mod tests;
 
 pub use channels::Channels;
 pub use gray::luma;
+pub use padded::Samples;
 pub use planes::{Planes, Side};

@@ -30,9 +30,12 @@ fn stages_from_gray_to_descriptors_equal_the_definition() {
                 assert!(channels.images() == images[i], "gray, {what}");
                 let channels = channels.prefiltered(&params);
                 assert!(channels.images() == filtered[i], "prefilter, {what}");
-                let left = channels.planes(Side::Left, &params);
+                let features = channels.features(&params);
+                let features = features.as_ref();
+                let left = channels.planes(Side::Left, features, &params);
                 assert!(left.descriptors(&params) == descriptors[i], "descriptors, {what}");
-                for (side, made) in [(Side::Left, left), (Side::Right, channels.planes(Side::Right, &params))] {
+                let right = channels.planes(Side::Right, features, &params);
+                for (side, made) in [(Side::Left, left), (Side::Right, right)] {
                     let expected = Planes::of(&descriptors[i], side, &params);
                     assert!((0..i64::from(height)).all(|y| made.row(y) == expected.row(y)), "{side:?}, {what}");
                 }

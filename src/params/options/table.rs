@@ -126,10 +126,13 @@ pub(super) const OPTIONS: &[ParamOption] = options! {
             idle by "cost" if |params| !params.compares(Descriptor::Census);
         "ad-weight" "W" natural ad_weight
             "ad-census: weight of an absolute difference in sixteenths, 0 to 64"
-            idle by "cost" if |params| !params.cost.row().weighted;
+            idle by "cost" if |params| !params.cost.row().weights.contains(&"ad-weight");
         "census-weight" "W" natural census_weight
-            "ad-census: weight of a differing bit in sixteenths, 0 to 64"
-            idle by "cost" if |params| !params.cost.row().weighted;
+            "ad-census: weight of a differing bit in sixteenths, 0 to 64; learned-census: of census-sobel in 64ths"
+            idle by "cost" if |params| !params.cost.row().weights.contains(&"census-weight");
+        "learned-weight" "W" natural learned_weight
+            "learned-census: weight of learned in 64ths, 0 to 64"
+            idle by "cost" if |params| !params.cost.row().weights.contains(&"learned-weight");
         "color-cost" "on|off" switch color_cost
             "sad, bt: compare red, green and blue rather than luma";
         "block" "B" natural block

@@ -28,6 +28,13 @@ pub fn cost_columns(left: &Descriptors, right: &Descriptors, table: &[u8], param
     columns
 }
 
+/// How much two vectors of features differ: 0 where they point the same way, 225 from a right angle on.
+fn angle(left: &[u8], right: &[u8]) -> u32 {
+    let of = |byte: &u8| i32::from(*byte) - 128;
+    let dot: i32 = left.iter().zip(right).map(|(l, r)| of(l) * of(r)).sum();
+    ((28900 - dot) >> 7).clamp(0, 225) as u32
+}
+
 /// How much two pixels differ, from their [`Descriptors`]: the small function in which the costs differ.
 ///
 /// - `sad`, `zsad`: |l - r|; with three colours floor((floor((red + blue) / 2) + green) / 2) of their differences;
@@ -39,6 +46,8 @@ pub fn cost_columns(left: &Descriptors, right: &Descriptors, table: &[u8], param
 /// - `census`: the number of bits that differ;
 /// - `census-sobel`: twice that, and the absolute differences of both derivatives;
 /// - `ad-census`: min(255, (ad_weight |l - r| + census_weight bits + 8) >> 4);
+/// - `learned`: of the sum of the products of (byte - 128) of all features, dot, clamp((28900 - dot) >> 7, 0, 225);
+/// - `learned-census`: min(255, (learned_weight e + census_weight e' + 32) >> 6), e as `learned`, e' as `census-sobel`;
 /// - `mi`: what [`crate::reference::mi_table`] says of the values.
 pub fn pixel_cost(left: &[u8], right: &[u8], table: &[u8], params: &Params) -> u32 {
     let difference = |p: usize| u32::from(left[p].abs_diff(right[p]));
@@ -52,6 +61,7 @@ pub fn pixel_cost(left: &[u8], right: &[u8], table: &[u8], params: &Params) -> u
         false => one(0),
     };
     let census_planes = params.census_planes() as usize;
+    let census_sobel = || 2 * bits(census_planes) + difference(census_planes) + difference(census_planes + 1);
     match params.cost {
         Cost::Sad => colours(&difference, 1),
         Cost::ZeroMeanSad => difference(0),
@@ -60,10 +70,15 @@ pub fn pixel_cost(left: &[u8], right: &[u8], table: &[u8], params: &Params) -> u
         Cost::BirchfieldTomasiGray => (interval(0) + interval(3) / 4).min(255),
         Cost::SadXy => difference(0) + difference(1),
         Cost::Census => bits(census_planes),
-        Cost::CensusSobel => 2 * bits(census_planes) + difference(census_planes) + difference(census_planes + 1),
+        Cost::CensusSobel => census_sobel(),
         Cost::AdCensus => {
             let weighted = params.ad_weight * difference(census_planes) + params.census_weight * bits(census_planes);
             ((weighted + 8) >> 4).min(255)
+        }
+        Cost::Learned => angle(left, right),
+        Cost::LearnedCensus => {
+            let of_features = angle(&left[census_planes + 2..], &right[census_planes + 2..]);
+            ((params.learned_weight * of_features + params.census_weight * census_sobel() + 32) >> 6).min(255)
         }
         Cost::Ncc => u32::from(left[0]) * u32::from(right[0]),
         Cost::MutualInformation => table[usize::from(left[0]) * 256 + usize::from(right[0])].into(),

@@ -1,6 +1,6 @@
 use crate::params::{Census, Descriptor, Params};
 use crate::reference::images::prefilter::sobel;
-use crate::reference::{Images, Plane, images::gray::narrow, window_sum};
+use crate::reference::{Images, Plane, features_of, images::gray::narrow, window_sum};
 
 /// What the matching cost compares of each pixel: `planes` bytes, `data[(y * width + x) * planes + p]`.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -27,8 +27,14 @@ impl Descriptors {
 impl Images {
     /// What the cost compares of them.
     pub fn descriptors(&self, params: &Params) -> Descriptors {
-        let described: Vec<&Plane<u16>> = self.channels.iter().chain(&self.gray).collect();
-        descriptors(&described, self.unit, params)
+        let features = params.feature_network().map(|network| features_of(&self.channels[0], self.unit, &network));
+        self.described(features.as_ref(), params)
+    }
+
+    /// The same, with their features, if the cost compares such.
+    pub(crate) fn described(&self, features: Option<&Descriptors>, params: &Params) -> Descriptors {
+        let images: Vec<&Plane<u16>> = self.channels.iter().chain(&self.gray).collect();
+        descriptors(&images, self.unit, features, params)
     }
 }
 
@@ -41,8 +47,9 @@ impl Images {
 /// - `bt`, `bt-gray`: the value v, and the smallest and the largest of v, floor((v + left) / 2) and floor((v + right) / 2);
 /// - `sad-xy`: clamp(gx, -cap, cap) + cap and the same of gy;
 /// - `census`: the census string;
-/// - `census-sobel`: the census string, then as `sad-xy`; `ad-census`: the census string, then the value.
-pub fn descriptors(images: &[&Plane<u16>], unit: i32, params: &Params) -> Descriptors {
+/// - `census-sobel`: the census string, then as `sad-xy`; `ad-census`: the census string, then the value;
+/// - `learned`: the pixel's `features`; `learned-census`: those of `census-sobel`, then the features.
+pub fn descriptors(images: &[&Plane<u16>], unit: i32, features: Option<&Descriptors>, params: &Params) -> Descriptors {
     let (width, height) = (images[0].width, images[0].height);
     let mut data = Vec::new();
     for y in 0..height as i64 {
@@ -72,6 +79,7 @@ pub fn descriptors(images: &[&Plane<u16>], unit: i32, params: &Params) -> Descri
                             data.extend([gx, gy].map(|g| (g.clamp(-cap, cap) + cap) as u8));
                         }
                         Descriptor::Census => data.extend(census(image, x, y, params.census)),
+                        Descriptor::Features => data.extend(features.iter().flat_map(|all| all.clamped(x, y))),
                     }
                 }
             }

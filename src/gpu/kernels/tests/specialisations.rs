@@ -67,7 +67,8 @@ pub(crate) fn specialisations() -> Vec<(Params, PixelFormat, Plan)> {
             }
         }
     }
-    for &cost in Cost::VALUES {
+    let learned = [Cost::Learned, Cost::LearnedCensus];
+    for &cost in Cost::VALUES.iter().filter(|cost| !learned.contains(cost)) {
         for (block, census, color_cost) in [
             (1, Census::NineBySeven, false),
             (5, Census::CentreSymmetric, true),

@@ -1,0 +1,14 @@
+//! The networks that make features, by which the learned costs compare pixels: layers of small integers, and the checks that
+//! nothing in them overflows.
+//!
+//! [`FeatureNetwork::built_in`] is the one that the costs take unless another is given ([`crate::Params::features`]). What the layers
+//! compute is said in docs/ALGORITHMS.md under `features`; [`crate::reference::feature_layer`] states it in Rust.
+
+mod built_in;
+mod layer;
+mod network;
+#[cfg(test)]
+mod tests;
+
+pub use layer::{Layer, LayerKind};
+pub use network::FeatureNetwork;
