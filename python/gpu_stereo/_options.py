@@ -28,13 +28,15 @@ class Options(TypedDict, total=False):
     # Smallest disparity to search, may be negative
     min_disp: Union[int, None]
     # How alike two pixels are; brings its usual prefilter and block along
-    cost: Literal["sad", "ssd", "zsad", "bt", "bt-gray", "sad-xy", "census", "census-sobel", "ad-census", "ncc", "mi", None]
+    cost: Literal["sad", "ssd", "zsad", "bt", "bt-gray", "sad-xy", "census", "census-sobel", "ad-census", "learned", "learned-census", "ncc", "mi", None]
     # Neighbours that a census string compares
     census: Literal["5x5", "7x7", "9x7", "cs9x7", None]
     # ad-census: weight of an absolute difference in sixteenths, 0 to 64
     ad_weight: Union[int, None]
-    # ad-census: weight of a differing bit in sixteenths, 0 to 64
+    # ad-census: weight of a differing bit in sixteenths, 0 to 64; learned-census: of census-sobel in 64ths
     census_weight: Union[int, None]
+    # learned-census: weight of learned in 64ths, 0 to 64
+    learned_weight: Union[int, None]
     # sad, bt: compare red, green and blue rather than luma
     color_cost: Union[bool, Literal["on", "off"], None]
     # Side of the square block, odd, 1 to 51

@@ -27,7 +27,8 @@ use std::sync::Arc;
 ///     confidence, right_map, timings: give these, too.
 ///     cameras: a :class:`Camera` for depths, or a :class:`Calibration`, which rectifies the pairs if it was read so.
 ///     mask: which pixels have content: an array of bool or uint8, or one for each image: ``(left, right)``.
-///     weights: the network's weights, a file, with ``method="psmnet"``.
+///     weights: the network's weights, a file, with ``method="psmnet"``; with ``cost="learned"`` and ``cost="learned-census"`` another
+///         network of features than the one of the library.
 ///     **options: any setting that :func:`options` lists, such as ``cost="census"``, ``p2=80``, ``lr_check="off"``; True and False
 ///         are ``"on"`` and ``"off"``, None leaves the default.
 ///

@@ -6,7 +6,7 @@ use crate::images::{self, Channels};
 use crate::work::detached;
 use gpu_stereo::backend::{Backend, Place};
 use gpu_stereo::files::images::Bits;
-use gpu_stereo::{Masks, Method, Network, Params};
+use gpu_stereo::{FeatureNetwork, Masks, Method, Network, Params};
 use numpy::{PyArray2, PyArrayMethods as _, PyUntypedArrayMethods as _};
 use pyo3::prelude::*;
 use pyo3::types::{PyBool, PyDict, PyFloat, PyInt, PyString, PyTuple};
@@ -84,8 +84,13 @@ impl Request {
             (Some(path), Method::Psmnet) => {
                 Some(detached(py, || Network::load(&path))?.map_err(|error| of_file(&error))?)
             }
+            (Some(path), _) if common.takes_features() => {
+                let network = detached(py, || FeatureNetwork::load(&path))?.map_err(|error| of_file(&error))?;
+                common.features = Some(network);
+                None
+            }
             (Some(_), _) => {
-                warn(py, &format!("weights have no effect with method {}", common.method))?;
+                warn(py, &format!("weights have no effect with method {} and cost {}", common.method, common.cost))?;
                 None
             }
             (None, _) => None,

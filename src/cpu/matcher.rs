@@ -47,7 +47,9 @@ fn bytes(size: [u32; 2], params: &Params, instructions: Instructions, buffers: &
     };
     let [width, height, threads] = [width, height, threads].map(|count| count as u64);
     let (columns, padded) = (width + 2 * u64::from(params.radius()), u64::from(params.disparities) + LANES as u64);
-    let planes = PLANES * height * (2 * columns + padded);
+    let features = u64::from(params.feature_planes());
+    // Features lie in planes, and before that in rows of the image.
+    let planes = height * ((PLANES + features) * (2 * columns + padded) + 2 * features * width);
     let pixel = PIXEL_BYTES + if params.fill == Fill::WeightedRays { GRAY_BYTES } else { 0 };
     paths + planes + ROW_BYTES * threads * columns * padded + pixel * width * height
 }

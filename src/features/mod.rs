@@ -10,5 +10,9 @@ mod network;
 #[cfg(test)]
 mod tests;
 
+/// Whether features are left out of a program: of one that computes on the CPU alone, with `--cfg gpu_stereo_without_networks`. web/build
+/// wants it small. Settings that want them are refused.
+pub(crate) const LEFT_OUT: bool = cfg!(all(gpu_stereo_without_networks, not(feature = "gpu")));
+
 pub use layer::{Layer, LayerKind};
 pub use network::FeatureNetwork;

@@ -3,7 +3,7 @@
 use std::ops::RangeInclusive;
 
 use crate::Error;
-use crate::features::FeatureNetwork;
+use crate::features::{FeatureNetwork, LEFT_OUT};
 use crate::network::{Network, Padded};
 use crate::params::costs::{Descriptor, Kind, Ranges};
 use crate::params::{Filter, Method, Params, Prefilter, RightView, Subpixel};
@@ -210,8 +210,17 @@ impl Params {
 
     /// The network that makes features, where the cost compares such.
     pub(crate) fn feature_network(&self) -> Option<FeatureNetwork> {
+        if LEFT_OUT {
+            return None; // `validate` refuses such costs
+        }
         let given = || self.features.clone().unwrap_or_else(FeatureNetwork::built_in);
-        self.compares(Descriptor::Features).then(given)
+        self.takes_features().then(given)
+    }
+
+    /// Whether a network makes features for the cost: [`Params::features`] has an effect.
+    #[must_use]
+    pub fn takes_features(&self) -> bool {
+        self.method != Method::Psmnet && self.compares(Descriptor::Features)
     }
 
     /// Features of a pixel that the cost compares.

@@ -1,6 +1,7 @@
 //! The ranges of the settings, and which go together.
 
 use crate::Error;
+use crate::features::LEFT_OUT;
 use crate::params::check::check;
 use crate::params::names::Named;
 use crate::params::{Camera, Cost, Filter, Method, Params, RightView};
@@ -167,6 +168,13 @@ impl Params {
         check(!none, "ad-weight", 0, "more than 0 if census-weight is 0", "8 and 32 are usual")?;
         let none = self.learned_weight + self.census_weight == 0;
         check(!none, "learned-weight", 0, "more than 0 if census-weight is 0", "40 and 32 are usual")?;
+        if LEFT_OUT && self.takes_features() {
+            let text = format!(
+                "this program computes no networks on the CPU, as cost {} needs; choose another cost",
+                self.cost
+            );
+            return Err(Error::Network(text));
+        }
         let (cost, method, row) = (self.cost, self.method, self.cost.row());
         check(
             row.methods.contains(&method),

@@ -22,11 +22,15 @@ const SWITCHES: [Switch; 4] = [
 /// A map of all [`Params::OPTIONS`] by name, each value the text that [`Params::get`] returns; then `confidence`, `labels`,
 /// `unrounded` and `right-map`, `on` or `off`; then `depth`, a [`Camera`], and `rectify`, a [`Rectification`], where there is one.
 ///
-/// It is an error if there is a network or if there are masks: take them out before, and set them again afterwards. All numbers keep
+/// It is an error if there is a network, also one of features, or if there are masks: take them out before, and set them again afterwards. All numbers keep
 /// every bit in formats that do; serde_json alone needs its feature `float_roundtrip` for those of more than 15 digits.
 impl Serialize for Params {
     fn serialize<S: Serializer>(&self, to: S) -> Result<S::Ok, S::Error> {
-        for (name, is_there) in [("network", self.network.is_some()), ("masks", self.masks.is_some())] {
+        for (name, is_there) in [
+            ("network", self.network.is_some()),
+            ("features", self.features.is_some()),
+            ("masks", self.masks.is_some()),
+        ] {
             if is_there {
                 return Err(S::Error::custom(format!(
                     "settings with Params::{name} were given, but must be without; take it out, and set it again after they are read"

@@ -10,6 +10,9 @@ const BELIEF_BYTES: u64 = 12;
 /// About the bytes per pixel that images, planes and maps take.
 const PIXEL_BYTES: u64 = 36;
 
+/// About the bytes per pixel and feature: numbers of two bytes of two layers and of the other side, and descriptors of both.
+const FEATURE_BYTES: u64 = 10;
+
 /// Refuses pairs of `size`, columns and rows, for which less memory is left than the reference takes, unless
 /// [`Params::memory_check`] is off. Else the system would end the process without a message. `more`: bytes for each pixel and
 /// disparity besides; `what` computes, in the words of the error.
@@ -33,6 +36,7 @@ pub fn ensure_memory(what: &str, size: [u32; 2], params: &Params, more: u64) -> 
         Some(network) => Operation::peak(network.operations(), &Padded::new(size[0], size[1], params.disparities)),
         None => (width + u64::from(params.block) - 1) * height * u64::from(params.disparities),
     };
+    let features = u64::from(params.feature_planes());
     let what = format!("{what} of {width}x{height} pixels at {} disparities", params.disparities);
-    memory::ensure(&what, each * values + PIXEL_BYTES * width * height)
+    memory::ensure(&what, each * values + (PIXEL_BYTES + FEATURE_BYTES * features) * width * height)
 }

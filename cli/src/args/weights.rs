@@ -31,11 +31,12 @@ pub struct WeightsArgs {
     pub json: bool,
 }
 
-/// The network of `--method psmnet`.
+/// The network of `--method psmnet`, or of costs by features.
 #[derive(Clone, Debug, Default, clap::Args)]
 pub struct NetworkArgs {
     /// psmnet: the weights of the network, which --method psmnet needs: .safetensors, or what torch.save writes, such as the
-    /// published .tar; docs/NETWORKS.md says where to get them, gpu-stereo weights FILE what is in them
+    /// published .tar; docs/NETWORKS.md says where to get them, gpu-stereo weights FILE what is in them. learned, learned-census: another
+    /// network of features than that of the library, see docs/LEARNED.md
     #[arg(long, value_name = "FILE", help_heading = "Aggregation")]
     pub weights: Option<PathBuf>,
 }

@@ -12,6 +12,7 @@ use crate::cpu::cost::compare::{
 use crate::cpu::cost::sums::Value;
 use crate::cpu::images::Planes;
 use crate::cpu::instructions::{Instructions, Kernel};
+use crate::features::LEFT_OUT;
 use crate::params::{Census, Cost, Params};
 
 /// A pair, and how its pixels are compared.
@@ -106,6 +107,9 @@ impl<'a> Pixels<'a> {
 
     /// The cost of features, which begin at the plane `first`.
     fn features(&self, At { y, columns, d }: At, first: usize, weights: Option<[u16; 2]>, out: &mut [u8]) {
+        if LEFT_OUT {
+            return; // settings with such a cost were refused
+        }
         let (sides, planes) = ([self.left, self.right], first..first + self.features);
         self.instructions.launch(Angles { sides, planes, weights, y, columns, d, out });
     }

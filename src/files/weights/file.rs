@@ -123,13 +123,16 @@ fn looks(bytes: &[u8]) -> &'static str {
 
 /// A hash of all weights that inference reads: equal for equal networks, whatever file they were read from.
 pub fn fingerprint(network: &Network) -> String {
+    let convolutions = network.operations().iter().filter_map(|operation| network.convolution(&operation.name));
+    let numbers = convolutions.flat_map(|convolution| convolution.weights.data().iter().chain(&convolution.bias));
+    hashed(&network.architecture().to_string(), numbers.map(|number| number.to_le_bytes()))
+}
+
+/// A hash of a name and numbers.
+pub(super) fn hashed(name: &str, numbers: impl Iterator<Item = [u8; 4]>) -> String {
     let mut hasher = XxHash3_64::default();
-    hasher.write(network.architecture().to_string().as_bytes());
-    for convolution in network.operations().iter().filter_map(|operation| network.convolution(&operation.name)) {
-        for values in [convolution.weights.data(), &convolution.bias] {
-            values.iter().for_each(|value| hasher.write(&value.to_le_bytes()));
-        }
-    }
+    hasher.write(name.as_bytes());
+    numbers.for_each(|number| hasher.write(&number));
     format!("{:016x}", hasher.finish())
 }
 

@@ -30,8 +30,8 @@ fn element(kind: Dtype) -> Option<Element> {
     })
 }
 
-/// The tensors of a file.
-pub(super) fn parse(bytes: &[u8]) -> Result<Vec<Given>> {
+/// A file, of which the header was checked.
+pub(super) fn opened(bytes: &[u8]) -> Result<SafeTensors<'_>> {
     let header = bytes.split_first_chunk::<8>().map(|(length, rest)| {
         &rest[..usize::try_from(u64::from_le_bytes(*length)).unwrap_or(usize::MAX).min(rest.len())]
     });
@@ -40,10 +40,15 @@ pub(super) fn parse(bytes: &[u8]) -> Result<Vec<Given>> {
         digits.is_none_or(|digits| digits <= MAX_DIGITS),
         "its header has a number of more than {MAX_DIGITS} digits; save it again"
     );
-    let file = SafeTensors::deserialize(bytes).map_err(|error| {
+    SafeTensors::deserialize(bytes).map_err(|error| {
         let told: String = error.to_string().chars().take(200).collect();
         error!("it is damaged or cut short ({told}); save or download it again")
-    })?;
+    })
+}
+
+/// The tensors of a file.
+pub(super) fn parse(bytes: &[u8]) -> Result<Vec<Given>> {
+    let file = opened(bytes)?;
     let mut budget = Budget::of(bytes);
     let mut all = Vec::new();
     for (name, tensor) in file.iter() {

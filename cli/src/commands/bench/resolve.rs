@@ -16,6 +16,7 @@ use gpu_stereo::files::datasets::{DataSet, Scene};
 use gpu_stereo::files::encoders::{self, Look};
 use gpu_stereo::files::lists::absolute;
 use gpu_stereo::files::weights::fingerprint;
+use gpu_stereo::{FeatureNetwork, Params};
 use std::collections::BTreeSet;
 use std::ops::RangeInclusive;
 use std::path::{Path, PathBuf};
@@ -28,8 +29,6 @@ pub struct Bench {
     pub scenes: Vec<Scene>,
     /// What to compute for each.
     pub variants: Vec<Variant>,
-    /// The fingerprint of the network's weights.
-    pub weights: Option<String>,
     /// How the images are read.
     pub input: InputArgs,
     /// Where to compute.
@@ -90,7 +89,6 @@ pub fn resolve(typed: BenchArgs) -> Result<Bench> {
     let bench = Bench {
         layout: typed.layout,
         scenes,
-        weights: variants.iter().find_map(|variant| variant.params.network.as_ref()).map(fingerprint),
         variants,
         input: typed.input.of_many(),
         device: typed.device,
@@ -243,10 +241,16 @@ impl Bench {
         );
         let maps = self.maps.as_ref().map(|maps| (absolute(&maps.folder), &maps.formats));
         let cameras = (self.cameras.digest(), self.look);
-        let weights = variant.params.network.as_ref().and(self.weights.as_ref());
+        let weights = weights(&variant.params);
         format!(
             "{of_run:?} {number} {place} {:?} {:?} {weights:?} {scene:?} {files:?} {maps:?} {cameras:?}",
             variant.settings, variant.params
         )
     }
+}
+
+/// The fingerprint of the weights that were given for these settings.
+fn weights(params: &Params) -> Option<String> {
+    let of_features = || params.features.as_ref().filter(|_| params.takes_features());
+    params.network.as_ref().map(fingerprint).or_else(|| of_features().map(FeatureNetwork::fingerprint))
 }

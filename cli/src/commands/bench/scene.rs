@@ -85,6 +85,7 @@ pub fn settings(variant: &Variant, disparities: u32) -> Result<(Vec<(String, Str
     }
     let mut params = args::params(settings.iter().map(|(name, value)| (name.as_str(), value.as_str())))?;
     params.network = network.clone();
+    params.features = variant.params.features.clone();
     Ok((settings, params))
 }
 

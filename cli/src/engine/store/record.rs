@@ -65,6 +65,9 @@ impl Record {
         if let Some(network) = &params.network {
             made_with.insert("weights".into(), fingerprint(network).into());
         }
+        if let Some(network) = params.features.as_ref().filter(|_| params.takes_features()) {
+            made_with.insert("weights".into(), network.fingerprint().into());
+        }
         made_with.extend(more.iter().map(|(name, value)| ((*name).into(), value.as_str().into())));
         // Defaults are not recorded.
         if input.swap {
