@@ -197,7 +197,7 @@ pub fn feature_network(random: &mut ChaCha8Rng) -> gpu_stereo::FeatureNetwork {
         // Sums of about 40 * 73 * the root of their number become about 50, or 500 in the end.
         let typical = 2920.0 * f64::from(each as u32).sqrt() / if at + 1 == count { 500.0 } else { 50.0 };
         let numbers = |random: &mut ChaCha8Rng| -> (i32, i32) {
-            let shift = random.random_range(12..=17);
+            let shift = random.random_range(9..=13);
             ((f64::from(1 << shift) / typical * random.random_range(0.5..2.0)) as i32 + 1, shift)
         };
         let (multiplier, shift) = (0..outputs).map(|_| numbers(random)).unzip();

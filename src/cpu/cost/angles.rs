@@ -2,7 +2,7 @@
 
 use std::ops::Range;
 
-use fearless_simd::{Simd, SimdFrom, u8x32, u16x16};
+use fearless_simd::{Simd, SimdFrom, u8x32, u16x16, u16x32};
 
 use crate::cpu::LANES;
 use crate::cpu::aligned::Aligned;
@@ -29,7 +29,7 @@ fn feature(byte: u8) -> u16 {
     u16::from(byte).wrapping_sub(128)
 }
 
-/// The features of the pixels of the left side, `[pixel][plane]`, and of those that any of them is compared with, `[plane][column]`.
+/// The features of the pixels of the left side and of those that any of them is compared with: `[plane][column]`.
 #[inline(always)]
 fn gather(of: &Angles<'_>, left: &mut [u16], right: &mut [u16]) {
     let Angles { sides: [left_side, right_side], planes, y, columns, d, .. } = of;
@@ -37,15 +37,12 @@ fn gather(of: &Angles<'_>, left: &mut [u16], right: &mut [u16]) {
     // The right pixels of the last column come first.
     let first = left_side.stride() - columns.end + d;
     let (left_row, right_row) = (left_side.row(*y), right_side.row(*y));
-    for (p, plane) in planes.clone().enumerate() {
+    let outs = left.chunks_exact_mut(count).zip(right.chunks_exact_mut(count + LANES));
+    for (plane, (left, right)) in planes.clone().zip(outs) {
         let from = &left_row[plane * left_side.stride() + columns.start..][..count];
-        for (to, byte) in left[p..].iter_mut().step_by(planes.len()).zip(from) {
-            *to = feature(*byte);
-        }
+        left.iter_mut().zip(from).for_each(|(to, byte)| *to = feature(*byte));
         let from = &right_row[plane * right_side.stride() + first..][..count + LANES - 1];
-        for (to, byte) in right[p * (count + LANES)..][..count + LANES].iter_mut().zip(from) {
-            *to = feature(*byte);
-        }
+        right.iter_mut().zip(from).for_each(|(to, byte)| *to = feature(*byte));
     }
 }
 
@@ -58,21 +55,15 @@ impl Kernel for Angles<'_> {
         let (mut left, mut right) = (Aligned::zeroed(count * planes), Aligned::zeroed(planes * (count + LANES)));
         gather(&self, &mut left, &mut right);
         let (left, right) = (&left[..], &right[..]);
-        let pixels = left.chunks_exact(planes).zip(&mut *self.out.as_chunks_mut::<LANES>().0);
-        for (i, (here, out)) in pixels.enumerate() {
-            let (at, stride) = (count - 1 - i, count + LANES);
-            let mut sums = [simd.splat_u16x16(0); 2];
-            for (&feature, there) in here.iter().zip(right.chunks_exact(stride)) {
-                let Some((there, _)) = there[at..].split_first_chunk::<LANES>() else { return };
-                let there = u16::load(simd, there);
-                let feature = simd.splat_u16x16(feature);
-                sums[0] = simd.add_u16x16(sums[0], simd.mul_u16x16(there[0], feature));
-                sums[1] = simd.add_u16x16(sums[1], simd.mul_u16x16(there[1], feature));
+        for (i, out) in self.out.as_chunks_mut::<LANES>().0[..count].iter_mut().enumerate() {
+            let mut sums = simd.splat_u16x32(0);
+            for (here, there) in left.chunks_exact(count).zip(right.chunks_exact(count + LANES)) {
+                let Some((there, _)) = there[count - 1 - i..].split_first_chunk::<LANES>() else { return };
+                let products = simd.mul_u16x32(u16x32::simd_from(simd, *there), simd.splat_u16x32(here[i]));
+                sums = simd.add_u16x32(sums, products);
             }
-            let costs = sums.map(
-                #[inline(always)]
-                |sum| cost(simd, sum),
-            );
+            let (low, high) = simd.split_u16x32(sums);
+            let costs = [cost(simd, low), cost(simd, high)];
             let cost = match self.weights {
                 None => simd.relaxed_narrow_u16x16(costs[0], costs[1]),
                 Some(weights) => mixed(simd, costs, u8x32::simd_from(simd, *out), weights),
