@@ -570,8 +570,8 @@ class Chain:
 
     def scale(self):
         largest = self.largest_total >> self.narrowing
-        tops = {"census-sobel": 128 * self.largest_pixel_cost(), "mi": 64 * 1024}
-        tops.update({cost: 256 * self.largest_pixel_cost() for cost in ("learned", "learned-census")})
+        eighths = dict.fromkeys(("census-sobel", "learned", "learned-census"), 128 * self.largest_pixel_cost())
+        tops = dict(eighths, mi=64 * 1024)
         top = tops.get(self.case["cost"], 59 * 1550)
         return (top * 2**14 + largest // 2) // largest
 

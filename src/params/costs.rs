@@ -260,7 +260,7 @@ costs! {
         name: "learned", help: "the angle between features that a network makes",
         prefilter: Prefilter::None, block: 1, methods: ALL, blocks: ANY_BLOCK, color: false, beside_gray: false, weights: &[],
         descriptors: &[Descriptor::Features], kind: Kind::Difference,
-        pixel_max: |_| FEATURES_MAX, largest_cap: ANY_CAP, top: |pixel_max| 256 * pixel_max,
+        pixel_max: |_| FEATURES_MAX, largest_cap: ANY_CAP, top: |pixel_max| 128 * pixel_max,
         fragments: wgsl!("pixel_sad"), small_match: false,
     }
     /// [`Cost::Learned`] and [`Cost::CensusSobel`], each with a weight.
@@ -273,7 +273,7 @@ costs! {
             let beside = 2 * of.census_bits + 4 * of.cap;
             ((of.learned_weight * FEATURES_MAX + of.census_weight * beside + 32) >> 6).clamp(1, 255)
         },
-        largest_cap: |of| (255 - 2 * of.census_bits) / 4, top: |pixel_max| 256 * pixel_max,
+        largest_cap: |of| (255 - 2 * of.census_bits) / 4, top: |pixel_max| 128 * pixel_max,
         fragments: wgsl!("pixel_census_sobel", "pixel_bits"), small_match: false,
     }
     /// Normalised cross correlation; for [`Method::Bm`].

@@ -327,6 +327,7 @@ fn refusals() -> BTreeSet<NamedPair> {
         [[("block", "1"), ("cost", "ncc")], [("cost", "ncc"), ("method", "sgm")], [("cost", "ncc"), ("method", "bp")]];
     let costs = Params::OPTIONS.iter().find(|option| option.name == "cost").unwrap().values;
     let gray = costs.iter().map(|(name, _)| *name).filter(|name| !["sad", "bt"].contains(name));
+    let gray = gray.filter(|name| !UNLISTED.contains(&("cost", name)));
     let colours = gray.map(|cost| [("color-cost", "on"), ("cost", cost)]);
     with_ncc.into_iter().chain(colours).collect()
 }

@@ -5,9 +5,10 @@ use rand_chacha::ChaCha8Rng;
 
 use crate::cpu::LANES;
 use crate::cpu::cost::{CostRows, block_match};
+use crate::cpu::features::tests::network;
 use crate::cpu::images::{Planes, Side};
 use crate::cpu::instructions::Instructions;
-use crate::params::{Census, Cost, Method, Named, Params, Prefilter, Subpixel};
+use crate::params::{Census, Cost, Descriptor, Method, Named, Params, Prefilter, Subpixel};
 use crate::reference::{self, block_statistics, block_sums, cost_columns, cost_table, images, matching_cost};
 use crate::{Image, Pixels};
 
@@ -26,6 +27,10 @@ pub(crate) fn settings(random: &mut ChaCha8Rng, cost: Cost) -> Params {
     params.prefilter_cap = random.random_range(1..=params.largest_cap());
     params.ad_weight = random.random_range(0..=Params::MAX_WEIGHT);
     params.census_weight = random.random_range(1..=Params::MAX_WEIGHT);
+    params.learned_weight = random.random_range(0..=Params::MAX_WEIGHT);
+    if cost.row().descriptors.contains(&Descriptor::Features) {
+        params.features = Some(network(random)).filter(|_| random.random());
+    }
     params.validate().unwrap();
     params
 }

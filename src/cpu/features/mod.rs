@@ -8,7 +8,7 @@ mod row;
 mod rows;
 mod strip;
 #[cfg(test)]
-mod tests;
+pub(crate) mod tests;
 mod vectors;
 
 pub use rows::FeatureRows;
