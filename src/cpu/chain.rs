@@ -1,14 +1,17 @@
 //! The stages that this schedule computes in its own way.
 
 use crate::cpu::cost::{CostRows, block_match};
+use crate::cpu::features::FeatureRows;
 use crate::cpu::filters::filtered;
-use crate::cpu::images::{Channels, Planes, Side, luma};
+use crate::cpu::images::{Channels, Planes, Samples, Side, luma};
 use crate::cpu::instructions::Instructions;
 use crate::cpu::network::disparities;
 use crate::cpu::paths::{Aggregation, Buffers, CostSource, Record, aggregate, penalties, second_cost};
 use crate::params::Filter;
-use crate::reference::{Content, Descriptors, Plane, Report, Stages, Trace, Views, Volume, stage, views_of};
-use crate::{DisparityMap, Error, ImageView, Method, Params};
+use crate::reference::{
+    Content, Descriptors, FeatureStatistics, Plane, Report, Stages, Trace, Views, Volume, stage, views_of,
+};
+use crate::{DisparityMap, Error, FeatureNetwork, ImageView, Method, Params};
 
 /// The native schedule's stages.
 pub(super) struct Native<'a> {
@@ -37,6 +40,16 @@ impl Stages for Native<'_> {
 
     fn luma(&mut self, left: ImageView<'_>) -> Plane<u8> {
         luma(left, self.instructions)
+    }
+
+    fn features(
+        &mut self,
+        image: &Plane<u16>,
+        unit: i32,
+        _: FeatureStatistics,
+        network: &FeatureNetwork,
+    ) -> Descriptors {
+        FeatureRows::new(&Samples::of(image, unit), network, self.instructions).descriptors()
     }
 
     fn views(

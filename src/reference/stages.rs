@@ -4,12 +4,12 @@ use crate::params::{Descriptor, Filter};
 use crate::reference::energy::energy_of;
 use crate::reference::trace::Trace;
 use crate::reference::{
-    Channel, Content, Descriptors, Images, Plane, Report, Values, Views, Volume, beliefs, block_match,
-    block_statistics, block_sums, coarse_cost, cost_columns, feature_statistics, feature_values, features, filtered,
-    gray, halve, images, lr_check, matching_cost, messages, mi_histogram, mi_table, network, penalties, rounds,
-    second_cost, sgm_aggregate, stage, validity, winner,
+    Channel, Content, Descriptors, FeatureStatistics, Images, Plane, Report, Values, Views, Volume, beliefs,
+    block_match, block_statistics, block_sums, coarse_cost, cost_columns, feature_statistics, feature_values, features,
+    filtered, gray, halve, images, lr_check, matching_cost, messages, mi_histogram, mi_table, network, penalties,
+    rounds, second_cost, sgm_aggregate, stage, validity, winner,
 };
-use crate::{DisparityMap, Energy, Error, ImageView, Method, Params, Prefilter};
+use crate::{DisparityMap, Energy, Error, FeatureNetwork, ImageView, Method, Params, Prefilter};
 
 /// How stages are computed. Without a function of its own a schedule computes them as the definition does.
 pub(crate) trait Stages {
@@ -29,6 +29,17 @@ pub(crate) trait Stages {
     /// The luma of the left image, which filters read.
     fn luma(&mut self, left: ImageView<'_>) -> Plane<u8> {
         gray(left, Channel::Luma)
+    }
+
+    /// The features of a prefiltered image, whose unit is `unit`.
+    fn features(
+        &mut self,
+        image: &Plane<u16>,
+        unit: i32,
+        statistics: FeatureStatistics,
+        network: &FeatureNetwork,
+    ) -> Descriptors {
+        features(&feature_values(image, unit, statistics, network))
     }
 
     /// From the images, of which `luma` is that of the left one, to the winner of both views; and the table of what matches
@@ -93,7 +104,7 @@ pub(crate) fn views_of(
     if params.compares(Descriptor::Excess) {
         trace.show("window_sums", || [&left, &right].map(|images| images.window_sums(params.block)));
     }
-    let features = trace.features([&left, &right], params);
+    let features = trace.features([&left, &right], params, stages);
     let described =
         |images: &Images, side: usize| images.described(features.as_ref().map(|sides| &sides[side]), params);
     let sides = trace.stage("descriptors", [described(&left, 0), described(&right, 1)]);
@@ -117,15 +128,20 @@ pub fn cost_table(sides: &[Descriptors; 2], content: Option<&Content>, params: &
 
 impl Trace<'_> {
     /// The features of both sides, where the cost compares such, from the prefiltered images.
-    fn features(&mut self, sides: [&Images; 2], params: &Params) -> Option<[Descriptors; 2]> {
+    fn features(
+        &mut self,
+        sides: [&Images; 2],
+        params: &Params,
+        stages: &mut (impl Stages + ?Sized),
+    ) -> Option<[Descriptors; 2]> {
         let network = params.feature_network()?;
         let of = |images: &Images| feature_statistics(&images.channels[0], images.unit);
         let statistics = self.stage("feature_statistics", sides.map(of));
-        let values = [0, 1].map(|side: usize| {
+        let made = [0, 1].map(|side: usize| {
             let Images { channels, unit, .. } = sides[side];
-            feature_values(&channels[0], *unit, statistics[side], &network)
+            stages.features(&channels[0], *unit, statistics[side], &network)
         });
-        Some(self.stage("features", values.each_ref().map(features)))
+        Some(self.stage("features", made))
     }
 
     /// [`cost_table`].

@@ -58,6 +58,17 @@ pub enum Samples {
 }
 
 impl Samples {
+    /// Of an image in the definition's layout, whose unit is `unit`.
+    pub fn of(image: &Plane<u16>, unit: i32) -> Self {
+        let row = |y: usize| &image.data[y * image.width..][..image.width];
+        match unit {
+            1 => Self::Bytes(Padded::from_rows(image.width, image.height, |y, to| {
+                to.iter_mut().zip(row(y)).for_each(|(to, &v)| *to = v as u8);
+            })),
+            _ => Self::Words(Padded::from_rows(image.width, image.height, |y, to| to.copy_from_slice(row(y)))),
+        }
+    }
+
     /// In the definition's layout.
     pub fn plane(&self) -> Plane<u16> {
         let (width, height) = match self {
