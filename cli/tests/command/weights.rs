@@ -2,9 +2,9 @@
 //! take a network.
 
 use crate::support::{command, contents, is_one_line_error, refuses, run, scene, stderr, stdout, succeeds};
-use gpu_stereo::Architecture;
 use gpu_stereo::files::weights::{Weights, encode};
 use gpu_stereo::network::{Tensor, Tensors};
+use gpu_stereo::{Architecture, FeatureNetwork};
 use std::fs;
 use std::path::Path;
 
@@ -171,4 +171,35 @@ fn maps_are_computed_and_other_weights_are_other_settings() {
     let kept = stdout(&succeeds(folder.path(), &batch("same", &["--resume"])));
     assert!(kept.contains("0 done, 0 failed, 1 there already"), "{kept}");
     refuses(folder.path(), &batch("other", &["--resume"]), &["maps made with other settings: weights "]);
+}
+
+/// A network of features in a file gives the map that it gives in the library; files of other networks are refused.
+#[test]
+fn the_learned_costs_take_a_network_of_features() {
+    let folder = scene();
+    let path = |name: &str| folder.path().join(name);
+    let network = FeatureNetwork::built_in();
+    fs::write(path("same"), network.encode().unwrap()).unwrap();
+    let mut layers = network.layers().to_vec();
+    layers[0].bias[0] += 1000;
+    fs::write(path("other"), FeatureNetwork::new(layers).unwrap().encode().unwrap()).unwrap();
+    write(folder.path(), "psmnet", &tensors(Architecture::Basic, ""));
+    let batch = |more: &'static [&'static str]| {
+        let start = ["batch", "left.png", "right.png", "-o", "out", "--disp", "16", "--backend", "cpu", "--cost"];
+        [&start[..], more].concat()
+    };
+    for cost in ["learned", "learned-census"] {
+        let single = ["left.png", "right.png", "--disp", "16", "--backend", "cpu", "--cost", cost, "-o"];
+        succeeds(folder.path(), &[&single[..], &["a.pfm"]].concat());
+        succeeds(folder.path(), &[&single[..], &["b.pfm", "--weights", "same"]].concat());
+        assert_eq!(fs::read(path("a.pfm")).unwrap(), fs::read(path("b.pfm")).unwrap(), "{cost}");
+        refuses(folder.path(), &[&single[..], &["c.pfm", "--weights", "none"]].concat(), &["\"none\" does not exist"]);
+        let parts = ["\"psmnet\" cannot be read as a network of features", "metadata format is \"missing\""];
+        refuses(folder.path(), &[&single[..], &["c.pfm", "--weights", "psmnet"]].concat(), &parts);
+    }
+    succeeds(folder.path(), &batch(&["learned", "--weights", "same"]));
+    let kept = stdout(&succeeds(folder.path(), &batch(&["learned", "--weights", "same", "--resume"])));
+    assert!(kept.contains("0 done, 0 failed, 1 there already"), "{kept}");
+    let other = batch(&["learned", "--weights", "other", "--resume"]);
+    refuses(folder.path(), &other, &["maps made with other settings: weights "]);
 }
