@@ -135,7 +135,7 @@ pub(super) const MUTANTS: &[Mutant] = &[
     mutant("penalties", "vec4(10.0))", "vec4(12.0))", adaptive),
     mutant("penalties", "frame.p1 / 2u", "frame.p1 / 4u", adaptive),
     mutant("penalties", "+ 0.5)", "- 0.5)", adaptive),
-    mutant("penalties", "0xffffff00u) | frame.p2", "0xffffff00u) | frame.p1", adaptive),
+    mutant("penalties", "vec4(0.0), outside", "vec4(40.0), outside", adaptive),
     mutant("penalties", "vec4(3.0))", "vec4(4.0))", adaptive_both),
     mutant("penalties", "max(quotient, vec4(8u))", "max(quotient, vec4(9u))", adaptive_both),
     mutant("penalties", "min(max(quotient, vec4(8u)), vec4(frame.p1))", "max(quotient, vec4(8u))", |params| {
@@ -172,7 +172,7 @@ pub(super) const MUTANTS: &[Mutant] = &[
         labels(params);
     }),
     mutant("winner", "frame.p1", "frame.p2", |_| ()),
-    mutant("winner", "PATHS * own_cost.odd", "own_cost.odd", |_| ()),
+    mutant("winner", "PATHS * cost.odd", "cost.odd", |_| ()),
     mutant("winner", "max(first, own)", "own", confidence),
     mutant("winner", "(d & 8u) != 0u", "(d & 4u) != 0u", |_| ()),
     mutant("winner", "k - 1u", "k", |_| ()),
