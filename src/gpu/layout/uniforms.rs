@@ -98,7 +98,7 @@ own! {
     HistogramOwn { halvings: u32 }
     /// Of `mi_smooth`.
     SmoothOwn { narrowing: u32, prior: u32, logarithms: u32 }
-    /// Of `sgm_aggregate` and `winner`.
+    /// Of `sgm_aggregate`, `second_cost` and `winner`.
     PathOwn {
         accumulate: u32,
         carry_from: u32,
