@@ -44,7 +44,7 @@ pub(crate) use chain::follow;
 pub use chain::{compute, compute_all, compute_timed, compute_traced};
 pub use channels::{Images, images};
 pub use cost::cost_columns::{cost_columns, pixel_cost};
-pub use cost::descriptors::{Descriptors, descriptors};
+pub use cost::descriptors::descriptors;
 pub use cost::matching_cost::{matching_cost, matching_cost_scale};
 pub use cost::mi_histogram::mi_histogram;
 pub use cost::mi_table::{logarithm, mi_narrowing, mi_prior, mi_table};
@@ -68,7 +68,7 @@ pub use network::{
 pub use paths::penalties::penalties;
 pub use paths::second_cost::second_cost;
 pub use paths::sgm_aggregate::{Direction, aggregate_direction, sgm_aggregate};
-pub use plane::{Plane, Volume};
+pub use plane::{Descriptors, Plane, Volume};
 #[cfg(feature = "cpu")]
 pub use stages::cost_table;
 pub(crate) use stages::{Stages, views_of};

@@ -1,4 +1,4 @@
-//! The results of stages: a value for each pixel, or for each pixel and disparity.
+//! The results of stages: a value or several bytes for each pixel, or a value for each pixel and disparity.
 
 use rayon::prelude::*;
 
@@ -51,5 +51,27 @@ impl<T: Copy + Default> Volume<T> {
     /// Values a row of the image.
     pub fn row_len(&self) -> usize {
         self.width * self.disparities
+    }
+}
+
+/// What the matching cost compares of each pixel: `planes` bytes, `data[(y * width + x) * planes + p]`.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Descriptors {
+    /// Pixels a row.
+    pub width: usize,
+    /// Rows.
+    pub height: usize,
+    /// Bytes a pixel.
+    pub planes: usize,
+    /// The bytes.
+    pub data: Vec<u8>,
+}
+
+impl Descriptors {
+    /// The bytes of the pixel nearest to (x, y) that lies in the image.
+    pub fn clamped(&self, x: i64, y: i64) -> &[u8] {
+        let x = x.clamp(0, self.width as i64 - 1) as usize;
+        let y = y.clamp(0, self.height as i64 - 1) as usize;
+        &self.data[(y * self.width + x) * self.planes..][..self.planes]
     }
 }

@@ -1,28 +1,6 @@
 use crate::params::{Census, Descriptor, Params};
 use crate::reference::images::prefilter::sobel;
-use crate::reference::{Images, Plane, features_of, images::gray::narrow, window_sum};
-
-/// What the matching cost compares of each pixel: `planes` bytes, `data[(y * width + x) * planes + p]`.
-#[derive(Clone, Debug, PartialEq, Eq)]
-pub struct Descriptors {
-    /// Pixels a row.
-    pub width: usize,
-    /// Rows.
-    pub height: usize,
-    /// Bytes a pixel.
-    pub planes: usize,
-    /// The bytes.
-    pub data: Vec<u8>,
-}
-
-impl Descriptors {
-    /// The bytes of the pixel nearest to (x, y) that lies in the image.
-    pub fn clamped(&self, x: i64, y: i64) -> &[u8] {
-        let x = x.clamp(0, self.width as i64 - 1) as usize;
-        let y = y.clamp(0, self.height as i64 - 1) as usize;
-        &self.data[(y * self.width + x) * self.planes..][..self.planes]
-    }
-}
+use crate::reference::{Descriptors, Images, Plane, features_of, images::gray::narrow, window_sum};
 
 impl Images {
     /// What the cost compares of them.
