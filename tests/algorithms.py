@@ -425,7 +425,7 @@ class Chain:
         return min(255, (self.case["ad_weight"] * a + self.case["census_weight"] * b + 8) >> 4)
 
     def blend(self, a, b):
-        return min(255, (self.case["learned_weight"] * a + self.case["census_weight"] * b + 32) >> 6)
+        return min(255, (self.case.get("learned_weight", 0) * a + self.case["census_weight"] * b + 32) >> 6)
 
     def largest_pixel_cost(self):
         v = 255 if self.case["prefilter"] == "none" else 2 * self.cap
