@@ -218,7 +218,7 @@ mod tests {
             ("convolution relu", "convolution,relu", "has \"convolution\""),
             ("layers.3.bias", "layers.3.bios", "the tensor layers.3.bias is missing"),
             ("[64,1,3,3]", "[64,3,1,3]", "the tensor layers."),
-            ("point linear", "point relu  ", "must list one of"),
+            ("point linear", "point relu  ", "layer 8 of the network of features is relu, but must be linear"),
         ] {
             let error = changed(from, to);
             assert!(error.contains(text) && error.contains("; ") && !error.contains('\n'), "{error}\nwanted: {text}");
