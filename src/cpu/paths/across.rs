@@ -6,7 +6,6 @@ use fearless_simd::{Simd, SimdFrom, u8x32, u16x16};
 
 use super::buffers::{Buffers, Lent};
 use super::penalties::PenaltyRow;
-use super::second_cost::second_costs;
 use super::step::{PAD, Receive, Stepping, load, steps, store};
 use crate::Params;
 use crate::cpu::LANES;
@@ -98,15 +97,13 @@ impl RowScratch {
     }
 }
 
-/// Computes rows.
-type RowsOf = fn(&mut [AcrossRow<'_>], &mut Scratch, &Params, Instructions);
+/// Computes at most [`TOGETHER`] rows.
+pub(super) type RowsOf = fn(&mut [AcrossRow<'_>], &mut Scratch, &Params, Instructions);
 
 /// How rows are computed.
 pub(super) struct Across {
-    /// Computes at most [`TOGETHER`] rows of winners.
+    /// Computes the winners.
     pub(super) rows: RowsOf,
-    /// Computes at most [`TOGETHER`] rows of the cost of the second pass.
-    pub(super) second: RowsOf,
     /// Disparities whose keys go together: a sum, of at most 255 a path, and an index fit 16 bits.
     pub(super) group: usize,
 }
@@ -130,7 +127,7 @@ impl Across {
     }
 
     fn of<const P: u16, const Q: usize, const G: usize, const N: usize>() -> Self {
-        Self { rows: across::<P, Q, G, N>, second: second_costs::<Q, N>, group: G }
+        Self { rows: across::<P, Q, G, N>, group: G }
     }
 }
 

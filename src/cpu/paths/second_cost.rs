@@ -5,7 +5,7 @@ use std::ops::Range;
 
 use fearless_simd::{Simd, u8x32, u16x16};
 
-use super::across::{AcrossRow, Goal, RowScratch, Scratch, Segment, add, rightwards, store_words};
+use super::across::{AcrossRow, Goal, RowScratch, RowsOf, Scratch, Segment, add, rightwards, store_words};
 use super::aggregation::CostSource;
 use super::buffers::Lent;
 use super::step::{PAD, Receive, Stepping, load, steps, store};
@@ -38,8 +38,22 @@ impl CostSource for &SecondCost {
     }
 }
 
+/// How rows are computed, of so many paths and disparities.
+pub(super) fn second_for(paths: usize, disparities: usize) -> RowsOf {
+    match (paths, disparities) {
+        (3 | 4, 64) => second_costs::<1, 64>,
+        (3 | 4, 128) => second_costs::<1, 128>,
+        (3 | 4, _) => second_costs::<1, 0>,
+        (5, _) => second_costs::<2, 0>,
+        (8, 64) => second_costs::<3, 64>,
+        (8, 128) => second_costs::<3, 128>,
+        (8, _) => second_costs::<3, 0>,
+        _ => second_costs::<7, 0>,
+    }
+}
+
 /// Q planes of the paths that cross rows. N as of the winners' rows.
-pub(super) fn second_costs<const Q: usize, const N: usize>(
+fn second_costs<const Q: usize, const N: usize>(
     rows: &mut [AcrossRow<'_>],
     scratch: &mut Scratch,
     params: &Params,

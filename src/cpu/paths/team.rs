@@ -9,12 +9,13 @@ use std::ops::Range;
 
 use rayon::prelude::*;
 
-use super::across::{Across, AcrossRow, Goal, Scratch, Segment, TOGETHER};
+use super::across::{Across, AcrossRow, Goal, RowsOf, Scratch, Segment, TOGETHER};
 use super::aggregation::{Aggregation, CostSource, Sources};
 use super::buffers::{Buffers, Lent};
 use super::down::{Down, DownRow, down_for};
 use super::front::Front;
 use super::penalties::PenaltyRow;
+use super::second_cost::second_for;
 
 use crate::Paths;
 use crate::reference::Direction;
@@ -42,6 +43,7 @@ pub(super) struct Way {
     pub(super) planes: usize,
     down: Down,
     pub(super) across: Across,
+    second: RowsOf,
 }
 
 /// The columns of a thread.
@@ -73,8 +75,9 @@ impl Way {
         });
         let planes = steps.len().div_ceil(2);
         let down = down_for(steps.len(), n);
-        let across = Across::new(job.params.paths.count() as usize, job.params.disparities as usize);
-        Self { meets, teams, parts: parts.collect(), band, n, planes, down, across, steps }
+        let (paths, disparities) = (job.params.paths.count() as usize, job.params.disparities as usize);
+        let (across, second) = (Across::new(paths, disparities), second_for(paths, disparities));
+        Self { meets, teams, parts: parts.collect(), band, n, planes, down, across, second, steps }
     }
 
     /// Bytes of a row of the window of all parts.
@@ -276,7 +279,7 @@ impl<'a, 's> Team<'a, 's> {
             rows.chunks_mut(TOGETHER).for_each(|rows| {
                 let compute = match rows[0].goal {
                     Goal::Maps(_) => way.across.rows,
-                    Goal::SecondCost(_) => way.across.second,
+                    Goal::SecondCost(_) => way.second,
                 };
                 compute(rows, scratch, job.params, job.instructions);
             });
