@@ -68,6 +68,7 @@ const FOREIGN_VALUES: &[(&str, &str, &str)] = &[
     ("method", "psmnet", "psm stackhourglass network cnn"),
     ("cost", "bt", "birchfield birchfieldtomasi"),
     ("cost", "mi", "mutualinformation"),
+    ("cost", "learned", "mccnn features"),
     ("cost", "census", "hamming ct"),
     ("subpixel", "parabola", "parabolic quadratic"),
     ("median", "off", "none 0 no"),

@@ -914,6 +914,7 @@ fn options_that_change_nothing_are_told() {
         ("--census 5x5", "cost sad"),
         ("--ad-weight 5", "cost sad"),
         ("--census-weight 5", "cost sad"),
+        ("--learned-weight 5", "cost sad"),
         ("--speckle-range 1 --speckle-window off", "speckle-window off"),
         ("--weighted-median-sigma 9", "weighted-median off"),
         ("--wls-lambda 900 --wls off", "wls off"),
@@ -995,6 +996,8 @@ fn every_option_reaches_the_matcher() {
         ["--cost census --census 7x7", "--cost census --census cs9x7"],
         ["--cost ad-census", "--cost ad-census --ad-weight 50"],
         ["--cost ad-census", "--cost ad-census --census-weight 3"],
+        ["--cost learned", "--cost learned-census"],
+        ["--cost learned-census", "--cost learned-census --learned-weight 9"],
     ] {
         assert!(map(one) != map(other), "{other}");
     }
