@@ -84,27 +84,30 @@ def check(network):
         raise ValueError("the first layer must be a convolution, the last one linear with 8 to 128 channels")
 
 
-def statistics(luma, deep=False):
-    """Mean (units of V) and standard deviation (units of 2 V) of an image: (M, S). `luma` has 16 bits if `deep`, else 8."""
-    values = luma.astype(np.int64).ravel() * (1 if deep else 256)
-    h = np.bincount(values >> 4, minlength=4096)
-    e = 0
-    while values.size >> e > 4096:
-        e += 1
-    h >>= e
-    n, k = int(h.sum()), np.arange(4096)
-    if n == 0:
-        return 0, 1
-    mean = (16 * int((h * k).sum()) + n // 2) // n + (8 if deep else 0)
-    squares = 64 * int((h * (k - (mean >> 4)) ** 2).sum()) // n
-    return mean, max(1, isqrt(squares))
+def deep(luma, bits=8):
+    """The samples of an image in 256ths of a level."""
+    return luma.astype(np.int64) * (256 if bits == 8 else 1)
 
 
-def normalised(luma, deep=False):
+def statistics(luma, bits=8):
+    """Stage `feature_statistics`: the mean of an image in 256ths of a level and its deviation in units of four of them."""
+    values = deep(luma, bits).ravel()
+    count = np.bincount(values >> 6, minlength=1024)
+    shift = 0
+    while values.size >> shift > 8192:
+        shift += 1
+    some, k = (count + (1 << shift) // 2) >> shift, np.arange(1024)
+    number, total = int(some.sum()), int((some * k).sum())
+    centre, level = total // number, 64 * total // number
+    spread, rest = int((some * (k - centre) ** 2).sum()), level - 64 * centre
+    return level + (0 if bits == 8 else 32), max(1, isqrt(256 * spread // number - (rest * rest >> 4)))
+
+
+def normalised(luma, bits=8):
     """The input of the first layer: 32 units are a standard deviation, at most 127 in size."""
-    mean, deviation = statistics(luma, deep)
-    excess = luma.astype(np.int64) * (1 if deep else 256) - mean
-    size = np.minimum(127, (32 * np.abs(excess) + deviation) // (2 * deviation))
+    mean, deviation = statistics(luma, bits)
+    excess = deep(luma, bits) - mean
+    size = np.minimum(127, (16 * np.abs(excess) + deviation) // (2 * deviation))
     return (np.sign(excess) * size).astype(np.int16)
 
 
@@ -143,9 +146,9 @@ def apply(layer, values, last):
     return out
 
 
-def raw(network, luma, deep=False):
+def raw(network, luma, bits=8):
     """The values of the last layer, int16 [channel][y][x]."""
-    values = normalised(luma, deep)[None]
+    values = normalised(luma, bits)[None]
     for layer in network.layers:
         values = apply(layer, values, layer is network.layers[-1])
     return values
@@ -155,16 +158,16 @@ def unit_vectors(values):
     """The features of the values of the last layer: int8 [channel][y][x] of length 170."""
     squares = (values.astype(np.int64) ** 2).sum(0)
     root = np.sqrt(squares.astype(np.float64)).astype(np.int64)
-    root -= root * root > squares
-    root += (root + 1) * (root + 1) <= squares
-    r = np.maximum(root, 1)
+    root += root * root < squares
+    root -= (root - 1) * (root - 1) >= squares
+    r = np.maximum(root, 1)  # the smallest number whose square is at least the sum
     size = np.minimum(127, (2 * UNIT * np.abs(values.astype(np.int64)) + r) // (2 * r))
-    return (np.sign(values) * size * (root > 0)).astype(np.int8)
+    return (np.sign(values) * size).astype(np.int8)
 
 
-def features(network, luma, deep=False):
+def features(network, luma, bits=8):
     """int8 [channel][y][x] of an image."""
-    return unit_vectors(raw(network, luma, deep))
+    return unit_vectors(raw(network, luma, bits))
 
 
 def pixel_costs(dots):
