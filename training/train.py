@@ -116,7 +116,7 @@ def train(options, net, scenes, checked):
         bands = [band(scenes, random, options.rows) for _ in range(options.batch)]
         for group in optimiser.param_groups:
             warm = min(1.0, (step + 1) / 30)
-            group["lr"] = options.rate * warm * (0.5 + 0.5 * np.cos(np.pi * step / options.steps))
+            group["lr"] = float(options.rate * warm * (0.5 + 0.5 * np.cos(np.pi * step / options.steps)))
         images = torch.from_numpy(np.stack([b[side] for side in (0, 1) for b in bands]))
         images = images.contiguous(memory_format=torch.channels_last)
         if step % 50 == 0 and step <= options.steps * 2 // 3:
