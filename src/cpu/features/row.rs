@@ -94,11 +94,11 @@ impl Row<'_> {
             for (value, from) in values.iter_mut().zip(channels.as_chunks::<COLUMNS>().0) {
                 *value = i32x16::simd_from(simd, *from);
             }
-            for j in 0..OUT {
+            for (j, sums) in sums.iter_mut().enumerate() {
                 let weight = simd.splat_i32x16(weights[output % TOGETHER + j]).bitcast::<i16x32<V>>();
-                for n in 0..N {
-                    let products = simd.pairwise_dot_product_i16x32(values[n].bitcast::<i16x32<V>>(), weight);
-                    sums[j][n] = simd.add_i32x16(sums[j][n], products);
+                for (sum, value) in sums.iter_mut().zip(values) {
+                    let products = simd.pairwise_dot_product_i16x32(value.bitcast::<i16x32<V>>(), weight);
+                    *sum = simd.add_i32x16(*sum, products);
                 }
             }
         }
