@@ -197,6 +197,12 @@ pub(crate) fn weighted_rays(params: &mut Params) {
     (params.fill, params.weighted_median_sigma) = (Fill::WeightedRays, 9);
 }
 
+/// Weights of 1 wherever grays differ by a few levels, and so many ties.
+pub(crate) fn counted_rays(params: &mut Params) {
+    weighted_rays(params);
+    params.weighted_median_sigma = 1;
+}
+
 /// Small regions of many sizes.
 pub(crate) fn speckle(params: &mut Params) {
     (params.p1, params.p2, params.lr_check) = (0, 3, None);
