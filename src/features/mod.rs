@@ -9,6 +9,8 @@ mod layer;
 mod network;
 #[cfg(test)]
 mod tests;
+#[cfg(test)]
+mod tiny;
 
 /// Whether features are left out of a program: of one that computes on the CPU alone, with `--cfg gpu_stereo_without_networks`. web/build
 /// wants it small. Settings that want them are refused.
@@ -16,3 +18,5 @@ pub(crate) const LEFT_OUT: bool = cfg!(all(gpu_stereo_without_networks, not(feat
 
 pub use layer::{Layer, LayerKind};
 pub use network::FeatureNetwork;
+#[cfg(test)]
+pub(crate) use tiny::tiny;

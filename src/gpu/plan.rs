@@ -163,6 +163,11 @@ pub(crate) fn vectors(quads: u32, plan: &Plan) -> u32 {
     (1..=most).rev().find(|&vectors| quads.is_multiple_of(vectors)).unwrap_or(1)
 }
 
+/// Groups of eight channels that an invocation of the layers of a network of features computes. On a CPU more of them spare loads.
+pub(crate) fn groups(plan: &Plan) -> u32 {
+    if plan.per_subgroup { 1 } else { 2 }
+}
+
 /// Columns that one invocation of `matching_cost` walks: for a CPU any row that may be.
 pub(crate) fn span(plan: &Plan) -> u32 {
     if plan.per_subgroup { 64 } else { 1 << 16 }

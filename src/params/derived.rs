@@ -255,11 +255,24 @@ impl Params {
         self.block * self.pixel_max() > 0xffff
     }
 
+    /// Bytes of a pixel that the cost compares beside its features.
+    pub(crate) fn compared_planes(&self) -> u32 {
+        self.planes() - self.feature_planes()
+    }
+
+    /// Whether the cost compares features and more.
+    pub(crate) fn mixes_features(&self) -> bool {
+        self.feature_planes() > 0 && self.compared_planes() > 0
+    }
+
     /// Whether the matching cost is made without column sums in memory: pixel costs of a byte, whose block sums fit 16
     /// bits, and few rows of planes in a block.
     pub(crate) fn sums_small_blocks(&self) -> bool {
         const MOST_ROWS: u32 = 64; // more rows take seconds to compile
         let bytes = self.pixel_max() <= 255 && !self.multiplies();
+        if self.compares(Descriptor::Features) {
+            return self.block == 1;
+        }
         bytes && self.block <= Self::SMALL_BLOCK && (self.block + 1) * self.planes() <= MOST_ROWS
     }
 

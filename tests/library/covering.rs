@@ -58,14 +58,8 @@ const NUMBERS: &[(&str, &[&str])] = &[
 ];
 
 /// Words of options that no case takes: one that stands for another, and those of networks, whose stages are compared with
-/// a tolerance by tests of their own; and costs that devices do not compute.
-const UNLISTED: &[(&str, &str)] = &[
-    ("schedule", "auto"),
-    ("method", "psmnet"),
-    ("align-corners", "off"),
-    ("cost", "learned"),
-    ("cost", "learned-census"),
-];
+/// a tolerance by tests of their own.
+const UNLISTED: &[(&str, &str)] = &[("schedule", "auto"), ("method", "psmnet"), ("align-corners", "off")];
 
 /// What a case has besides its options.
 const CIRCUMSTANCES: &[(&str, &[&str])] = &[

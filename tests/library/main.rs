@@ -14,6 +14,7 @@ mod covering;
 mod embedding;
 mod errors;
 mod exactness;
+mod features;
 mod misuse;
 mod network;
 mod portability;

@@ -1,7 +1,7 @@
 //! From the planes to the matching cost of every disparity.
 
 use crate::gpu::chain::planes::Planes;
-use crate::gpu::layout::{Dispatch, Frame, Piece, Rows, Sizes, TEXELS, TEXTURE_ROW};
+use crate::gpu::layout::{Dispatch, Frame, Piece, Rows, Sizes, TEXELS, TEXTURE_ROW, feature_vectors};
 use crate::gpu::plan;
 use crate::gpu::recording::Bound::{self, Buffer, Texture};
 use crate::gpu::recording::{Builder, Written};
@@ -26,6 +26,13 @@ impl Columns {
     pub(super) fn compute(&self, b: &mut Builder<'_>, planes: &Planes, chunk: Rows, place: Dispatch) -> Dispatch {
         let dispatch = Dispatch { first_row: chunk.first, rows: chunk.count, ..place };
         let quads = b.params.quads();
+        if let Some(features) = &planes.features {
+            let storage = planes.with_planes(b, features, &self.buffer);
+            let invocations = (b.sizes.frame.width + 2 * b.params.radius()) * quads;
+            let segments = chunk.count.div_ceil(plan::segment(&b.plan));
+            b.step("cost_columns_features", &storage, dispatch, invocations, segments, Written::Columns { chunk });
+            return dispatch;
+        }
         let invocations = (b.sizes.frame.width + 2 * b.params.radius()) * (quads / plan::vectors(quads, &b.plan));
         let segments = chunk.count.div_ceil(plan::segment(&b.plan));
         let [left, right] = &planes.buffers;
@@ -99,6 +106,12 @@ fn small_cost(b: &mut Builder<'_>, planes: &Planes, piece: &Piece, place: Dispat
     let (rows, quads) = (piece.rows, b.params.quads());
     let dispatch = Dispatch { first_row: rows.first, rows: rows.count, ..place };
     let written = Written::Cost { chunk: rows, volume_row: place.volume_row };
+    if let Some(features) = &planes.features {
+        let storage = planes.with_planes(b, features, cost);
+        let lines = feature_vectors(b.sizes.frame.width) * quads;
+        b.step("matching_cost_features", &storage, dispatch, lines, rows.count, written);
+        return;
+    }
     if b.plan.per_subgroup {
         let [left, right] = &planes.buffers;
         let storage = planes.with_table(&[Buffer(left), Buffer(right), Buffer(cost)]);

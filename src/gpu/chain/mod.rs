@@ -4,6 +4,7 @@ mod beliefs;
 mod content;
 mod cost;
 mod ends;
+mod features;
 mod filters;
 mod images;
 mod mutual_information;

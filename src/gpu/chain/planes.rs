@@ -1,6 +1,7 @@
 //! The planes of bytes that the matching cost compares.
 
 use crate::Prefilter;
+use crate::gpu::chain::features::Features;
 use crate::gpu::chain::images::{Picture, Sums, filtered, gray, picture_of, prefilter, source_of};
 use crate::gpu::layout::{Dispatch, Frame, Piece, PlaneOwn, Rows};
 use crate::gpu::recording::Bound::{self, Buffer, Texture};
@@ -16,6 +17,8 @@ pub(super) struct Planes {
     /// The images that they are made from, of each side: one a channel.
     pictures: [Vec<Picture>; 2],
     scratch: Sums,
+    /// What a network makes of these images, if the cost compares that.
+    pub(super) features: Option<Features>,
     /// The rows that they hold.
     held: Option<Rows>,
     /// The gray images in 8 bits.
@@ -29,8 +32,10 @@ pub(super) struct Planes {
 impl Planes {
     fn new(b: &mut Builder<'_>, pictures: [Vec<Picture>; 2], grays: Vec<wgpu::TextureView>, scratch: Sums) -> Self {
         let buffers = [b.buffer("descriptors.left", b.sizes.left), b.buffer("descriptors.right", b.sizes.right)];
-        let (rows, strides) = (b.params.planes() * b.sizes.planes_rows, [0, 1].map(|side| place_of(b, side).0));
-        let in_textures = b.sizes.small_block && !b.plan.per_subgroup;
+        let features = Features::new(b, [&pictures[0][0], &pictures[1][0]]);
+        let (rows, strides) =
+            (b.params.compared_planes() * b.sizes.planes_rows, [0, 1].map(|side| place_of(b, side).0));
+        let in_textures = b.sizes.small_block && !b.plan.per_subgroup && features.is_none();
         let texture = |stride: u32| b.texture("planes", [stride, rows], rows, wgpu::TextureFormat::R32Uint);
         let textures = if in_textures { strides.map(texture).to_vec() } else { Vec::new() };
         let mut planes = Self {
@@ -39,6 +44,7 @@ impl Planes {
             views: Vec::new(),
             pictures,
             scratch,
+            features,
             held: None,
             grays,
             table: None,
@@ -49,16 +55,21 @@ impl Planes {
         planes
     }
 
-    /// Stages `descriptors`, or `prefilter` if that is what is compared, of the rows of a piece, unless it is done. Returns
+    /// Stages `features`, and `descriptors`, or `prefilter` if that is what is compared, of the rows of a piece, unless it is done. Returns
     /// where the kernels that take the planes find the rows.
     pub(super) fn hold(&mut self, b: &mut Builder<'_>, piece: &Piece) -> Dispatch {
         let rows = piece.planes;
         if self.held.replace(rows) != Some(rows) {
             self.views.clear();
             for side in [0, 1] {
-                self.compute(b, side, rows);
+                if let Some(features) = &self.features {
+                    features.compute(b, &self.pictures[side][0], rows);
+                }
+                if b.params.compared_planes() > 0 {
+                    self.compute(b, side, rows);
+                }
                 if let Some(texture) = self.textures.get(side) {
-                    let size = [place_of(b, side).0, b.params.planes() * rows.count];
+                    let size = [place_of(b, side).0, b.params.compared_planes() * rows.count];
                     self.views.push(b.copy_into(texture, size));
                 }
             }
@@ -67,7 +78,7 @@ impl Planes {
     }
 
     fn compute(&self, b: &mut Builder<'_>, side: usize, rows: Rows) {
-        let count = b.params.planes() / b.params.described();
+        let count = b.params.compared_planes() / b.params.described();
         for (channel, picture) in (0..).zip(&self.pictures[side]) {
             let first_plane = channel * count;
             let (stride, own) = place_of(b, side);
@@ -86,6 +97,18 @@ impl Planes {
             let storage = [Texture(&picture.texels), Buffer(&self.scratch.sums), Buffer(&self.buffers[side])];
             picture.step(b, "descriptors", &storage, dispatch, [dispatch.stride / 4, rows.count], written);
         }
+    }
+
+    /// What a kernel that compares features is bound to beside what it writes: what else is compared comes last.
+    pub(super) fn with_planes<'a>(
+        &'a self,
+        b: &Builder<'_>,
+        features: &'a Features,
+        written: &'a wgpu::Buffer,
+    ) -> Vec<Bound<'a>> {
+        let [left, right] = &features.features;
+        let planes = if b.params.compared_planes() > 0 { &self.buffers[..] } else { &[] };
+        [left, right, written].into_iter().chain(planes).map(Buffer).collect()
     }
 
     /// What a kernel that compares pixels is bound to: the table comes last.

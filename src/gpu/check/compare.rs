@@ -38,6 +38,9 @@ impl Comparison<'_> {
                 self.level.compare_picture(self.stage, &self.bytes, |x, y| plane.clamped(x, y));
             }
             Written::Descriptors { side, first, count, rows } => self.descriptors(*side, *first, *count, *rows),
+            Written::FeatureStatistics { side } => self.feature_statistics(*side),
+            Written::FeatureLayer { side, layer, rows } => self.feature_layer(*side, *layer, *rows),
+            Written::Features { side, rows } => self.features(*side, *rows),
             Written::Values { side } => {
                 let values = &self.expected.pyramid[self.level.halvings as usize][*side];
                 self.level.compare_picture(self.stage, &self.bytes, |x, y| values.clamped(x, y)[0].into());

@@ -2,13 +2,20 @@
 
 use crate::params::Filter;
 use crate::reference::{
-    self, BlockStatistics, Channel, Content, Descriptors, Direction, Images, Messages, Plane, Round, Values, Views,
-    Volume,
+    self, BlockStatistics, Channel, Content, Descriptors, Direction, FeatureValues, Images, Messages, Plane, Round,
+    Values, Views, Volume,
 };
 use crate::{ConfidenceMap, DisparityMap, Image, ImageView, Method, Params};
 
 /// What the device made of the pair so far, by operation of a network and side; what is read no more is dropped.
 pub(super) type Made = Vec<[Option<Values>; 2]>;
+
+/// What a layer of one side left, or without a layer what the first one reads: the last that was asked for.
+pub(super) struct LayerValues {
+    pub(super) side: usize,
+    pub(super) layer: Option<usize>,
+    pub(super) values: FeatureValues,
+}
 
 /// The reference's buffers, each computed when a step asks for it.
 pub(super) struct Expected {
@@ -25,6 +32,8 @@ pub(super) struct Expected {
     pub(super) prefiltered: [Images; 2],
     /// What the cost compares of both images, halved ever more often.
     pub(super) pyramid: Vec<[Descriptors; 2]>,
+    /// Of a network of features.
+    pub(super) layer_values: Option<LayerValues>,
     pub(super) rounds: Vec<Round>,
     /// The round to which what follows belongs, and its settings.
     pub(super) level: Option<usize>,
@@ -70,6 +79,7 @@ impl Expected {
             images,
             prefiltered,
             pyramid,
+            layer_values: None,
             rounds,
             level: None,
             params: params.clone(),

@@ -2,5 +2,6 @@
 
 mod compare;
 mod expected;
+mod features;
 mod network;
 mod run;

@@ -2,7 +2,7 @@
 
 use std::sync::Arc;
 
-use super::table::Access::{Costs, Edges, Penalties, Read, Table, Texels, Trees, Write};
+use super::table::Access::{Costs, Edges, Penalties, Planes, Read, Table, Texels, Trees, Write};
 use super::table::Kernel;
 use crate::gpu::plan::Plan;
 use crate::params::Params;
@@ -34,7 +34,7 @@ pub(crate) fn compile(
     let storage = storage.iter().map(|access| match access {
         Read | Costs => buffer(wgpu::BufferBindingType::Storage { read_only: true }, false),
         Write | Trees => buffer(wgpu::BufferBindingType::Storage { read_only: false }, false),
-        Table | Penalties | Edges => unreachable!("there is none, or it is bound as what holds it"),
+        Table | Penalties | Edges | Planes => unreachable!("there is none, or it is bound as what holds it"),
         Texels(format) => wgpu::BindingType::StorageTexture {
             access: wgpu::StorageTextureAccess::ReadOnly,
             format: *format,

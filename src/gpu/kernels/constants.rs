@@ -5,7 +5,7 @@ use std::collections::HashSet;
 use super::table::{Access, Kernel, SETTINGS};
 use crate::PixelFormat;
 use crate::gpu::layout::{NO_OWN, TEXELS};
-use crate::gpu::plan::{Plan, paired, parts_and_strip, penalty_bytes, segment, span, vectors};
+use crate::gpu::plan::{Plan, groups, paired, parts_and_strip, penalty_bytes, segment, span, vectors};
 use crate::params::{Census, Descriptor, Params, Prefilter, Subpixel};
 use crate::reference::LARGEST_TERM;
 
@@ -82,14 +82,24 @@ fn cost(params: &Params) -> Vec<Constant> {
         number("SUMMABLE", (255 / params.pixel_max()).max(1)),
         number("NARROWING", params.narrowing()),
         number("SCALE_SHIFT", params.scale_shift()),
-        number("PLANES", params.planes()),
-        number("IMAGE_PLANES", params.planes() / params.described()),
+        number("PLANES", params.compared_planes().max(1)),
+        number("IMAGE_PLANES", (params.compared_planes() / params.described()).max(1)),
         number("DESCRIBED", params.described()),
         number("DESCRIPTOR", params.numeric_descriptor() as u32),
         number("AD_WEIGHT", params.ad_weight),
         number("CENSUS_WEIGHT", params.census_weight),
     ];
     values.into_iter().chain(names).collect()
+}
+
+/// Features, and how they are compared.
+fn features(params: &Params, plan: &Plan) -> Vec<Constant> {
+    vec![
+        number("FEATURES", params.feature_planes()),
+        number("FEATURE_OFFSET", (1 - params.min_disparity).rem_euclid(4) as u32),
+        number("LEARNED_WEIGHT", params.learned_weight),
+        number("GROUPS", groups(plan)),
+    ]
 }
 
 /// The window of a census.
@@ -171,6 +181,7 @@ pub(super) fn constants(
         images(params, format),
         cost(params),
         census(params),
+        features(params, plan),
         winner(kernel, params),
         beliefs(params),
         speckle_parts(plan),

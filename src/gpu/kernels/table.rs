@@ -21,8 +21,10 @@ pub(crate) enum Access {
     Edges,
     /// The trees of the speckle filter, written: one binding, or its parts.
     Trees,
+    /// The planes of both sides, where pixels are compared by them beside their features.
+    Planes,
 }
-use Access::{Costs, Edges, Penalties, Read, Table, Texels, Trees, Write};
+use Access::{Costs, Edges, Penalties, Planes, Read, Table, Texels, Trees, Write};
 
 /// Fragments of which the plan or the settings choose some.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -55,6 +57,12 @@ pub(crate) enum Choice {
     Weights,
     /// Who loads the weights of a line of taps.
     Taps,
+    /// How products of bytes are summed.
+    Products,
+    /// Who loads eight texels of weights.
+    EightTexels,
+    /// By what pixels are compared beside their features.
+    Beside,
 }
 
 /// Neighbours of a subgroup that share the weights of a line of taps.
@@ -87,6 +95,7 @@ macro_rules! wgsl {
 
 const TRANSPOSED: &[Choice] = &[Choice::Values, Choice::Weights];
 const LAYER: &[Choice] = &[Choice::Values, Choice::Weights, Choice::Taps];
+const FEATURES: &[Choice] = &[Choice::Products, Choice::EightTexels];
 const PATHS: &[Choice] = &[Choice::SharedPath, Choice::Volumes, Choice::Cost, Choice::Penalty];
 
 #[rustfmt::skip]
@@ -98,6 +107,13 @@ pub(crate) const KERNELS: &[Kernel] = &[
     Kernel { name: "window_sums", stage: "window_sums", lanes: 64, sources: wgsl!("images/window_sums", "shared/common"), choices: &[], storage: &[Read, Write] },
     Kernel { name: "prefilter", stage: "prefilter", lanes: 64, sources: wgsl!("images/prefilter", "shared/root", "images/parts/gray_pixels", "images/parts/plane_layout", "shared/bytes", "shared/common"), choices: &[], storage: &[QUAD, Read, Write] },
     Kernel { name: "descriptors", stage: "descriptors", lanes: 64, sources: wgsl!("cost/descriptors", "images/parts/gray_pixels", "images/parts/plane_layout", "shared/bytes", "shared/common"), choices: &[], storage: &[QUAD, Read, Write] },
+    Kernel { name: "feature_histogram", stage: "feature_statistics", lanes: 64, sources: wgsl!("features/feature_histogram", "images/parts/gray_pixels", "shared/bytes", "shared/common"), choices: &[], storage: &[QUAD, Write] },
+    Kernel { name: "feature_statistics", stage: "feature_statistics", lanes: 128, sources: wgsl!("features/feature_statistics", "shared/root", "shared/common"), choices: &[], storage: &[Read, Write] },
+    Kernel { name: "feature_input", stage: "feature_layer", lanes: 32, sources: wgsl!("features/feature_input", "features/parts/quotients", "images/parts/gray_pixels", "shared/bytes", "shared/common"), choices: &[], storage: &[QUAD, Read, Write] },
+    Kernel { name: "feature_point", stage: "feature_layer", lanes: 32, sources: wgsl!("features/feature_point", "features/parts/groups", "features/parts/layer", "shared/common"), choices: FEATURES, storage: &[Read, Read, Write] },
+    Kernel { name: "feature_convolution", stage: "feature_layer", lanes: 32, sources: wgsl!("features/feature_convolution", "features/parts/groups", "features/parts/neighbours", "features/parts/layer", "shared/common"), choices: FEATURES, storage: &[Read, Read, Write] },
+    Kernel { name: "feature_depthwise", stage: "feature_layer", lanes: 32, sources: wgsl!("features/feature_depthwise", "features/parts/neighbours", "features/parts/layer", "shared/common"), choices: &[Choice::EightTexels], storage: &[Read, Read, Write] },
+    Kernel { name: "features", stage: "features", lanes: 32, sources: wgsl!("features/features", "features/parts/quotients", "shared/root", "shared/common"), choices: &[], storage: &[Read, Write] },
     Kernel { name: "coarse_cost", stage: "coarse_cost", lanes: STRIP_LANES, sources: wgsl!("beliefs/coarse_cost", "beliefs/parts/sum_terms", "beliefs/parts/data_cost", "beliefs/parts/pairs", "shared/common"), choices: &[Choice::SharedPath, Choice::Volumes, Choice::Cost], storage: &[Costs, Write] },
     Kernel { name: "coarse_cost_sums", stage: "coarse_cost", lanes: STRIP_LANES, sources: wgsl!("beliefs/coarse_cost_sums", "beliefs/parts/sum_terms", "beliefs/parts/data_coarse", "beliefs/parts/pairs", "shared/common"), choices: &[Choice::SharedPath, Choice::Volumes], storage: &[Read, Write] },
     Kernel { name: "messages_start", stage: "messages", lanes: 128, sources: wgsl!("beliefs/messages_start", "shared/common"), choices: &[Choice::Volumes], storage: &[Read, Read, Read, Write] },
@@ -116,6 +132,8 @@ pub(crate) const KERNELS: &[Kernel] = &[
     Kernel { name: "matching_cost_pixels", stage: "matching_cost", lanes: 32, sources: wgsl!("cost/matching_cost_pixels", "cost/parts/right_bytes", "cost/parts/differences", "cost/parts/quantise", "shared/common"), choices: &[Choice::PixelCosts], storage: &[WORD, WORD, Write, Table] },
     Kernel { name: "matching_cost_parallel", stage: "matching_cost", lanes: 128, sources: wgsl!("cost/matching_cost_parallel", "cost/parts/differences", "cost/parts/quantise", "shared/common"), choices: &[Choice::PixelCosts], storage: &[Read, Read, Write, Table] },
     Kernel { name: "matching_cost_small", stage: "matching_cost", lanes: 32, sources: wgsl!("cost/matching_cost_small", "cost/parts/right_bytes", "cost/parts/differences", "cost/parts/quantise", "shared/common"), choices: &[Choice::PixelCosts], storage: &[WORD, WORD, Write, Table] },
+    Kernel { name: "matching_cost_features", stage: "matching_cost", lanes: 32, sources: wgsl!("cost/matching_cost_features", "cost/parts/angles", "cost/parts/differences", "cost/parts/quantise", "shared/common"), choices: &[Choice::Products, Choice::Beside], storage: &[Read, Read, Write, Planes] },
+    Kernel { name: "cost_columns_features", stage: "cost_columns", lanes: 128, sources: wgsl!("cost/cost_columns_features", "cost/parts/angles", "cost/parts/differences", "shared/common"), choices: &[Choice::Products, Choice::Beside, Choice::Sums], storage: &[Read, Read, Write, Planes] },
     Kernel { name: "sgm_aggregate", stage: "sgm_aggregate", lanes: STRIP_LANES, sources: wgsl!("paths/sgm_aggregate", "paths/parts/path_step", "shared/common"), choices: PATHS, storage: &[Costs, Write, Read, Write, Penalties] },
     Kernel { name: "second_cost", stage: "second_cost", lanes: STRIP_LANES, sources: wgsl!("paths/second_cost", "paths/parts/path_step", "paths/parts/row_step", "beliefs/parts/pairs", "shared/common"), choices: PATHS, storage: &[Costs, Read, Write, Read, Read, Penalties] },
     Kernel { name: "winner", stage: "winner", lanes: STRIP_LANES, sources: wgsl!("winner/winner", "paths/parts/path_step", "paths/parts/row_step", "winner/parts/winner_row", "winner/parts/refinement", "winner/parts/totals_pairs", "beliefs/parts/pairs", "shared/common"), choices: PATHS, storage: &[Costs, Read, Read, Read, Read, Write, Write, Penalties] },
@@ -200,7 +218,8 @@ impl Kernel {
             Table if params.has_table() => vec![WORD],
             Penalties if plan.adaptive => vec![Read],
             Edges if params.smoothness_edge.is_some() => vec![QUAD],
-            Table | Penalties | Edges => vec![],
+            Planes if params.mixes_features() => vec![Read, Read],
+            Table | Penalties | Edges | Planes => vec![],
             Trees => vec![Trees; plan.parts() as usize],
             access => vec![access],
         };
@@ -254,6 +273,18 @@ impl Kernel {
                     wgsl!("network/parts/taps_subgroup")
                 }
                 Choice::Taps => wgsl!("network/parts/taps_alone"),
+                // GPUs have an instruction for four products of bytes.
+                Choice::Products if plan.per_subgroup => wgsl!("features/parts/products_packed"),
+                Choice::Products => wgsl!("features/parts/products_float"),
+                Choice::EightTexels if !plan.per_subgroup && plan.subgroup >= TAP_LANES => {
+                    wgsl!("features/parts/texels_subgroup")
+                }
+                Choice::EightTexels => wgsl!("features/parts/texels_alone"),
+                Choice::Beside if params.mixes_features() => {
+                    fragments.extend(pixel_costs);
+                    wgsl!("cost/parts/beside_census")
+                }
+                Choice::Beside => wgsl!("cost/parts/beside_nothing"),
                 Choice::Trees if plan.part_bits.is_some() => wgsl!("filters/speckle/parts/speckle_parts"),
                 Choice::Trees => wgsl!("filters/speckle/parts/speckle_trees"),
             };

@@ -1,5 +1,6 @@
 //! How volumes are cut: into bands of rows, bands into pieces, pieces into chunks.
 
+use crate::gpu::layout::features::FeatureSizes;
 use crate::gpu::layout::request::{FEWER, ROW_UNIT, Request, Strides};
 use crate::gpu::layout::rows::{Rows, cut, cut_to};
 use crate::gpu::layout::scales::{WAYS, band_unit};
@@ -74,11 +75,18 @@ impl Division {
         // A column's first row costs as much as a block of rows: short chunks are slow.
         let chunk_bytes = COLUMNS_BYTES.max(128 * chunk_row).min(allowed);
         // A block reaches `margin` rows beyond its own; the row before leaves its sum.
-        let (planes, margin) = (u64::from(params.planes()), params.radius() + 1);
-        let planes_row = 4 * planes * u64::from(strides.left.max(strides.right));
+        let (planes, margin) = (params.compared_planes().max(1), params.radius() + 1);
+        let mut planes_row = 4 * u64::from(planes) * u64::from(strides.left.max(strides.right));
         let mut planes_rows = (allowed / planes_row).min(height.into()) as u32;
-        if small_block && !request.plan.per_subgroup {
-            planes_rows = planes_rows.min(request.limits.max_texture_dimension_2d / params.planes());
+        match params.feature_network() {
+            Some(network) => {
+                let (rows, row) = FeatureSizes::most_rows(request, &network);
+                (planes_rows, planes_row) = (planes_rows.min(rows), planes_row.max(row));
+            }
+            None if small_block && !request.plan.per_subgroup => {
+                planes_rows = planes_rows.min(request.limits.max_texture_dimension_2d / planes);
+            }
+            None => {}
         }
         planes_rows = former.map_or(planes_rows, |former| planes_rows.min(former.planes_rows));
         // Block matching may leave a piece's rows of the maps at once.
@@ -170,6 +178,7 @@ fn sums_small_blocks(request: &Request<'_>, strides: &Strides, former: Option<Fo
     };
     let kernel = match (params.method, plan.per_subgroup, params.block) {
         (Method::Bm | Method::Psmnet, ..) => "block_match_small",
+        _ if params.takes_features() => "matching_cost_features",
         (Method::Sgm | Method::Bp, true, _) => "matching_cost_parallel",
         (Method::Sgm | Method::Bp, false, 1) => "matching_cost_pixels",
         (Method::Sgm | Method::Bp, false, _) => "matching_cost_small",

@@ -1,6 +1,7 @@
 //! The sizes and strides of every buffer, computed before anything is created.
 
 use crate::gpu::layout::bands::{Division, Former, Piece};
+use crate::gpu::layout::features::FeatureSizes;
 use crate::gpu::layout::layers::Layers;
 use crate::gpu::layout::request::{Request, SMALLER, Strides, source_layout};
 use crate::gpu::layout::rows::Rows;
@@ -48,6 +49,8 @@ pub(crate) struct Sizes {
     pub(crate) scales: Vec<Scale>,
     /// Where the values of the network lie, if there is one.
     pub(crate) layers: Option<Layers>,
+    /// The same of a network of features.
+    pub(crate) features: Option<FeatureSizes>,
     /// The most bytes that column sums, or the statistics of blocks, take here or in a smaller image.
     pub(crate) columns_room: u64,
     /// Whether `matching_cost_small` or `block_match_small` is used, from planes in textures and without column sums.
@@ -104,7 +107,7 @@ impl Sizes {
             planes_rows: largest.planes_rows,
         });
         let division = Division::new(&request, &strides, right_map, former)?;
-        let plane_rows = u64::from(params.planes()) * u64::from(division.planes_rows);
+        let plane_rows = u64::from(params.compared_planes().max(1)) * u64::from(division.planes_rows);
         Ok(Self {
             frame: frame(&request, &strides, map, source_texels),
             binding: request.binding(),
@@ -124,6 +127,9 @@ impl Sizes {
             columns_row: division.columns_row,
             statistics_row: division.statistics_row,
             layers: layers(&request)?,
+            features: params
+                .feature_network()
+                .map(|network| FeatureSizes::new(&request, &network, division.planes_rows)),
             scales: scales(params, width, height, strides.volume, &division.bands),
             bands: division.bands,
             columns_room: division.columns_room,

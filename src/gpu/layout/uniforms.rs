@@ -152,6 +152,19 @@ own! {
         out_blocks: u32,
         flags: u32
     }
+    /// Of `feature_point`, `feature_convolution` and `feature_depthwise`.
+    FeatureOwn {
+        in_first: u32,
+        in_rows: u32,
+        in_blocks: u32,
+        out_blocks: u32,
+        weights: u32,
+        lowest: i32,
+        highest: i32,
+        wide: u32
+    }
+    /// Of `feature_statistics`.
+    StatisticsOwn { shift: u32 }
     /// Of `average_pool`, `upsample` and `disparity_regression`.
     ImageOwn {
         columns: u32,

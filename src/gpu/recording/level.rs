@@ -25,13 +25,6 @@ pub(crate) fn levels(
     largest: &[Level],
 ) -> Result<Vec<Level>, Error> {
     params.validate()?;
-    if params.feature_network().is_some() {
-        let text = format!(
-            "cost {} is not computed on devices yet; take the CPU (--backend cpu) or another cost",
-            params.cost
-        );
-        return Err(Error::Refused(text));
-    }
     let limits = device.limits();
     kernels::check_limits(&limits)?;
     if width == 0 || height == 0 {

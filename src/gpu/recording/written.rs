@@ -38,6 +38,21 @@ pub(crate) enum Written {
         count: usize,
         rows: Rows,
     },
+    /// The mean and the deviation of an image.
+    FeatureStatistics {
+        side: usize,
+    },
+    /// What a layer of a network of features leaves of some rows, or without one what the first layer reads.
+    FeatureLayer {
+        side: usize,
+        layer: Option<usize>,
+        rows: Rows,
+    },
+    /// The features of some rows.
+    Features {
+        side: usize,
+        rows: Rows,
+    },
     /// The values that are halved, or what came of it, laid out like a gray image.
     Values {
         side: usize,
@@ -135,6 +150,9 @@ impl Written {
                 | Self::Prefiltered { .. }
                 | Self::Values { .. }
                 | Self::Descriptors { .. }
+                | Self::FeatureStatistics { .. }
+                | Self::FeatureLayer { .. }
+                | Self::Features { .. }
         )
     }
 }

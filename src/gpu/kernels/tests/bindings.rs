@@ -7,8 +7,8 @@ use wgpu::naga;
 use super::specialisations::{PLAN, parse, specialisations_of};
 use crate::gpu::kernels::{Access, KERNELS, source};
 use crate::gpu::layout::{
-    BeliefOwn, CoarseOwn, Dispatch, FillOwn, Frame, GrayOwn, HistogramOwn, ImageOwn, LayerOwn, Own, PathOwn, PlaneOwn,
-    RoundOwn, SmoothOwn, StartOwn, ValidityOwn, WindowOwn,
+    BeliefOwn, CoarseOwn, Dispatch, FeatureOwn, FillOwn, Frame, GrayOwn, HistogramOwn, ImageOwn, LayerOwn, Own,
+    PathOwn, PlaneOwn, RoundOwn, SmoothOwn, StartOwn, StatisticsOwn, ValidityOwn, WindowOwn,
 };
 use crate::{Params, PixelFormat};
 
@@ -120,6 +120,10 @@ fn own_layout(kernel: &str) -> Option<StructLayout> {
         }
         "average_pool" | "upsample" | "disparity_regression" => {
             layout!(ImageOwn { columns, rows, in_columns, in_rows, in_stride, in_at, out_stride, rule })
+        }
+        "feature_statistics" => layout!(StatisticsOwn { shift }),
+        "feature_point" | "feature_convolution" | "feature_depthwise" => {
+            layout!(FeatureOwn { in_first, in_rows, in_blocks, out_blocks, weights, lowest, highest, wide })
         }
         "round_disparities" => layout!(RoundOwn { columns, padding }),
         "network_input" => layout!(GrayOwn { channel, reversed }),

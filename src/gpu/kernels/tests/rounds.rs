@@ -101,6 +101,14 @@ fn cases() -> Vec<(bool, Params)> {
     cases.push((true, Params { cost: Cost::Ncc, block: 19, prefilter: Prefilter::None, ..Params::bm(96) }));
     cases.push((false, Params { cost: Cost::Ncc, block: 3, prefilter: Prefilter::None, ..Params::bm(33) }));
     cases.push((false, Params::psmnet(16, tiny(3))));
+    for (cost, block, schedule) in [
+        (Cost::Learned, 1, Schedule::PerThread),
+        (Cost::LearnedCensus, 1, Schedule::PerSubgroup),
+        (Cost::LearnedCensus, 5, Schedule::PerThread),
+    ] {
+        let features = (block > 1).then(crate::features::tiny);
+        cases.push((block > 1, Params { cost, block, schedule, features, prefilter: Prefilter::None, ..sgm(33) }));
+    }
     cases
 }
 

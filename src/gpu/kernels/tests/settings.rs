@@ -23,6 +23,30 @@ pub(crate) fn network(params: &mut Params) {
     *params = Params::psmnet(32, crate::network::tiny::tiny(3));
 }
 
+/// A cost by the features of a network that has every kind of layer.
+pub(crate) fn learned(params: &mut Params) {
+    (params.cost, params.prefilter, params.block) = (Cost::Learned, Prefilter::None, 1);
+    params.features = Some(crate::features::tiny());
+}
+
+/// The same beside a census.
+pub(crate) fn learned_census(params: &mut Params) {
+    learned(params);
+    (params.cost, params.learned_weight) = (Cost::LearnedCensus, 33);
+}
+
+/// The same by invocations that sum products of packed bytes.
+pub(crate) fn learned_packed(params: &mut Params) {
+    per_subgroup(params);
+    learned(params);
+}
+
+/// The same over blocks.
+pub(crate) fn learned_blocks(params: &mut Params) {
+    learned(params);
+    params.block = 3;
+}
+
 /// The same, where interpolation lays the outer corners of pixels on each other.
 pub(crate) fn network_pixels(params: &mut Params) {
     network(params);

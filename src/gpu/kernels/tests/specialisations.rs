@@ -67,8 +67,7 @@ pub(crate) fn specialisations() -> Vec<(Params, PixelFormat, Plan)> {
             }
         }
     }
-    let learned = [Cost::Learned, Cost::LearnedCensus];
-    for &cost in Cost::VALUES.iter().filter(|cost| !learned.contains(cost)) {
+    for &cost in Cost::VALUES {
         for (block, census, color_cost) in [
             (1, Census::NineBySeven, false),
             (5, Census::CentreSymmetric, true),
@@ -92,6 +91,15 @@ pub(crate) fn specialisations() -> Vec<(Params, PixelFormat, Plan)> {
 pub(crate) fn specialisations_of(kernel: &Kernel) -> impl Iterator<Item = (Params, PixelFormat, Plan)> {
     let name = kernel.name;
     specialisations().into_iter().filter(move |(params, ..)| match name {
+        // What compares pixels by other means than features.
+        "descriptors" => params.compared_planes() > 0,
+        "cost_columns" if params.feature_planes() > 0 => false,
+        "cost_columns_features" => params.feature_planes() > 0,
+        "matching_cost_features" => params.feature_planes() > 0 && params.sums_small_blocks(),
+        _ if kernel.stage.starts_with("feature") => params.feature_planes() > 0,
+        "matching_cost_pixels" | "matching_cost_small" | "matching_cost_parallel" if params.feature_planes() > 0 => {
+            false
+        }
         "block_match_small" => params.block <= Params::SMALL_BLOCK && params.cost.row().small_match,
         "matching_cost_pixels" => params.sums_small_blocks() && params.block == 1,
         "matching_cost_small" | "matching_cost_parallel" => params.sums_small_blocks(),
