@@ -19,6 +19,7 @@ import sys
 import tempfile
 import time
 
+import accuracy_picture
 import cv2
 import numpy
 
@@ -59,6 +60,7 @@ def arguments():
     parser.add_argument("--means", action="store_true", help="print no table a scene")
     parser.add_argument("--independent", action="store_true", help="hold every figure to cli/tests/command/evaluation.py")
     parser.add_argument("--json", type=pathlib.Path, metavar="FILE", help="write everything measured")
+    parser.add_argument("--picture", type=pathlib.Path, metavar="FILE", help="draw the time and D1-all of the means, as SVG")
     parser.add_argument("--data", type=pathlib.Path, metavar="FOLDER",
                         help="collection with a MANIFEST.json; default ../shared/data beside the checkout")
     parser.add_argument("--binary", type=pathlib.Path, help="gpu-stereo; default: build it")
@@ -70,7 +72,7 @@ def arguments():
         parser.error("start benches/accuracy, which builds gpu-stereo, or give --binary")
     given.binary = given.binary.resolve()
     given.equal = 0
-    sys.path.insert(0, str(ROOT / "tests"))
+    sys.path.insert(0, str(ROOT / "cli" / "tests" / "command"))
     if not given.binary.is_file():
         parser.error(f"--binary: there is no file {given.binary}")
     return given
@@ -209,6 +211,8 @@ def main():
         print(f"{given.equal} figures of {len(results)} maps are those of cli/tests/command/evaluation.py to 1e-6.")
     if given.json is not None:
         given.json.write_text(json.dumps({"scenes": results, "means": means}, indent=1) + "\n")
+    if given.picture is not None:
+        given.picture.write_text(accuracy_picture.picture(means, [OPENCV]))
 
 
 if __name__ == "__main__":
