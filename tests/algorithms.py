@@ -600,14 +600,14 @@ class Chain:
         return [[[(s * scale + 2**23) >> 24 for s in pixel] for pixel in row] for row in sums]
 
     def penalties(self, g):
-        p1, p2 = self.case["p1"], self.case["p2"]
+        p1, p2, step = self.case["p1"], self.case["p2"], self.case["p2_step"]
 
         def of_step(x, y, dx, dy):
             inside = self.inside(x - dx) and 0 <= y - dy < self.height
             delta = abs(g[y][x] - g[y - dy][x - dx]) if inside else 0
             large = p2
             if self.case["adaptive_p2"] == "on":
-                large = min(p2, max(10 * p2 // max(delta, 10), p1 + p1 // 2))
+                large = min(p2, max(step * p2 // max(delta, step), p1 + p1 // 2))
             if self.case["adaptive_p1"] == "on":
                 return [large, min(p1, max(8, 3 * p1 // max(delta, 3)))]
             return [large]
@@ -1262,7 +1262,7 @@ def vectors(path):
 EXAMPLE = dict(
     width=6, height=1, method="sgm", cost="sad", census="5x5", color_cost="off", ad_weight=8,
     census_weight=32, paths=4, min_disparity=0, disparities=3, block=3, prefilter="none", prefilter_cap=31,
-    prefilter_window=9, p1=2, p2=6, adaptive_p1="off", adaptive_p2="off", passes=1, texture=0, uniqueness=0, lr_check=0,
+    prefilter_window=9, p1=2, p2=6, adaptive_p1="off", adaptive_p2="off", p2_step=10, passes=1, texture=0, uniqueness=0, lr_check=0,
     right_view="diagonal", speckle_window=0, speckle_range=2, median=3, fill="none", subpixel="parabola", weighted_median="off", wls="off",
     opencv_rules="off", right_map="off", confidence="off", depth="off",
 )

@@ -59,6 +59,8 @@ class Options(TypedDict, total=False):
     adaptive_p1: Union[bool, Literal["on", "off"], None]
     # sgm: lower P2 where the intensity changes along the path
     adaptive_p2: Union[bool, Literal["on", "off"], None]
+    # sgm: step of the intensity up to which an adaptive P2 is whole, 1 to 255
+    p2_step: Union[int, None]
     # sgm: how often costs are aggregated; the second time from the mean of the cost and of the first aggregate
     passes: Union[int, None]
     # bp, and the energy of all: how the smoothness grows with the difference of two neighbours

@@ -59,6 +59,8 @@ pub struct Params {
     pub adaptive_p1: bool,
     /// Lower P2 where the intensity changes along the path.
     pub adaptive_p2: bool,
+    /// Step of the intensity up to which an adaptive P2 is whole, in gray levels, 1 to 255.
+    pub p2_step: u32,
     /// Passes of aggregation of [`Method::Sgm`], 1 or 2: the second one aggregates the mean of the cost and of what the first one gave.
     pub passes: u32,
     /// How the smoothness term of [`Method::Bp`] grows with the difference between the disparities of two neighbours.
@@ -178,6 +180,7 @@ impl Params {
             p2: 96,
             adaptive_p1: false,
             adaptive_p2: false,
+            p2_step: 10,
             passes: 1,
             smoothness: Smoothness::Linear,
             smoothness_weight: 2,

@@ -95,6 +95,7 @@ impl Params {
             format!("from 0 to p2, which is {}", self.p2),
             "lower p1 or raise p2",
         )?;
+        check((1..=255).contains(&self.p2_step), "p2-step", self.p2_step, "from 1 to 255 gray levels", "10 is usual")?;
         check((1..=2).contains(&self.passes), "passes", self.passes, "1 or 2", "1 is usual, 2 is more accurate")
     }
 

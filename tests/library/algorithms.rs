@@ -65,6 +65,7 @@ fn settings(params: &Params) -> Vec<(&'static str, String)> {
         ("p2", number(params.p2)),
         ("adaptive_p1", params.get("adaptive-p1").unwrap()),
         ("adaptive_p2", params.get("adaptive-p2").unwrap()),
+        ("p2_step", number(params.p2_step)),
         ("passes", number(params.passes)),
         ("smoothness", params.get("smoothness").unwrap()),
         ("smoothness_weight", number(params.smoothness_weight)),

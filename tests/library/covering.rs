@@ -47,6 +47,7 @@ const NUMBERS: &[(&str, &[&str])] = &[
     ("bp-levels", &["3", "6"]),
     ("bp-iterations", &["5", "2"]),
     ("bp-reweighting", &["8", "16"]),
+    ("p2-step", &["10", "1"]),
     ("texture", &["off", "150"]),
     ("uniqueness", &["10", "off"]),
     ("speckle-window", &["off", "12"]),

@@ -266,6 +266,7 @@ pub fn random_params(random: &mut ChaCha8Rng) -> Params {
         _ => Fill::Hirschmuller,
     };
     params.adaptive_p2 = random.random_bool(0.4);
+    params.p2_step = random.random_range(1..=255);
     params.right_view = if random.random_bool(0.3) { RightView::Match } else { RightView::Diagonal };
     if random.random_bool(0.1) {
         (params.cost, params.color_cost) = (Cost::MutualInformation, false);

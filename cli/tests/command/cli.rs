@@ -909,6 +909,7 @@ fn options_that_change_nothing_are_told() {
         ("--adaptive-p1 on --method bm", "method bm"),
         ("--adaptive-p2 on --method bm", "method bm"),
         ("--passes 2 --method bm", "method bm"),
+        ("--p2-step 6 --adaptive-p2 off", "adaptive-p2 off"),
         ("--prefilter-cap 15 --prefilter none", "prefilter none"),
         ("--prefilter-window 15", "prefilter xsobel"),
         ("--census 5x5", "cost sad"),

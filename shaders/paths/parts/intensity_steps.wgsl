@@ -10,13 +10,13 @@ fn gray_at(index: u32) -> vec4<u32> {
 // What is stored of the steps into sixteen pixels.
 alias Sixteen = array<vec4<u32>, PENALTY_BYTES>;
 
-// P2 of a change of intensity.
+// P2 of a change of intensity; P2_STEP is 0 where it does not depend on that.
 fn large(delta: vec4<f32>) -> vec4<u32> {
-    if ADAPTIVE_P2 == 0u {
+    if P2_STEP == 0u {
         return vec4(frame.p2);
     }
     // A half more keeps the quotient, at most 127, 0.001 away from every whole number: much more than its error.
-    let quotient = vec4<u32>(vec4(f32(10u * frame.p2) + 0.5) / max(delta, vec4(10.0)));
+    let quotient = vec4<u32>(vec4(f32(P2_STEP * frame.p2) + 0.5) / max(delta, vec4(f32(P2_STEP))));
     return min(max(quotient, vec4(frame.p1 + frame.p1 / 2u)), vec4(frame.p2));
 }
 

@@ -15,11 +15,11 @@ pub(crate) fn penalties(gray: &Plane<u8>, params: &Params) -> Volume<u8> {
 }
 
 /// P2 of a change of intensity.
-fn large(delta: usize, &Params { p1, p2, adaptive_p2, .. }: &Params) -> u8 {
+fn large(delta: usize, &Params { p1, p2, adaptive_p2, p2_step, .. }: &Params) -> u8 {
     if !adaptive_p2 {
         return p2 as u8;
     }
-    (10 * p2 / (delta as u32).max(10)).max(p1 + p1 / 2).min(p2) as u8
+    (p2_step * p2 / (delta as u32).max(p2_step)).max(p1 + p1 / 2).min(p2) as u8
 }
 
 /// P1 of it.

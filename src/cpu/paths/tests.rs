@@ -50,6 +50,7 @@ impl Case {
         params.p2 = random.random_range(0..=if params.passes == 2 { 110 } else { 127 });
         params.p1 = random.random_range(0..=params.p2);
         params.adaptive_p2 = random.random_bool(0.4);
+        params.p2_step = random.random_range(1..=255);
         params.adaptive_p1 = random.random_bool(0.4);
         params.uniqueness = [0, 1, 10, 50, 99][random.random_range(0..5)];
         params.subpixel = [Subpixel::Off, Subpixel::Parabola, Subpixel::Equiangular][random.random_range(0..3)];

@@ -126,7 +126,7 @@ fn winner(kernel: &Kernel, params: &Params) -> Vec<Constant> {
     vec![
         number("PENALTIES", before as u32 + 2),
         number("PENALTY_BYTES", penalty_bytes(params)),
-        number("ADAPTIVE_P2", params.adaptive_p2),
+        number("P2_STEP", if params.adaptive_p2 { params.p2_step } else { 0 }),
         number("PATHS", params.paths.count()),
         number("PATH_BITS", params.paths.count().ilog2()),
         number("PAIRED", paired(params.paths)),

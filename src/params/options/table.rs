@@ -165,6 +165,9 @@ pub(super) const OPTIONS: &[ParamOption] = options! {
         "adaptive-p2" "on|off" switch adaptive_p2
             "sgm: lower P2 where the intensity changes along the path"
             idle by "method" if |params| params.method != Method::Sgm;
+        "p2-step" "STEP" natural p2_step
+            "sgm: step of the intensity up to which an adaptive P2 is whole, 1 to 255"
+            idle by "adaptive-p2" if |params| !params.adaptive_p2;
         "passes" "1|2" natural passes
             "sgm: how often costs are aggregated; the second time from the mean of the cost and of the first aggregate"
             idle by "method" if |params| params.method != Method::Sgm;

@@ -6,9 +6,9 @@ use rayon::prelude::*;
 /// is among the paths or whose opposite is: `data[(y * width + x) * disparities + k]`, k the direction. Four directions,
 /// and eight for 16 paths. With [`Params::adaptive_p1`] P2 and P1 take turns: of direction k they are the entries 2 k and 2 k + 1.
 ///
-/// P2'(delta) = min(P2, max(floor(10 P2 / max(delta, 10)), P1 + floor(P1 / 2))), delta = |I(p) - I(q)| of the left gray
-/// image in 8 bits: P2 where the intensity changes by at most 10 levels, and in inverse proportion to the change above
-/// (Hirschmüller 2008, section 2.3), but not below one and a half times P1. delta is 0 where q lies outside.
+/// P2'(delta) = min(P2, max(floor(s P2 / max(delta, s)), P1 + floor(P1 / 2))), delta = |I(p) - I(q)| of the left gray
+/// image in 8 bits and s = [`Params::p2_step`]: P2 where the intensity changes by at most s levels, and in inverse proportion to the
+/// change above (Hirschmüller 2008, section 2.3), but not below one and a half times P1. delta is 0 where q lies outside.
 ///
 /// P1'(delta) = min(P1, max(8, floor(3 P1 / max(delta, 3)))): likewise, from a change of 3 levels on. Each is the parameter itself
 /// where it is not adaptive. P1' <= P2': P2' is P2 >= P1 or at least P1 + floor(P1 / 2) >= P1, and P1' <= P1.
@@ -36,7 +36,7 @@ fn large(delta: u32, params: &Params) -> u32 {
     if !params.adaptive_p2 {
         return params.p2;
     }
-    (10 * params.p2 / delta.max(10)).max(params.p1 + params.p1 / 2).min(params.p2)
+    (params.p2_step * params.p2 / delta.max(params.p2_step)).max(params.p1 + params.p1 / 2).min(params.p2)
 }
 
 /// P1 of a step.

@@ -177,7 +177,7 @@ pub(crate) fn adaptive(params: &mut Params) {
 /// Small penalties that depend on the image, too.
 pub(crate) fn adaptive_both(params: &mut Params) {
     adaptive(params);
-    (params.adaptive_p1, params.p1) = (true, 40);
+    (params.adaptive_p1, params.p1, params.p2_step) = (true, 40, 6);
 }
 
 pub(crate) fn two_passes(params: &mut Params) {
