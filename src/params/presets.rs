@@ -26,12 +26,13 @@ impl Params {
             census: Census::Seven,
             prefilter: Prefilter::None,
             prefilter_cap: 24,
-            p1: 21,
+            p1: 18,
             p2: 90,
             adaptive_p2: true,
-            uniqueness: 6,
+            uniqueness: 10,
             subpixel: Subpixel::Equiangular,
             speckle_range: 1,
+            weighted_median: Some(3),
             ..classic.clone()
         };
         match preset {
@@ -41,10 +42,11 @@ impl Params {
                 Self { paths: Paths::Three, p1: 22, p2: 127, ..derivatives }
             }
             Preset::Balanced => balanced,
-            Preset::Strict => Self { right_view: RightView::Match, uniqueness: 10, speckle_window: 200, ..balanced },
+            Preset::Strict => Self { right_view: RightView::Match, speckle_window: 200, ..balanced },
             Preset::Dense => {
-                let matched = Self { p1: 28, p2: 110, uniqueness: 0, right_view: RightView::Match, ..balanced };
-                Self { speckle_range: 2, fill: Fill::Rays, weighted_median: Some(5), ..matched }
+                let twice = Self { p1: 21, p2: 110, p2_step: 6, adaptive_p1: true, passes: 2, ..balanced };
+                let matched = Self { uniqueness: 0, right_view: RightView::Match, ..twice };
+                Self { speckle_range: 2, fill: Fill::WeightedRays, ..matched }
             }
         }
     }
