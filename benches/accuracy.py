@@ -24,7 +24,7 @@ import cv2
 import numpy
 
 ROOT = pathlib.Path(__file__).resolve().parents[1]
-PRESETS = ["classic", "fast", "balanced", "strict", "dense"]
+PRESETS = ["classic", "fast", "balanced", "strict", "dense", "accurate"]
 OPENCV = "OpenCV HH"
 FIGURES = {"density": "density", "bad2": "bad-2 of valid", "d1_est": "D1-est", "d1_all": "D1-all"}
 MEANS = {

@@ -277,7 +277,7 @@ def main():
     parser.add_argument("--kernels", default="", metavar="REGEX", help="only kernels whose name has this")
     given = parser.parse_args()
     if given.what == "compile":
-        given.settings, given.disparities = "classic,fast,balanced,strict,dense,sgm8,bm,bp", "64"
+        given.settings, given.disparities = "classic,fast,balanced,strict,dense,accurate,sgm8,bm,bp", "64"
     if given.what != "make" and not (shim(AMD).exists() and shim(INTEL).exists()):
         make(given)
     {"make": make, "compile": compile_all, "show": show, "check": check, "write": write}[given.what](given)

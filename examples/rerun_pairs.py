@@ -72,7 +72,7 @@ def main() -> None:
     parser.add_argument("left", type=pathlib.Path)
     parser.add_argument("right", type=pathlib.Path)
     parser.add_argument("--disp", type=int, default=64, help="disparities to search (64)")
-    parser.add_argument("--preset", default="balanced", help="classic, fast, balanced, strict or dense (balanced)")
+    parser.add_argument("--preset", default="balanced", help="classic, fast, balanced, strict, dense or accurate (balanced)")
     parser.add_argument("--calib", type=pathlib.Path, help="a calibration of rectified cameras: depths and points")
     parser.add_argument("--fps", type=float, default=10.0, help="pairs a second (10)")
     parser.add_argument("--save", type=pathlib.Path, help="writes a recording in place of opening the viewer")

@@ -18,7 +18,7 @@ use std::sync::Arc;
 ///
 /// Args:
 ///     width, height: columns and rows of the images.
-///     preset: the settings to start from: ``"classic"``, ``"fast"``, ``"balanced"``, ``"strict"`` or ``"dense"``.
+///     preset: the settings to start from: ``"classic"``, ``"fast"``, ``"balanced"``, ``"strict"``, ``"dense"`` or ``"accurate"``.
 ///     disparities: how many disparities to search, in pixels, from ``min_disp`` (0 unless given) on.
 ///     device: ``"auto"`` (the best GPU, else the CPU), ``"gpu"``, ``"cpu"``, ``"reference"``, or an adapter by its index or a part of
 ///         its name, see :func:`adapters`.

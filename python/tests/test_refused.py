@@ -71,7 +71,7 @@ def test_huge_images_are_refused_before_they_are_copied() -> None:
         ({"disparities": float("inf")}, "disparities is inf, but must be"),
         ({"disparities": 10**30}, "disparities is 1000000000000000000000000000000, but must be"),
         ({"disparities": []}, "disparities is of the type list, but must be a number"),
-        ({"preset": "best"}, "preset is best, but must be one of classic, fast, balanced, strict, dense"),
+        ({"preset": "best"}, "preset is best, but must be one of classic, fast, balanced, strict, dense, accurate"),
         ({"cost": "zncc"}, "cost is zncc, but must be one of sad"),
         ({"p2": 500}, "p2 is 500, but must be from p1 to 127"),
         ({"p1": True}, "p1 is on, but must be a whole number"),

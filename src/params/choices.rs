@@ -245,6 +245,8 @@ pub enum Preset {
     Balanced,
     /// As balanced, and only what a second match confirms.
     Strict,
-    /// As balanced, with every hole filled.
+    /// As balanced, with every hole filled, and aggregated twice.
     Dense,
+    /// As balanced, with costs that are learned beside its own, and only what a second match confirms.
+    Accurate,
 }

@@ -48,6 +48,10 @@ impl Params {
                 let matched = Self { uniqueness: 0, right_view: RightView::Match, ..twice };
                 Self { speckle_range: 2, fill: Fill::WeightedRays, ..matched }
             }
+            Preset::Accurate => {
+                let learned = Self { cost: Cost::LearnedCensus, learned_weight: 16, census_weight: 48, ..balanced };
+                Self { p1: 21, p2: 100, uniqueness: 14, right_view: RightView::Match, ..learned }
+            }
         }
     }
 

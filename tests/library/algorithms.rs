@@ -537,7 +537,7 @@ fn table(head: &str) -> Vec<Vec<&'static str>> {
 
 #[test]
 fn the_tables_of_parameters_have_every_name_and_value() {
-    let presets = ["classic", "fast", "balanced", "strict", "dense"];
+    let presets = ["classic", "fast", "balanced", "strict", "dense", "accurate"];
     let columns: Vec<Params> = [Params::sgm(64), Params::bm(64)]
         .into_iter()
         .chain(presets.map(|name| Params::from_options(64, [("preset", name)]).unwrap()))

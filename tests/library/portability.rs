@@ -47,7 +47,7 @@ fn presets_are_exact() {
     let bare = support::bare_device().expect("an adapter");
     let size = (131, 57);
     let (left, right) = RealPairs::new().piece(0, size, &mut ChaCha8Rng::seed_from_u64(number("GPU_STEREO_SEED", 1)));
-    let presets = [Preset::Classic, Preset::Fast, Preset::Balanced, Preset::Strict, Preset::Dense];
+    let presets = [Preset::Classic, Preset::Fast, Preset::Balanced, Preset::Strict, Preset::Dense, Preset::Accurate];
     let presets = presets.into_iter().map(|preset| Params::preset(preset, 50));
     let all: Vec<_> = presets.chain([Params::bm(50), Params::bp(21)]).collect();
     let mut checked = 0;
@@ -134,7 +134,7 @@ fn cases_are_written() {
             options.join(", ")
         ));
     };
-    for preset in ["classic", "fast", "balanced", "strict", "dense"] {
+    for preset in ["classic", "fast", "balanced", "strict", "dense", "accurate"] {
         for schedule in ["per-thread", "per-subgroup"] {
             let options = [("preset", preset), ("schedule", schedule)];
             let pair = pairs.piece(0, (131, 57), &mut ChaCha8Rng::seed_from_u64(seed));

@@ -58,7 +58,7 @@ fn all_keep_to(matched: &Matched, left: &dyn Fn(u32, u32) -> bool, right: &dyn F
 
 /// Every preset and block matching; with every filter that may give a pixel a disparity.
 fn settings(disparities: u32) -> Vec<Params> {
-    let presets = [Preset::Balanced, Preset::Dense, Preset::Strict, Preset::Classic, Preset::Fast];
+    let presets = [Preset::Balanced, Preset::Dense, Preset::Strict, Preset::Classic, Preset::Fast, Preset::Accurate];
     let bases = presets.map(|preset| Params::preset(preset, disparities)).into_iter().chain([Params::bm(disparities)]);
     let more: [fn(&mut Params); 8] = [
         |_| (),

@@ -50,7 +50,7 @@ test("it computes and checks in Node, and refuses with a StereoError", () => {
         }));`,
     );
     const { stages, ...rest } = JSON.parse(run("node", "use.js"));
-    assert.deepEqual(rest, { found: 48, different: 0, refused: "parameter", presets: ["classic", "fast", "balanced", "strict", "dense"] });
+    assert.deepEqual(rest, { found: 48, different: 0, refused: "parameter", presets: ["classic", "fast", "balanced", "strict", "dense", "accurate"] });
     assert.ok(stages >= 8);
 });
 

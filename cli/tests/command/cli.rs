@@ -475,7 +475,7 @@ fn bad_parameters() {
         (&["--disp", "16", "--prefilter", "gauss"], &["--prefilter is gauss,", "xsobel, sobel, normalized, none"]),
         (&["--disp", "16", "--prefilter-window", "2"], &["--prefilter-window is 2,", "odd", "3 to 51"]),
         (&["--disp", "16", "--prefilter-window", "1"], &["--prefilter-window is 1,"]),
-        (&["--disp", "16", "--preset", "best"], &["--preset is best,", "classic, fast, balanced, strict, dense"]),
+        (&["--disp", "16", "--preset", "best"], &["--preset is best,", "classic, fast, balanced, strict, dense, accurate"]),
         (&["--disp", "16", "--preset", "fast", "--preset", "fast"], &["--preset"]),
         (
             &["--disp", "16", "--cost", "l2"],
