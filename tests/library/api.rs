@@ -49,13 +49,10 @@ const REFUSED: &[(Change, &str, &str, &str)] = &[
     (|p| p.prefilter_window = 8, "prefilter-window", "8", "odd and from 3 to 51"),
     (|p| p.ad_weight = 65, "ad-weight", "65", "0 to 64"),
     (|p| p.census_weight = 65, "census-weight", "65", "0 to 64"),
-<<<<<<< HEAD
     (|p| p.learned_weight = 65, "learned-weight", "65", "0 to 64 64ths"),
     (|p| (p.learned_weight, p.census_weight) = (0, 0), "learned-weight", "0", "more than 0 if census-weight is 0"),
-=======
     (|p| p.p2_step = 0, "p2-step", "0", "from 1 to 255"),
     (|p| p.p2_step = 256, "p2-step", "256", "from 1 to 255"),
->>>>>>> 270ff6d (--p2-step: from which step of the intensity on P2 falls)
     (|p| p.texture = 330_328, "texture", "330328", "0 (off) to 330327"),
     (|p| p.speckle_window = 1 << 31, "speckle-window", "2147483648", "0 (off) to 2147483647"),
     (|p| p.speckle_range = 4096, "speckle-range", "4096", "0 to 4095"),
