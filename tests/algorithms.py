@@ -1261,7 +1261,7 @@ def vectors(path):
 
 EXAMPLE = dict(
     width=6, height=1, method="sgm", cost="sad", census="5x5", color_cost="off", ad_weight=8,
-    census_weight=32, paths=4, min_disparity=0, disparities=3, block=3, prefilter="none", prefilter_cap=31,
+    census_weight=32, learned_weight=40, paths=4, min_disparity=0, disparities=3, block=3, prefilter="none", prefilter_cap=31,
     prefilter_window=9, p1=2, p2=6, adaptive_p1="off", adaptive_p2="off", p2_step=10, passes=1, texture=0, uniqueness=0, lr_check=0,
     right_view="diagonal", speckle_window=0, speckle_range=2, median=3, fill="none", subpixel="parabola", weighted_median="off", wls="off",
     opencv_rules="off", right_map="off", confidence="off", depth="off",

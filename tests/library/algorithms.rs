@@ -81,7 +81,7 @@ fn settings(params: &Params) -> Vec<(&'static str, String)> {
         ("speckle_window", number(params.speckle_window)),
         ("speckle_range", number(params.speckle_range)),
         ("median", median_side(params).map_or("off".into(), |side| side.to_string())),
-        ("fill", format!("{:?}", params.fill).to_lowercase()),
+        ("fill", params.get("fill").unwrap()),
         ("subpixel", format!("{:?}", params.subpixel).to_lowercase()),
         ("weighted_median", params.weighted_median.map_or("off".into(), number)),
         ("weighted_median_sigma", number(params.weighted_median_sigma)),
