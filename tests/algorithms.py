@@ -531,7 +531,7 @@ class Chain:
         for i, h in enumerate(rounds):
             size, left, right = pyramid[h]
             smallest, largest = self.smallest >> h, -(-last >> h)
-            changed = dict(disparities=largest - smallest + 1, lr_check=1, smoothness_edge="off")
+            changed = dict(disparities=largest - smallest + 1, lr_check=1, smoothness_edge="off", passes=1)
             chain = Chain(dict(size.case, min_disparity=smallest, **changed))
             chain.contents = size.contents
             counts = chain.mi_histogram(left, right, before, rounds[i - 1] - h if i > 0 else 0)
