@@ -1,6 +1,6 @@
 //! Settings that go well together.
 
-use crate::params::{Census, Cost, Fill, Filter, Method, Params, Paths, Prefilter, Preset, RightView, Subpixel};
+use crate::params::{Census, Cost, Fill, Filter, Median, Method, Params, Paths, Prefilter, Preset, RightView, Subpixel};
 
 impl Params {
     /// What the command takes unless it is asked for something else: the default preset, over `disparities` disparities from 0.
@@ -46,7 +46,7 @@ impl Params {
             Preset::Dense => {
                 let twice = Self { p1: 21, p2: 110, p2_step: 6, adaptive_p1: true, passes: 2, ..balanced };
                 let matched = Self { uniqueness: 0, right_view: RightView::Match, ..twice };
-                Self { speckle_range: 2, fill: Fill::WeightedRays, ..matched }
+                Self { speckle_range: 2, median: Median::Off, fill: Fill::WeightedRays, ..matched }
             }
             Preset::Accurate => {
                 let learned = Self { cost: Cost::LearnedCensus, learned_weight: 16, census_weight: 48, ..balanced };
