@@ -1,6 +1,6 @@
 // cost_columns_features: cost_columns of pixels that are compared by their features.
 // left, right (features, bytes with signs, [block of four][row][column]) -> columns (u16 or u32, [y][x + r][d], width + 2 r columns)
-// One invocation: sixteen disparities of one column, SEGMENT rows downwards; a row enters the sum as another leaves it.
+// One invocation: sixteen disparities of one column, COLUMN_ROWS rows downwards; a row enters the sum as another leaves it.
 //   Neighbouring invocations take the disparities of one column, then those of the next column.
 // Border: rows and columns are clamped into the images.
 // With: angles, differences, common
@@ -42,7 +42,7 @@ fn main(@builtin(global_invocation_id) id: vec3<u32>) {
     let column = id.x / QUADS;
     let q = id.x % QUADS;
     let count = frame.width + 2u * frame.block_radius;
-    let begin = id.y * SEGMENT;
+    let begin = id.y * COLUMN_ROWS;
     if column >= count || begin >= dispatch.rows {
         return;
     }
@@ -55,7 +55,7 @@ fn main(@builtin(global_invocation_id) id: vec3<u32>) {
             sums[part] += enters[part];
         }
     }
-    let to = min(begin + SEGMENT, dispatch.rows);
+    let to = min(begin + COLUMN_ROWS, dispatch.rows);
     for (var line = begin; line < to; line++) {
         let here = i32(dispatch.first_row + line);
         var enters = row_sums(column, q, clamped_row(here + r));

@@ -156,6 +156,9 @@ pub(crate) fn segment(plan: &Plan) -> u32 {
     if plan.per_subgroup { 32 } else { 128 }
 }
 
+/// Rows of a column that one invocation of `cost_columns_features` sums: as few as its rounds allow, with checks of every loop.
+pub(crate) const FEATURE_SEGMENT: u32 = 16;
+
 /// Vectors of 16 disparities that one invocation of `cost_columns` owns: a divisor of all. More of them load a right pixel
 /// less often, but make code that grows with them.
 pub(crate) fn vectors(quads: u32, plan: &Plan) -> u32 {

@@ -136,23 +136,23 @@ pub(crate) fn rounds(kernel: &str, params: &Params, [width, height]: [u32; 2], p
         // The columns that eight right pixels lead to lie within all disparities, and each is marked in words of 32.
         "fill_seen" => repeated(8, 0) + 9 * repeated(params.disparities.min(width) / 32 + 3, 0),
         "wls_forward" | "wls_backward" => repeated(width.max(height), 0),
-        name if name.contains("feature") => return feature_rounds(kernel, params, plan),
+        name if name.contains("feature") => return feature_rounds(kernel, params),
         _ => return network_rounds(kernel, params),
     })
 }
 
 /// The same of the kernels that make features and compare them.
-fn feature_rounds(kernel: &str, params: &Params, plan: &Plan) -> Option<u32> {
+fn feature_rounds(kernel: &str, params: &Params) -> Option<u32> {
     let checks = u32::from(params.shader_checks);
-    // Where checks keep the loops over 16 channels of four columns from being unrolled.
-    let sums = checks * 512;
+    // Of loops over 16 channels of four columns, which compilers unroll or not.
+    let sums = 512;
     Some(match kernel {
         // A step is sixteen inputs, or three columns of a row of four, of at most 128.
         "feature_point" => repeated(8, sums) + sums,
         "feature_convolution" => repeated(3 * 32, sums) + sums,
         "cost_columns_features" => {
-            let row = repeated(32, checks * 64) + checks * 64;
-            repeated(2 * params.radius() + 1, row) + repeated(plan::segment(plan), 2 * row + checks * 64)
+            let row = repeated(32, checks * 18) + checks * 64;
+            repeated(2 * params.radius() + 1, row) + repeated(plan::FEATURE_SEGMENT, 2 * row + checks * 64)
         }
         _ => return None,
     })

@@ -1,6 +1,8 @@
 //! Settings that go well together.
 
-use crate::params::{Census, Cost, Fill, Filter, Median, Method, Params, Paths, Prefilter, Preset, RightView, Subpixel};
+use crate::params::{
+    Census, Cost, Fill, Filter, Median, Method, Params, Paths, Prefilter, Preset, RightView, Subpixel,
+};
 
 impl Params {
     /// What the command takes unless it is asked for something else: the default preset, over `disparities` disparities from 0.

@@ -220,7 +220,8 @@ pub fn range(option: &ParamOption, params: &Params) -> Option<Range> {
         return Some(Range { least, most: edge(start, 1e9), step: 0.0 });
     }
     // Some take odd numbers only.
-    let step = if accepts(start + 1.0) || accepts(start - 1.0) { 1.0 } else { 2.0 };
+    let either = |step: f64| accepts(start + step) || accepts(start - step);
+    let step = if !either(1.0) && either(2.0) { 2.0 } else { 1.0 };
     let edge = |sign: f64| {
         let at = |steps: u64| start + sign * step * steps as f64;
         let mut stride = 1;

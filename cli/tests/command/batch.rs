@@ -321,7 +321,7 @@ fn what_is_there_is_kept_if_it_is_of_the_same_pair_and_settings() {
 
     // Without --resume all are computed again; other settings are refused either way.
     assert_eq!(counts(&told(&succeeds(folder.path(), &batch(&["--json"])))), [4, 4, 0, 0]);
-    let words = ["made with other settings", "p1 21 there and 9 now", "gpu-stereo.json", "another folder"];
+    let words = ["made with other settings", "p1 18 there and 9 now", "gpu-stereo.json", "another folder"];
     for more in [&["--p1", "9"][..], &["--p1", "9", "--resume"]] {
         refuses(folder.path(), &batch(more), &words);
     }

@@ -475,7 +475,10 @@ fn bad_parameters() {
         (&["--disp", "16", "--prefilter", "gauss"], &["--prefilter is gauss,", "xsobel, sobel, normalized, none"]),
         (&["--disp", "16", "--prefilter-window", "2"], &["--prefilter-window is 2,", "odd", "3 to 51"]),
         (&["--disp", "16", "--prefilter-window", "1"], &["--prefilter-window is 1,"]),
-        (&["--disp", "16", "--preset", "best"], &["--preset is best,", "classic, fast, balanced, strict, dense, accurate"]),
+        (
+            &["--disp", "16", "--preset", "best"],
+            &["--preset is best,", "classic, fast, balanced, strict, dense, accurate"],
+        ),
         (&["--disp", "16", "--preset", "fast", "--preset", "fast"], &["--preset"]),
         (
             &["--disp", "16", "--cost", "l2"],
@@ -491,6 +494,8 @@ fn bad_parameters() {
         (&["--disp", "16", "--color-cost", "yes"], &["--color-cost is yes,", "on, off"]),
         (&["--disp", "16", "--census", "3x3"], &["--census is 3x3,", "5x5, 7x7, 9x7, cs9x7"]),
         (&["--disp", "16", "--ad-weight", "65"], &["--ad-weight is 65,", "0 to 64"]),
+        (&["--disp", "16", "--learned-weight", "65"], &["--learned-weight is 65,", "0 to 64"]),
+        (&["--disp", "16", "--p2-step", "256"], &["--p2-step is 256,", "from 1 to 255"]),
         (&["--disp", "16", "--ad-weight", "0", "--census-weight", "0"], &["--ad-weight is 0,", "census-weight is 0"]),
         (&["--disp", "16", "--cost", "sad-xy", "--prefilter-cap", "64"], &["--prefilter-cap is 64,", "1 to 63"]),
         (&["--disp", "16", "--census-weight", "-1"], &["--census-weight is -1,", "0 to 64"]),

@@ -133,7 +133,7 @@ fn the_right_map_holds_what_the_right_view_shows() {
     let right = read("right.npy");
     // At the right view's left border the partner lies at column 5, at its right border outside.
     let known = |x: usize| (0..30).filter(|y| right[y * 48 + x] == 5.0).count();
-    assert!(known(1) > 25 && known(30) > 25, "{} {}", known(1), known(30));
+    assert!(known(1) > 20 && known(30) > 20, "{} {}", known(1), known(30));
     assert!(known(46) < 15, "{}", known(46));
 }
 

@@ -154,7 +154,7 @@ fn what_a_finished_folder_held_is_not_resumed_after_an_interrupted_run() {
         assert!(maps(&folder, "maps") == fresh(&folder, verb), "{verb}");
         // Settings of old maps are refused.
         let output = run(folder.path(), &args(verb, "maps", &["--resume", "--p1", "9"]));
-        is_one_line_error(&output, &["p1 21 there and 9 now", "gpu-stereo.json"]);
+        is_one_line_error(&output, &["p1 18 there and 9 now", "gpu-stereo.json"]);
     }
 }
 
@@ -475,7 +475,7 @@ fn stops(folder: &Path, output: &Output, words: &[&str]) {
 fn a_limit_of_file_sizes_stops_a_run() {
     let folder = pairs(30, [120, 80]);
     for verb in ["batch", "video"] {
-        let output = limited(folder.path(), "ulimit -f 2", &args(verb, "maps", &["-q"]));
+        let output = limited(folder.path(), "ulimit -f 4", &args(verb, "maps", &["-q"]));
         let words = ["cannot be written", "ulimit -f", "0 of 30", "--resume computes the rest"];
         stops(&folder.path().join("maps"), &output, &words);
         assert!(maps(&folder, "maps").is_empty());
@@ -484,7 +484,7 @@ fn a_limit_of_file_sizes_stops_a_run() {
     }
     let single = ["left/0.png", "right/0.png", "--disp", "16", "--backend", "cpu", "-o", "single.npy"];
     is_one_line_error(
-        &limited(folder.path(), "ulimit -f 2", &single),
+        &limited(folder.path(), "ulimit -f 4", &single),
         &["\"single.npy\" cannot be written", "ulimit -f"],
     );
     assert!(!folder.path().join("single.npy").exists());
@@ -626,7 +626,7 @@ fn a_limit_of_file_sizes_stops_a_bench() {
     let folder = data_set(6);
     let args =
         ["bench", "set", "--layout", "kitti2015", "--backend", "cpu", "--disp", "16", "-q", "--report", "report"];
-    let output = limited(folder.path(), "ulimit -f 2", &args);
+    let output = limited(folder.path(), "ulimit -f 4", &args);
     stops(
         &folder.path().join("report"),
         &output,

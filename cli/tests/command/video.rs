@@ -276,7 +276,7 @@ fn what_is_there_is_kept_only_if_it_was_made_with_the_same_settings() {
 
     // Other settings.
     let resume = |more: &[&'static str]| video("maps", &[&["--resume"], more].concat());
-    let words = ["p1 21 there and 9 now", "uniqueness 6 there and 7 now", "gpu-stereo.json"];
+    let words = ["p1 18 there and 9 now", "uniqueness 10 there and 7 now", "gpu-stereo.json"];
     refuses(folder.path(), &resume(&["--p1", "9", "--uniqueness", "7"]), &words);
     refuses(folder.path(), &of("right", "left", "maps", &["--resume"]), &["/left there and ", "right "]);
     // An interrupted run with other settings would leave both kinds, so the old maps go when the first new one comes.

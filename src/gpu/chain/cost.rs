@@ -29,7 +29,7 @@ impl Columns {
         if let Some(features) = &planes.features {
             let storage = planes.with_planes(b, features, &self.buffer);
             let invocations = (b.sizes.frame.width + 2 * b.params.radius()) * quads;
-            let segments = chunk.count.div_ceil(plan::segment(&b.plan));
+            let segments = chunk.count.div_ceil(plan::FEATURE_SEGMENT);
             b.step("cost_columns_features", &storage, dispatch, invocations, segments, Written::Columns { chunk });
             return dispatch;
         }

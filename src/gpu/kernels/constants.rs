@@ -5,7 +5,7 @@ use std::collections::HashSet;
 use super::table::{Access, Kernel, SETTINGS};
 use crate::PixelFormat;
 use crate::gpu::layout::{NO_OWN, TEXELS};
-use crate::gpu::plan::{Plan, groups, paired, parts_and_strip, penalty_bytes, segment, span, vectors};
+use crate::gpu::plan::{FEATURE_SEGMENT, Plan, groups, paired, parts_and_strip, penalty_bytes, segment, span, vectors};
 use crate::params::{Census, Descriptor, Params, Prefilter, Subpixel};
 use crate::reference::LARGEST_TERM;
 
@@ -27,6 +27,7 @@ fn schedule(kernel: &Kernel, params: &Params, plan: &Plan) -> Vec<Constant> {
         number("SLICES", plan.own_quads / plan.width),
         number("WIDTH", plan.width),
         number("SEGMENT", segment(plan)),
+        number("COLUMN_ROWS", FEATURE_SEGMENT),
         number("VECTORS", vectors(params.quads(), plan)),
         number("SPAN", span(plan)),
         number("PARTS", parts),

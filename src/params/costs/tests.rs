@@ -103,7 +103,7 @@ fn the_shaders_follow_the_row() {
         for (name, value) in [
             ("DESCRIPTOR", params.numeric_descriptor() as u32),
             ("CENSUS_PLANES", params.census_planes()),
-            ("IMAGE_PLANES", params.planes() / params.described()),
+            ("IMAGE_PLANES", (params.compared_planes() / params.described()).max(1)),
         ] {
             assert!(whole.contains(&format!("const {name}: u32 = {value}u;")), "{}: {name}", params.cost);
         }
