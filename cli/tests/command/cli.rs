@@ -499,6 +499,7 @@ fn bad_parameters() {
         (&["--disp", "16", "--ad-weight", "0", "--census-weight", "0"], &["--ad-weight is 0,", "census-weight is 0"]),
         (&["--disp", "16", "--cost", "sad-xy", "--prefilter-cap", "64"], &["--prefilter-cap is 64,", "1 to 63"]),
         (&["--disp", "16", "--census-weight", "-1"], &["--census-weight is -1,", "0 to 64"]),
+        (&["--disp", "16", "--adaptive-p1", "1"], &["--adaptive-p1 is 1,", "on, off"]),
         (&["--disp", "16", "--adaptive-p2", "1"], &["--adaptive-p2 is 1,", "on, off"]),
         (&["--disp", "16", "--texture", "-4"], &["--texture is -4,", "0 (off)"]),
         (&["--disp", "16", "--texture", "some"], &["--texture is some,", "a whole number or off"]),
