@@ -2,7 +2,7 @@
 //   dispatch.own.occlusions is 1 and no right pixel points to it, the second lowest.
 // map (i16, in a texture), nearest (i16, of fill_rows and fill_lines), seen (a bit a pixel) -> filled (i16)
 // One invocation: four words, eight pixels of a row.
-// With: map_octet, common
+// With: line_slots, map_octet, common
 // Reference: src/reference/filters/fill.rs
 
 struct Own {
@@ -19,8 +19,7 @@ struct Own {
 // The word of a pixel on a line that goes dx columns to the right from row to row, on its way down; on its way up, 4 on.
 fn place(x: i32, y: i32, dx: i32) -> u32 {
     let line = x - dx * y;
-    let slot = (y - i32(dispatch.first_row)) * i32(frame.map_stride / 4u + 1u) + (line >> 3u) - ((-dx * y) >> 3u);
-    return 8u * u32(slot) + u32((line & 7) >> 1u);
+    return 8u * slot_of(line >> 3u, y, dx) + u32((line & 7) >> 1u);
 }
 
 // The value of a rank, from 0, of those that are valid among eight.

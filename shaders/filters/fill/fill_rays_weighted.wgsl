@@ -3,7 +3,7 @@
 // map (i16, in a texture), gray (u8, of the left image, in a texture), nearest (keys, u32, of fill_rows_gray and fill_lines_gray)
 //   -> filled (i16)
 // One invocation: four words, eight pixels of a row.
-// With: gray_weight, gray_octet, map_octet, common
+// With: gray_weight, line_slots, gray_octet, map_octet, common
 // Reference: src/reference/filters/fill.rs
 
 @group(0) @binding(3) var<storage, read_write> filled: array<vec4<u32>>;
@@ -15,8 +15,7 @@
 // The key of a pixel on a line that goes dx columns to the right from row to row, on its way down; on its way up, 8 on.
 fn place(x: i32, y: i32, dx: i32) -> u32 {
     let line = x - dx * y;
-    let slot = (y - i32(dispatch.first_row)) * i32(frame.map_stride / 4u + 1u) + (line >> 3u) - ((-dx * y) >> 3u);
-    return 16u * u32(slot) + u32(line & 7);
+    return 16u * slot_of(line >> 3u, y, dx) + u32(line & 7);
 }
 
 // What four keys weigh.
