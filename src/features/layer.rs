@@ -90,6 +90,15 @@ impl Layer {
         i64::from(self.bias[output]).abs() + MOST * weights.map(|&weight| i64::from(weight).abs()).sum::<i64>()
     }
 
+    /// The least and the largest value that it leaves, as the last layer or another one.
+    pub fn range(&self, is_last: bool) -> [i32; 2] {
+        match (is_last, self.relu) {
+            (true, _) => [-2047, 2047],
+            (false, true) => [0, 127],
+            (false, false) => [-127, 127],
+        }
+    }
+
     /// Multiplications of a pixel.
     pub fn multiplications(&self) -> usize {
         self.weights.len()

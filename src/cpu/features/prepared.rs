@@ -31,11 +31,7 @@ pub fn prepared(network: &FeatureNetwork) -> Vec<Prepared> {
     let last = network.layers().len() - 1;
     let layer = |(at, layer): (usize, &Layer)| {
         after -= layer.kind.reach();
-        let (low, high) = match (at == last, layer.relu) {
-            (true, _) => (-2047, 2047),
-            (false, true) => (0, 127),
-            (false, false) => (-127, 127),
-        };
+        let [low, high] = layer.range(at == last);
         let each = layer.kind.weights(layer.inputs);
         let together = |weight: &dyn Fn(usize, usize) -> i32, count: usize| -> Vec<[i32; TOGETHER]> {
             let of = |i: usize| std::array::from_fn(|j| weight(i / count * TOGETHER + j, i % count));

@@ -82,11 +82,7 @@ impl Features {
     /// What a layer is told of itself and of the rows that it reads.
     fn own(&self, at: usize, layer: &Layer, before: Rows) -> FeatureOwn {
         let is_last = at + 1 == self.network.layers().len();
-        let (lowest, highest) = match (is_last, layer.relu) {
-            (true, _) => (-2047, 2047),
-            (false, true) => (0, 127),
-            (false, false) => (-127, 127),
-        };
+        let [lowest, highest] = layer.range(is_last);
         FeatureOwn {
             in_first: before.first,
             in_rows: before.count,

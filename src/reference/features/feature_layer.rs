@@ -33,11 +33,7 @@ impl FeatureValues {
 /// [`FeatureNetwork::new`](crate::FeatureNetwork::new) has checked that |acc| < 2^24 and that what is shifted fits 32 bits.
 pub fn feature_layer(input: &FeatureValues, layer: &Layer, is_last: bool) -> FeatureValues {
     let FeatureValues { width, height, .. } = *input;
-    let (low, high) = match (is_last, layer.relu) {
-        (true, _) => (-2047, 2047),
-        (false, true) => (0, 127),
-        (false, false) => (-127, 127),
-    };
+    let [low, high] = layer.range(is_last);
     let reach = layer.kind.reach() as i64;
     let each = layer.kind.weights(layer.inputs);
     let mut data = vec![0; layer.outputs * height * width];
