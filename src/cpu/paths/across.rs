@@ -23,6 +23,18 @@ pub(super) struct Segment<'a> {
     pub(super) planes: Vec<&'a [u8]>,
 }
 
+impl<'a> Segment<'a> {
+    /// The cost and the planes of its `i`-th pixel.
+    #[inline(always)]
+    pub(super) fn pixel<const Q: usize>(&self, i: usize, n: usize) -> (&'a [u8], [&'a [u8]; Q]) {
+        let mut planes: [&[u8]; Q] = [&[]; Q];
+        for (here, plane) in planes.iter_mut().zip(&self.planes) {
+            *here = &plane[i * n..][..n];
+        }
+        (&self.cost[i * n..][..n], planes)
+    }
+}
+
 /// A row and where its winners go.
 pub(super) struct AcrossRow<'a> {
     pub(super) segments: Vec<Segment<'a>>,
@@ -31,6 +43,17 @@ pub(super) struct AcrossRow<'a> {
     pub(super) goal: Goal<'a>,
     /// Where the cost and the sum of all paths go, `[x][d]` without padding, if they are recorded.
     pub(super) record: Option<(&'a mut [u8], &'a mut [u16])>,
+}
+
+impl AcrossRow<'_> {
+    /// Records the cost and the sum of the pixel in column x, if they are recorded.
+    #[inline(always)]
+    pub(super) fn keep(&mut self, x: usize, disparities: usize, cost: &[u8], sum: &[u16]) {
+        if let Some((costs, sums)) = &mut self.record {
+            costs[x * disparities..][..disparities].copy_from_slice(&cost[..disparities]);
+            sums[x * disparities..][..disparities].copy_from_slice(&sum[..disparities]);
+        }
+    }
 }
 
 /// What becomes of the sum of all paths of a row.
@@ -222,17 +245,12 @@ fn pixel<V: Simd, const P: u16, const Q: usize, const G: usize, const N: usize>(
     n: usize,
     params: &Params,
 ) {
-    let Segment { cost, planes } = &row.segments[segment];
-    let cost = &cost[i * n..][..n];
-    let mut planes_here: [&[u8]; Q] = [&[]; Q];
-    for (here, plane) in planes_here.iter_mut().zip(planes) {
-        *here = &plane[i * n..][..n];
-    }
+    let (cost, planes) = row.segments[segment].pixel::<Q>(i, n);
     let RowScratch { right, state, least, sum, near, beyond, found, keys } = scratch;
     let path = Stepping { state: &mut state[PAD - 1..], least, penalties: row.penalties[1].at(x) };
     let (right, sums, beyond) = (&right[x * n..][..n], &mut sum[..n], &beyond[..n]);
     let smallest = Smallest { keys: [simd.splat_u16x16(u16::MAX); 2], blocks: 0, first: 0, best: u32::MAX };
-    let mut total = Total::<V, P, Q, G, N> { simd, cost, planes: planes_here, right, beyond, sums, keys, x, smallest };
+    let mut total = Total::<V, P, Q, G, N> { simd, cost, planes, right, beyond, sums, keys, x, smallest };
     steps(simd, [path], cost, &mut total);
     let best = total.smallest.winner::<G, N>(simd);
     let label = (best & 0xffff) as usize;
@@ -249,16 +267,12 @@ fn pixel<V: Simd, const P: u16, const Q: usize, const G: usize, const N: usize>(
         }
     }
     found.rival[x] = simd.reduce_min_u16x16(rival);
-    if let Some((costs, sums)) = &mut row.record {
-        let disparities = params.disparities as usize;
-        costs[x * disparities..][..disparities].copy_from_slice(&cost[..disparities]);
-        sums[x * disparities..][..disparities].copy_from_slice(&sum[..disparities]);
-    }
+    row.keep(x, params.disparities as usize, cost, sum);
 }
 
 /// [`LANES`] numbers from `at` on.
 #[inline(always)]
-pub(super) fn words<V: Simd>(simd: V, from: &[u16], at: usize) -> [u16x16<V>; 2] {
+fn words<V: Simd>(simd: V, from: &[u16], at: usize) -> [u16x16<V>; 2] {
     let from = &from[at..at + LANES];
     let mut vectors = [simd.splat_u16x16(0); 2];
     for (vector, from) in vectors.iter_mut().zip(from.as_chunks::<{ LANES / 2 }>().0) {

@@ -5,7 +5,7 @@ use std::ops::Range;
 
 use fearless_simd::{Simd, u8x32, u16x16};
 
-use super::across::{AcrossRow, Goal, RowScratch, RowsOf, Scratch, Segment, add, rightwards, store_words};
+use super::across::{AcrossRow, Goal, RowScratch, RowsOf, Scratch, add, rightwards, store_words};
 use super::aggregation::CostSource;
 use super::buffers::Lent;
 use super::step::{PAD, Receive, Stepping, load, steps, store};
@@ -106,23 +106,14 @@ fn pixel<V: Simd, const Q: usize>(
     n: usize,
     params: &Params,
 ) {
-    let Segment { cost, planes } = &row.segments[segment];
-    let cost = &cost[i * n..][..n];
-    let mut planes_here: [&[u8]; Q] = [&[]; Q];
-    for (here, plane) in planes_here.iter_mut().zip(planes) {
-        *here = &plane[i * n..][..n];
-    }
+    let (cost, planes) = row.segments[segment].pixel::<Q>(i, n);
     let RowScratch { right, state, least, sum, .. } = scratch;
     let path = Stepping { state: &mut state[PAD - 1..], least, penalties: row.penalties[1].at(x) };
     let Goal::SecondCost(to) = &mut row.goal else { return };
     let (paths, sums) = (params.paths.count() as u16, if row.record.is_some() { &mut sum[..n] } else { &mut [] });
     let (right, to) = (&right[x * n..][..n], &mut to[x * n..][..n]);
-    steps(simd, [path], cost, &mut Mean { simd, paths, cost, planes: planes_here, right, sums, to });
-    if let Some((costs, sums)) = &mut row.record {
-        let disparities = params.disparities as usize;
-        costs[x * disparities..][..disparities].copy_from_slice(&cost[..disparities]);
-        sums[x * disparities..][..disparities].copy_from_slice(&sum[..disparities]);
-    }
+    steps(simd, [path], cost, &mut Mean { simd, paths, cost, planes, right, sums, to });
+    row.keep(x, params.disparities as usize, cost, sum);
 }
 
 /// T of the last path, added to those of all others, and the cost that comes of it.
