@@ -1,5 +1,5 @@
 //! What the tests share: a device, and pairs made from a seed.
-#![allow(dead_code, clippy::unwrap_used, clippy::expect_used)]
+#![allow(dead_code, unused_imports, clippy::unwrap_used, clippy::expect_used)]
 
 use std::cell::RefCell;
 use std::io::Write as _;
@@ -8,6 +8,9 @@ use std::sync::{LazyLock, Mutex, PoisonError};
 use gpu_stereo::{Error, Image, Params, PixelFormat, Pixels, StageCheck, StereoMatcher, wgpu};
 use rand::{Rng, SeedableRng};
 use rand_chacha::ChaCha8Rng;
+
+mod feature_network;
+pub use feature_network::feature_network;
 
 /// One for all devices: those of several instances may seem equal.
 static INSTANCE: LazyLock<wgpu::Instance> =
@@ -181,33 +184,6 @@ pub fn costs() -> Vec<&'static str> {
         .map(|(name, _)| *name)
         .filter(|name| !["ncc", "mi", "learned", "learned-census"].contains(name))
         .collect()
-}
-
-/// A network of features from a seed: one to five layers of few channels.
-pub fn feature_network(random: &mut ChaCha8Rng) -> gpu_stereo::FeatureNetwork {
-    use gpu_stereo::features::{Layer, LayerKind};
-    let count = random.random_range(1..=5);
-    let mut inputs = 1;
-    let layers = (0..count).map(|at| {
-        let kind = if at == 0 { LayerKind::Convolution } else { LayerKind::ALL[random.random_range(0..3)] };
-        // The last one has at least eight features, so that the one before a depthwise layer needs them, too.
-        let outputs = if kind == LayerKind::Depthwise { inputs } else { 4 * random.random_range(2..=5) };
-        let each = kind.weights(inputs);
-        let weights = (0..outputs * each).map(|_| random.random_range(-127..=127)).collect();
-        // Sums of about 40 * 73 * the root of their number become about 50, or 500 in the end.
-        let typical = 2920.0 * f64::from(each as u32).sqrt() / if at + 1 == count { 500.0 } else { 50.0 };
-        let numbers = |random: &mut ChaCha8Rng| -> (i32, i32) {
-            let shift = random.random_range(9..=13);
-            ((f64::from(1 << shift) / typical * random.random_range(0.5..2.0)) as i32 + 1, shift)
-        };
-        let (multiplier, shift) = (0..outputs).map(|_| numbers(random)).unzip();
-        let bias = (0..outputs).map(|_| random.random_range(-3000..3000)).collect();
-        let relu = at + 1 < count && random.random();
-        let layer = Layer { kind, relu, inputs, outputs, weights, bias, multiplier, shift };
-        inputs = outputs;
-        layer
-    });
-    gpu_stereo::FeatureNetwork::new(layers.collect()).unwrap()
 }
 
 /// Parameters from a seed: every setting, every range.

@@ -5,7 +5,7 @@ use rand_chacha::ChaCha8Rng;
 
 use crate::cpu::LANES;
 use crate::cpu::cost::{CostRows, block_match};
-use crate::cpu::features::tests::network;
+use crate::cpu::features::tests::feature_network;
 use crate::cpu::images::{Planes, Side};
 use crate::cpu::instructions::Instructions;
 use crate::params::{Census, Cost, Descriptor, Method, Named, Params, Prefilter, Subpixel};
@@ -29,7 +29,7 @@ pub(crate) fn settings(random: &mut ChaCha8Rng, cost: Cost) -> Params {
     params.census_weight = random.random_range(1..=Params::MAX_WEIGHT);
     params.learned_weight = random.random_range(0..=Params::MAX_WEIGHT);
     if cost.row().descriptors.contains(&Descriptor::Features) {
-        params.features = Some(network(random)).filter(|_| random.random());
+        params.features = Some(feature_network(random)).filter(|_| random.random());
     }
     params.validate().unwrap();
     params
