@@ -5,7 +5,7 @@
 
 use crate::args::InputArgs;
 use crate::engine::{disk, log};
-use anyhow::{Context as _, Result};
+use anyhow::Result;
 use gpu_stereo::files::images::{Bits, Split};
 use gpu_stereo::files::lists::absolute;
 use gpu_stereo::files::weights::fingerprint;
@@ -13,6 +13,7 @@ use gpu_stereo::files::{JsonPath, hash};
 use gpu_stereo::{Masks, Params};
 use serde_json::{Map, Value};
 use std::fs::OpenOptions;
+use std::io;
 use std::io::{Read as _, Seek as _, SeekFrom, Write as _};
 use std::path::{Path, PathBuf};
 
@@ -156,7 +157,11 @@ impl Record {
             }
             Ok(())
         })
-        .with_context(|| format!("{:?} cannot be written", self.path))
+        .map_err(|error: anyhow::Error| {
+            let remedy = error.downcast_ref::<io::Error>().map(|error| format!("; {}", disk::remedy(error)));
+            let told = format!("{:?} cannot be written{}", self.path, remedy.unwrap_or_default());
+            error.context(told)
+        })
     }
 }
 
