@@ -123,7 +123,7 @@ def main(folder, focal, baseline, doffs, cx, cy, truth=None):
         z = focal * baseline / (d + doffs) if d == d and d + doffs > 0 else math.inf
         found.append(z if z < 2**32 * 1e-6 else None)
     valid = [z for z in found if z is not None]
-    assert len(valid) > 800 and len(set(valid)) > 2, (len(valid), len(set(valid)))
+    assert len(valid) > 800 and len(set(valid)) > 10, len(valid)
     # doffs is known to 1/8192 px, the depth to a micrometre, a float to 2^-24 of it.
     room = lambda z: 1e-6 + 1e-7 * z + (z * z / (focal * baseline) / 8192 if doffs * 4096 % 1 else 0)
     for name, reader, none in (("pfm", pfm, math.inf), ("npy", npy, math.nan), ("tif", tiff, math.nan)):

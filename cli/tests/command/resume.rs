@@ -475,7 +475,7 @@ fn stops(folder: &Path, output: &Output, words: &[&str]) {
 fn a_limit_of_file_sizes_stops_a_run() {
     let folder = pairs(30, [120, 80]);
     for verb in ["batch", "video"] {
-        let output = limited(folder.path(), "ulimit -f 4", &args(verb, "maps", &["-q"]));
+        let output = limited(folder.path(), "ulimit -f 2", &args(verb, "maps", &["-q"]));
         let words = ["cannot be written", "ulimit -f", "0 of 30", "--resume computes the rest"];
         stops(&folder.path().join("maps"), &output, &words);
         assert!(maps(&folder, "maps").is_empty());
@@ -484,7 +484,7 @@ fn a_limit_of_file_sizes_stops_a_run() {
     }
     let single = ["left/0.png", "right/0.png", "--disp", "16", "--backend", "cpu", "-o", "single.npy"];
     is_one_line_error(
-        &limited(folder.path(), "ulimit -f 4", &single),
+        &limited(folder.path(), "ulimit -f 2", &single),
         &["\"single.npy\" cannot be written", "ulimit -f"],
     );
     assert!(!folder.path().join("single.npy").exists());
@@ -626,7 +626,7 @@ fn a_limit_of_file_sizes_stops_a_bench() {
     let folder = data_set(6);
     let args =
         ["bench", "set", "--layout", "kitti2015", "--backend", "cpu", "--disp", "16", "-q", "--report", "report"];
-    let output = limited(folder.path(), "ulimit -f 4", &args);
+    let output = limited(folder.path(), "ulimit -f 2", &args);
     stops(
         &folder.path().join("report"),
         &output,
