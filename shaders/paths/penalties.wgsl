@@ -1,5 +1,5 @@
-// penalties: P2 min(P2, max(floor(10 P2 / max(delta, 10)), P1 + floor(P1 / 2))) and P1 min(P1, max(8, floor(3 P1 / max(delta, 3)))),
-//   delta = |I(p) - I(q)| of the gray image I, q the pixel before p in the row; P2 and P1 where that lies outside.
+// penalties: P2 min(P2, max(floor(s P2 / max(delta, s)), P1 + floor(P1 / 2))) and P1 min(P1, max(8, floor(3 P1 / max(delta, 3)))),
+//   delta = |I(p) - I(q)| of the gray image I, q the pixel before p in the row, s P2_STEP; P2 and P1 where that lies outside.
 // gray (u8, in a texture) -> penalties (PENALTY_BYTES a pixel: u8 P2, then P1; rows of 16 pixels more than the image has)
 // One invocation: sixteen pixels of a row. Border: none.
 // With: intensity_steps, common
