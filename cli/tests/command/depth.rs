@@ -51,11 +51,12 @@ fn scene() -> tempfile::TempDir {
     folder
 }
 
+/// A map that is not smoothed has more depths.
+const ROUGH: [&str; 6] = ["--p1", "21", "--uniqueness", "6", "--weighted-median", "off"];
+
 fn outputs() -> Vec<&'static str> {
     let written = FILES.iter().flat_map(|file| [if file.starts_with("scene") { "--points" } else { "--depth" }, file]);
-    // A map that is not smoothed has more depths.
-    let plain = ["--p1", "21", "--uniqueness", "6", "--weighted-median", "off"];
-    ["-o", "map.npy"].into_iter().chain(written).chain(plain).collect()
+    ["-o", "map.npy"].into_iter().chain(written).chain(ROUGH).collect()
 }
 
 /// Cameras of every kind of calibration, the same each time: focal length 100 px, baseline 0.5 m, doffs 1.5 px, principal
@@ -317,7 +318,7 @@ fn a_pair_is_rectified_before_it_is_matched() {
     write("right.yaml", &info("39.5", "34.5", "-50.0"));
     write("moved.yml", &lenses([36.0, 39.5], &[]));
     for options in [&["--rectify", "moved.yml"][..], &["--rectify", "left.yaml", "--calib-right", "right.yaml"]] {
-        done(&[options, &["-o", "map.npy"]].concat());
+        done(&[options, &["-o", "map.npy"], &ROUGH].concat());
         let found = read("map.npy");
         assert_eq!(found.len(), plain[0].len());
         let values =
