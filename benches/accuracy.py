@@ -30,7 +30,7 @@ FIGURES = {"density": "density", "bad2": "bad-2 of valid", "d1_est": "D1-est", "
 MEANS = {
     "KITTI": lambda scene: scene["set"].startswith("kitti"),
     "Teddy and Cones": lambda scene: scene["scene"] in ("teddy", "cones"),
-    "Middlebury": lambda scene: scene["set"].startswith("middlebury"),
+    "Middlebury": lambda scene: scene["set"].startswith("middlebury") and not scene["set"].endswith("_full"),
 }
 
 

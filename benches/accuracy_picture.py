@@ -3,7 +3,7 @@
 import html
 import math
 
-WIDTH, HEIGHT = 460, 360  # a panel
+WIDTH, HEIGHT = 540, 400  # a panel
 LEFT, RIGHT, TOP, BOTTOM = 52, 96, 44, 48
 INK, QUIET, RULE, OURS = "#1c2833", "#5d6d7e", "#e3e7ea", "#1f6fb2"
 STYLE = (
@@ -28,14 +28,14 @@ def labels(points):
     """Where the name of each point stands, (x, y, anchor), so that no two lines of text cover each other."""
     taken, placed = [], []
     for x, y, name, _ in sorted(points):
-        length = 7 * len(name)
+        length = 6.4 * len(name)
         places = [(x + 8, y + 4, "start"), (x - 8, y + 4, "end"), (x, y - 9, "middle"), (x, y + 18, "middle"),
-                  (x + 8, y + 18, "start"), (x + 8, y - 10, "start"), (x + 8, y + 32, "start"), (x + 8, y - 24, "start")]
+                  (x + 6, y - 9, "start"), (x + 6, y + 18, "start"), (x - 6, y + 18, "end"), (x - 6, y - 9, "end")]
         for u, v, anchor in places:
             start = u - {"start": 0, "middle": length / 2, "end": length}[anchor]
             box = (start, v - 11, start + length, v + 3)
             dots = [(p - 5, q - 5, p + 5, q + 5) for p, q, *_ in points if (p, q) != (x, y)]
-            if all(box[2] < b[0] or b[2] < box[0] or box[3] < b[1] or b[3] < box[1] for b in taken + dots):
+            if box[0] > LEFT and all(box[2] < b[0] or b[2] < box[0] or box[3] < b[1] or b[3] < box[1] for b in taken + dots):
                 break
         taken.append(box)
         placed.append((u, v, anchor, name))
@@ -45,7 +45,7 @@ def labels(points):
 def panel(title, rows, peers):
     """One mean: `rows` of setting, ms and D1-all."""
     times, errors = [row["ms"] for row in rows], [row["d1_all"] for row in rows]
-    low, high = min(times) / 1.4, max(times) * 1.4
+    low, high = min(times) / 3, max(times) * 1.4
     top = 1.12 * max(errors)
     inner, tall = WIDTH - LEFT - RIGHT, HEIGHT - TOP - BOTTOM
 

@@ -23,6 +23,19 @@ impl FeatureValues {
     }
 }
 
+/// The rows of all channels with as many pixels around them as a layer reaches, continued by their border.
+fn continued(input: &FeatureValues, reach: usize) -> FeatureValues {
+    let [width, height] = [input.width, input.height].map(|side| side + 2 * reach);
+    let mut data = vec![0; input.channels * height * width];
+    data.par_chunks_mut(width).enumerate().for_each(|(row, values)| {
+        for (x, value) in values.iter_mut().enumerate() {
+            let [x, y] = [x, row % height].map(|at| at as i64 - reach as i64);
+            *value = input.clamped(row / height, x, y);
+        }
+    });
+    FeatureValues { width, height, channels: input.channels, data }
+}
+
 /// A layer of the stage `features`, its input continued by its border. For each output channel o
 ///
 /// - acc = bias(o) + sum of w(o, c, i, j) v(c, x + i, y + j), over all input channels c, or of a depthwise layer c = o; and over i and j
@@ -34,23 +47,24 @@ impl FeatureValues {
 pub fn feature_layer(input: &FeatureValues, layer: &Layer, is_last: bool) -> FeatureValues {
     let FeatureValues { width, height, .. } = *input;
     let [low, high] = layer.range(is_last);
-    let reach = layer.kind.reach() as i64;
+    let reach = layer.kind.reach();
+    let around = continued(input, reach);
     let each = layer.kind.weights(layer.inputs);
     let mut data = vec![0; layer.outputs * height * width];
     data.par_chunks_mut(width).enumerate().for_each(|(row, values)| {
-        let (output, y) = (row / height, (row % height) as i64);
+        let (output, y) = (row / height, row % height);
         let channels = match layer.kind {
             LayerKind::Depthwise => output..output + 1,
             LayerKind::Convolution | LayerKind::Point => 0..layer.inputs,
         };
-        let weights = &layer.weights[output * each..][..each];
+        let mut weights = layer.weights[output * each..][..each].iter();
         let mut sums = vec![layer.bias[output]; width];
-        let mut weights = weights.iter();
         for channel in channels {
-            for (j, i) in (-reach..=reach).flat_map(|j| (-reach..=reach).map(move |i| (j, i))) {
+            for (j, i) in (0..=2 * reach).flat_map(|j| (0..=2 * reach).map(move |i| (j, i))) {
                 let Some(&weight) = weights.next() else { return };
-                for (x, sum) in sums.iter_mut().enumerate() {
-                    *sum += i32::from(weight) * i32::from(input.clamped(channel, x as i64 + i, y + j));
+                let values = &around.data[(channel * around.height + y + j) * around.width + i..][..width];
+                for (sum, &value) in sums.iter_mut().zip(values) {
+                    *sum += i32::from(weight) * i32::from(value);
                 }
             }
         }
