@@ -247,6 +247,6 @@ pub enum Preset {
     Strict,
     /// As balanced, with every hole filled, and aggregated twice.
     Dense,
-    /// As balanced, with costs that are learned beside its own, and only what a second match confirms.
+    /// As dense, with costs that are learned beside its own, and with holes in place of what is doubtful.
     Accurate,
 }

@@ -93,7 +93,7 @@ names! {
         Balanced "balanced" "census and gradients, P2 by the intensity step",
         Strict "strict" "balanced, and only what a second match confirms",
         Dense "dense" "balanced, aggregated twice, and every hole filled",
-        Accurate "accurate" "learned costs beside those of balanced, confirmed by a second match",
+        Accurate "accurate" "learned costs beside those of balanced, aggregated twice, confirmed by a second match",
     }
     Method "method" {
         Sgm "sgm" "semi-global matching",

@@ -37,6 +37,9 @@ impl Params {
             weighted_median: Some(3),
             ..classic.clone()
         };
+        let steps = Self { p1: 21, p2: 110, p2_step: 6, adaptive_p1: true, passes: 2, ..balanced.clone() };
+        let matched = Self { uniqueness: 0, right_view: RightView::Match, ..steps };
+        let twice = Self { speckle_range: 2, median: Median::Off, ..matched };
         match preset {
             Preset::Classic => classic,
             Preset::Fast => {
@@ -45,14 +48,10 @@ impl Params {
             }
             Preset::Balanced => balanced,
             Preset::Strict => Self { right_view: RightView::Match, speckle_window: 200, ..balanced },
-            Preset::Dense => {
-                let twice = Self { p1: 21, p2: 110, p2_step: 6, adaptive_p1: true, passes: 2, ..balanced };
-                let matched = Self { uniqueness: 0, right_view: RightView::Match, ..twice };
-                Self { speckle_range: 2, median: Median::Off, fill: Fill::WeightedRays, ..matched }
-            }
+            Preset::Dense => Self { fill: Fill::WeightedRays, ..twice },
             Preset::Accurate => {
-                let learned = Self { cost: Cost::LearnedCensus, learned_weight: 16, census_weight: 48, ..balanced };
-                Self { p1: 21, p2: 100, uniqueness: 14, right_view: RightView::Match, ..learned }
+                let learned = Self { cost: Cost::LearnedCensus, learned_weight: 8, census_weight: 56, ..twice };
+                Self { uniqueness: 24, ..learned }
             }
         }
     }
