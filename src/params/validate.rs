@@ -157,9 +157,13 @@ impl Params {
 
     /// What is allowed with this cost.
     fn validate_cost(&self) -> Result<(), Error> {
+        let (units, once) = match self.cost {
+            Cost::LearnedCensus => ("64ths", "64 counts once"),
+            _ => ("sixteenths", "16 counts once"),
+        };
         for (name, weight, unit, remedy) in [
             ("ad-weight", self.ad_weight, "sixteenths", "16 counts once"),
-            ("census-weight", self.census_weight, "sixteenths", "16 counts once"),
+            ("census-weight", self.census_weight, units, once),
             ("learned-weight", self.learned_weight, "64ths", "64 counts once"),
         ] {
             let allowed = format!("from 0 to {} {unit}", Self::MAX_WEIGHT);

@@ -4,6 +4,7 @@ use crate::terminal::message;
 use anyhow::{Context as _, Result, bail, ensure};
 use gpu_stereo::files;
 pub use gpu_stereo::files::disk::{leave_to_the_system, other_than_file, remedy, sync, sync_folder, temporary};
+use std::fmt::Display;
 use std::fs::{self, File, OpenOptions};
 use std::io::{self, ErrorKind};
 use std::path::{Component, Path};
@@ -20,6 +21,14 @@ pub fn is_lasting(error: &anyhow::Error) -> bool {
         Some(error) => error.is_lasting(),
         None => cause.downcast_ref::<io::Error>().is_some_and(|error| files::Error::of_io(error).is_lasting()),
     })
+}
+
+/// The error of writing `what`, which says so, and how to go on.
+pub fn unwritten(error: impl Into<anyhow::Error>, what: impl Display) -> anyhow::Error {
+    let error = error.into();
+    let cause = error.chain().find_map(|cause| cause.downcast_ref::<io::Error>());
+    let remedy = cause.map(|cause| format!("; {}", remedy(cause))).unwrap_or_default();
+    error.context(format!("{what} cannot be written{remedy}"))
 }
 
 /// Gives a file that was written under another name its own, once its contents are on the disk.

@@ -39,10 +39,7 @@ impl Log {
                 }
                 written
             };
-            add().map_err(|error| {
-                let told = format!("{:?} cannot be written; {}", self.path, disk::remedy(&error));
-                anyhow::Error::from(error).context(told)
-            })
+            add().map_err(|error| disk::unwritten(error, format_args!("{:?}", self.path)))
         })
     }
 
@@ -58,7 +55,7 @@ impl Log {
             Err(error) if error.kind() == ErrorKind::NotFound => Ok(()),
             Err(error) => Err(error),
         };
-        synced.with_context(|| format!("{:?} cannot be written", self.path))
+        synced.map_err(|error| disk::unwritten(error, format_args!("{:?}", self.path)))
     }
 
     /// The complete lines; none if there is no such file.

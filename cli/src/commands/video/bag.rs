@@ -69,25 +69,24 @@ impl Bag {
         let (file, temporary) = disk::temporary(folder, &format!(".{}", ending(&self.path)))?.into_parts();
         let library = concat!("gpu-stereo ", env!("CARGO_PKG_VERSION"));
         let options = WriteOptions::new().compression(Some(Compression::Zstd)).profile("ros2").library(library);
-        let writer = options.create(BufWriter::new(file)).with_context(|| self.cannot())?;
+        let writer = options.create(BufWriter::new(file)).map_err(|error| unwritten(&self.path, error))?;
         Ok(Writing { writer, file: temporary, channels: BTreeMap::new(), sequence: 0 })
-    }
-
-    fn cannot(&self) -> String {
-        format!("output {:?} cannot be written", self.path)
     }
 
     /// Ends the record and names it. Without any map there is no file.
     pub fn finish(self) -> Result<()> {
-        let cannot = self.cannot();
         let Some(mut writing) = self.writing.into_inner().unwrap_or_else(PoisonError::into_inner) else {
             return Ok(());
         };
-        writing.writer.finish().with_context(|| cannot.clone())?;
+        writing.writer.finish().map_err(|error| unwritten(&self.path, error))?;
         let contents = writing.writer.into_inner().into_inner().map_err(|error| error.into_error());
         let published = contents.and_then(|contents| disk::publish(&contents, writing.file, &self.place));
-        published.context(cannot)
+        published.map_err(|error| unwritten(&self.path, error))
     }
+}
+
+fn unwritten(path: &Path, error: impl Into<anyhow::Error>) -> anyhow::Error {
+    disk::unwritten(error, format_args!("output {path:?}"))
 }
 
 impl Writing {
@@ -140,7 +139,7 @@ impl Work for FromRecord<'_> {
 
     fn write(&self, pair: &MatchedPair) -> Result<(), Refused> {
         let taken = self.taken().remove(&pair.place).context("the pair has no stamp").map_err(Refused::All)?;
-        self.bag.add(pair, &taken).with_context(|| self.bag.cannot()).map_err(Refused::All)
+        self.bag.add(pair, &taken).map_err(|error| Refused::All(unwritten(&self.bag.path, error)))
     }
 
     fn failed(&self, place: usize, _error: &str) -> Result<()> {

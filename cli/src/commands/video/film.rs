@@ -94,7 +94,7 @@ impl Film {
             if told.is_empty() { "it does not say why" } else { &told }
         );
         let published = File::open(&file).and_then(|contents| disk::publish(&contents, file, &self.place));
-        published.with_context(|| format!("output {:?} cannot be written", self.path))
+        published.map_err(|error| disk::unwritten(error, format_args!("output {:?}", self.path)))
     }
 }
 

@@ -1,7 +1,7 @@
 //! Places: where outputs are written. Before anything is computed, each is checked: it can be written, and it is neither an input
 //! nor another output, even under another name.
 
-use crate::engine::disk::temporary;
+use crate::engine::disk::{self, temporary};
 use crate::engine::pair::Pair;
 use anyhow::{Context as _, Result, bail, ensure};
 use std::collections::HashSet;
@@ -80,9 +80,7 @@ pub fn writable_place(path: &Path) -> Result<PathBuf> {
                 gpu_stereo::files::hint(path)
             )
         }
-        Err(error) => {
-            return Err(error).with_context(|| format!("output {path:?} cannot be written"));
-        }
+        Err(error) => return Err(disk::unwritten(error, format_args!("output {path:?}"))),
     }
     let place = match fs::metadata(path) {
         Ok(kind) => {

@@ -88,10 +88,7 @@ impl Journal {
             let lines = OpenOptions::new().append(true).create_new(true).open(&path)?;
             Ok(Self { path, lines: Mutex::new(lines), _lock: lock })
         };
-        create().map_err(|error| {
-            let told = format!("output folder {folder:?} cannot be written; {}", disk::remedy(&error));
-            anyhow::Error::from(error).context(told)
-        })
+        create().map_err(|error| disk::unwritten(error, format_args!("output folder {folder:?}")))
     }
 
     /// Opens the journal of the process that started this one.
@@ -108,10 +105,7 @@ impl Journal {
         let text = log::text(lines)?;
         let mut file = self.lines.lock().unwrap_or_else(PoisonError::into_inner);
         // Not synced: what is written outlives the process, if not the system.
-        file.write_all(text.as_bytes()).map_err(|error| {
-            let told = format!("{:?} cannot be written; {}", self.path, disk::remedy(&error));
-            anyhow::Error::from(error).context(told)
-        })
+        file.write_all(text.as_bytes()).map_err(|error| disk::unwritten(error, format_args!("{:?}", self.path)))
     }
 
     /// These will be computed alone.

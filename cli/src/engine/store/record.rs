@@ -157,11 +157,7 @@ impl Record {
             }
             Ok(())
         })
-        .map_err(|error: anyhow::Error| {
-            let remedy = error.downcast_ref::<io::Error>().map(|error| format!("; {}", disk::remedy(error)));
-            let told = format!("{:?} cannot be written{}", self.path, remedy.unwrap_or_default());
-            error.context(told)
-        })
+        .map_err(|error: anyhow::Error| disk::unwritten(error, format_args!("{:?}", self.path)))
     }
 }
 
