@@ -3,7 +3,7 @@
 use crate::engine::pipeline::{MatchedPair, Refused, Work};
 use crate::engine::streams::ffmpeg::{self, Ffmpeg};
 use crate::engine::{disk, images, places};
-use anyhow::{Context as _, Result, ensure};
+use anyhow::{Result, ensure};
 use gpu_stereo::Colors;
 use gpu_stereo::files::encoders;
 use gpu_stereo::files::encoders::ending;

@@ -13,7 +13,6 @@ use gpu_stereo::files::{JsonPath, hash};
 use gpu_stereo::{Masks, Params};
 use serde_json::{Map, Value};
 use std::fs::OpenOptions;
-use std::io;
 use std::io::{Read as _, Seek as _, SeekFrom, Write as _};
 use std::path::{Path, PathBuf};
 
