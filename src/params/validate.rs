@@ -157,14 +157,12 @@ impl Params {
 
     /// What is allowed with this cost.
     fn validate_cost(&self) -> Result<(), Error> {
-        let (units, once) = match self.cost {
-            Cost::LearnedCensus => ("64ths", "64 counts once"),
-            _ => ("sixteenths", "16 counts once"),
-        };
-        for (name, weight, unit, remedy) in [
-            ("ad-weight", self.ad_weight, "sixteenths", "16 counts once"),
-            ("census-weight", self.census_weight, units, once),
-            ("learned-weight", self.learned_weight, "64ths", "64 counts once"),
+        let (sixteenths, in_64ths) = (("sixteenths", "16 counts once"), ("64ths", "64 counts once"));
+        let of_census = if self.cost == Cost::LearnedCensus { in_64ths } else { sixteenths };
+        for (name, weight, (unit, remedy)) in [
+            ("ad-weight", self.ad_weight, sixteenths),
+            ("census-weight", self.census_weight, of_census),
+            ("learned-weight", self.learned_weight, in_64ths),
         ] {
             let allowed = format!("from 0 to {} {unit}", Self::MAX_WEIGHT);
             check(weight <= Self::MAX_WEIGHT, name, weight, allowed, remedy)?;

@@ -69,7 +69,7 @@ impl Bag {
         let (file, temporary) = disk::temporary(folder, &format!(".{}", ending(&self.path)))?.into_parts();
         let library = concat!("gpu-stereo ", env!("CARGO_PKG_VERSION"));
         let options = WriteOptions::new().compression(Some(Compression::Zstd)).profile("ros2").library(library);
-        let writer = options.create(BufWriter::new(file)).map_err(|error| unwritten(&self.path, error))?;
+        let writer = options.create(BufWriter::new(file))?;
         Ok(Writing { writer, file: temporary, channels: BTreeMap::new(), sequence: 0 })
     }
 
