@@ -953,13 +953,25 @@ class Chain:
         found = [pixel for direction in directions for pixel in self.on_ray(disparities, x, y, direction, 1)]
         return sorted(disparities[j][i] for i, j in found)
 
-    def medians_of_sides(self, disparities, x, y):
-        """The smaller of the medians of three on either side of the row."""
+    def beside(self, disparities, x, y):
+        """The smaller of the medians of three on either side of the row, or the only one, led on by the slope there."""
         medians = []
         for direction in [(-1, 0), (1, 0)]:
-            values = sorted(disparities[j][i] for i, j in self.on_ray(disparities, x, y, direction, 3))
-            medians += [values[(len(values) - 1) // 2]] if values else []
-        return min(medians)
+            found = self.on_ray(disparities, x, y, direction, 3)
+            values = sorted(disparities[j][i] for i, j in found)
+            medians += [(values[(len(values) - 1) // 2], direction[0], found[0][0])] if values else []
+        if len(medians) == 2:
+            return min(medians)[0]
+        value, a, end = medians[0]
+        led = (self.slope(disparities, a, end, y) * (abs(x - end) + 1)) >> 3
+        smallest = 16 * self.smallest
+        return min(max(value - min(max(led, -64), 64), smallest), smallest + 16 * (self.count - 1))
+
+    def slope(self, disparities, a, end, y):
+        value = lambda i, j: disparities[j][i] if self.inside(i) and 0 <= j < self.height else INVALID
+        pairs = [(value(end + k * a, j), value(end + (k + 8) * a, j)) for k in range(16) for j in range(y - 2, y + 3)]
+        changes = sorted(min(max(far - near, -128), 127) for near, far in pairs if INVALID not in (near, far))
+        return changes[(len(changes) - 1) // 2] if changes else 0
 
     def weighted_rays(self, disparities, gray, x, y):
         found = [pixel for direction in EIGHT for pixel in self.on_ray(disparities, x, y, direction, 1)]
@@ -994,7 +1006,7 @@ class Chain:
             disparities = step(disparities, EIGHT, median)
         if kind == "weighted-rays":
             unfilled = disparities
-            three = lambda x, y, v: INVALID if mismatch(x, y) else self.medians_of_sides(unfilled, x, y)
+            three = lambda x, y, v: INVALID if mismatch(x, y) else self.beside(unfilled, x, y)
             disparities = step(disparities, row, three)
             after = disparities
             disparities = step(disparities, EIGHT, lambda x, y, v: self.weighted_rays(after, gray, x, y))

@@ -131,7 +131,9 @@ pub(crate) fn rounds(kernel: &str, params: &Params, [width, height]: [u32; 2], p
         }
         "speckle" => repeated(8, 0),
         "fill_rays" | "fill_rays_weighted" => repeated(8, repeated(8, 0)),
-        "fill_rows" | "fill_rows_medians" | "fill_rows_gray" => repeated(eights, 0),
+        "fill_rows" | "fill_rows_gray" => repeated(eights, 0),
+        // A row there, a slope from three eights of five rows, and the strip.
+        "fill_rows_medians" => 2 * repeated(eights, 0) + repeated(8, repeated(5, repeated(3, 0))),
         "fill_lines" | "fill_lines_gray" => repeated(height, 0),
         // The columns that eight right pixels lead to lie within all disparities, and each is marked in words of 32.
         "fill_seen" => repeated(8, 0) + 9 * repeated(params.disparities.min(width) / 32 + 3, 0),

@@ -20,9 +20,10 @@ pub(super) fn fill(map: &DisparityMap, right: &DisparityMap, gray: &Plane<u8>, p
             along_rays(&mut map, |_, _, values| median(values));
         }
         Fill::WeightedRays => {
-            map.data.par_chunks_mut(width).zip(right.data.par_chunks(width)).for_each(|(row, right)| {
+            let before = map.clone();
+            map.data.par_chunks_mut(width).zip(right.data.par_chunks(width)).enumerate().for_each(|(y, (row, right))| {
                 let mismatches = mismatches(right, params);
-                fill_row_by_medians(row, |x| !mismatches[x]);
+                fill_row_by_medians(row, &before, y, params, |x| !mismatches[x]);
             });
             along_weighted_rays(&mut map, gray, params.weighted_median_sigma);
         }
@@ -98,8 +99,15 @@ fn fill_row(row: &mut [i16], wanted: impl Fn(usize) -> bool) {
     fill_holes(row, |x, before, after, _| if wanted(x) { farther(before, after) } else { INVALID });
 }
 
-/// The same with the medians of the three nearest values on either side, or of as many as there are.
-fn fill_row_by_medians(row: &mut [i16], wanted: impl Fn(usize) -> bool) {
+/// The same with the medians of the three nearest values on either side, or of as many as there are; the strip before the first
+/// value and that behind the last by the median and the slope there. `map`: as it is before.
+fn fill_row_by_medians(
+    row: &mut [i16],
+    map: &DisparityMap,
+    y: usize,
+    params: &Params,
+    wanted: impl Fn(usize) -> bool,
+) {
     let values: Vec<i16> = row.iter().copied().filter(|&value| value != INVALID).collect();
     let median_of = |values: &[i16]| {
         let mut three = [INVALID; 3];
@@ -108,19 +116,58 @@ fn fill_row_by_medians(row: &mut [i16], wanted: impl Fn(usize) -> bool) {
         three.sort_unstable();
         median(three)
     };
+    let valid = |&value: &i16| value != INVALID;
+    let (Some(first), Some(last)) = (row.iter().position(valid), row.iter().rposition(valid)) else { return };
     // How many of the values lie before a pixel, and what a pixel between them and the others takes.
     let (mut passed, mut taken) = (0usize, None);
-    for (x, to) in row.iter_mut().enumerate() {
-        if *to != INVALID {
+    for x in first..last {
+        if row[x] != INVALID {
             (passed, taken) = (passed + 1, None);
         } else if wanted(x) {
             let medians = || {
                 let [before, after] = [passed.saturating_sub(3)..passed, passed..values.len().min(passed + 3)];
-                farther(median_of(&values[before]), median_of(&values[after]))
+                median_of(&values[before]).min(median_of(&values[after]))
             };
-            *to = *taken.get_or_insert_with(medians);
+            row[x] = *taken.get_or_insert_with(medians);
         }
     }
+    let lowest = 16 * params.min_disparity;
+    let highest = lowest + 16 * (params.disparities as i32 - 1);
+    let mut lead = |strip: Range<usize>, end: usize, leftwards: bool, nearest: &[i16]| {
+        if strip.is_empty() {
+            return;
+        }
+        let (from, slope) = (i32::from(median_of(nearest)), slope(map, end, y, leftwards));
+        for x in strip.filter(|&x| wanted(x)) {
+            let led = (slope * (x.abs_diff(end) as i32 + 1)) >> 3;
+            row[x] = (from - led.clamp(-64, 64)).clamp(lowest, highest) as i16;
+        }
+    };
+    lead(0..first, first, false, &values[..values.len().min(3)]);
+    lead(last + 1..map.width as usize, last, true, &values[values.len().saturating_sub(3)..]);
+}
+
+/// The median change of values over 8 columns, from column `end` of a row on, to the right or `leftwards`.
+fn slope(map: &DisparityMap, end: usize, y: usize, leftwards: bool) -> i32 {
+    let (width, height) = (map.width as usize, map.height as usize);
+    let (mut changes, mut count) = ([0i32; 80], 0);
+    for y in y.saturating_sub(2)..height.min(y + 3) {
+        let row = &map.data[y * width..][..width];
+        // The 16 columns, as far as the image has others 8 columns beyond.
+        let near = if leftwards { (end + 1).saturating_sub(16).max(8)..end + 1 } else { end..(end + 16).min(width.saturating_sub(8)) };
+        for x in near {
+            let [from, to] = [x, if leftwards { x - 8 } else { x + 8 }].map(|x| row[x]);
+            if from != INVALID && to != INVALID {
+                changes[count] = i32::from(to) - i32::from(from);
+                count += 1;
+            }
+        }
+    }
+    if count == 0 {
+        return 0;
+    }
+    let (_, &mut middle, _) = changes[..count].select_nth_unstable((count - 1) / 2);
+    middle.clamp(-128, 127)
 }
 
 /// Rows without a value take the farther one of the nearest rows on either side.

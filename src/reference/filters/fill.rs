@@ -16,8 +16,9 @@ const RAYS: [Ray; 8] = [(-1, 0), (1, 0), (0, -1), (0, 1), (-1, -1), (1, 1), (-1,
 ///   leaves rows without a value between rows that have some.
 /// - [`Fill::Rays`]: occlusions take the smaller of the two nearest values of the row, or the only one; then each pixel that
 ///   is still invalid takes the median along eight rays; then the background.
-/// - [`Fill::WeightedRays`]: as rays, but of each side of the row an occlusion sees the median of the three nearest values, and
-///   in the median along the rays a value weighs the more, the nearer its pixel's gray is to that of the pixel to fill.
+/// - [`Fill::WeightedRays`]: as rays, but of each side of the row an occlusion sees the median of the three nearest values, led on
+///   by the slope beside it where the other side has none; and in the median along the rays a value weighs the more, the nearer
+///   its pixel's gray is to that of the pixel to fill.
 /// - [`Fill::Hirschmuller`]: occlusions take the second lowest value along eight rays and mismatches the median; then the
 ///   background. Hirschmüller 2008, section 2.6.
 ///
@@ -47,7 +48,7 @@ pub fn fill(map: &DisparityMap, right: &DisparityMap, gray: &Plane<u8>, params: 
             filled(&map, |x, y| median(&nearest(&map, &RAYS, x, y)))
         }
         Fill::WeightedRays => {
-            let row = |x, y| if occluded(x, y) { farther(&medians_of_sides(map, x, y)) } else { INVALID };
+            let row = |x, y| if occluded(x, y) { beside(map, params, x, y) } else { INVALID };
             let map = filled(map, row);
             filled(&map, |x, y| weighted_median(&map, gray, params.weighted_median_sigma, x, y))
         }
@@ -86,16 +87,44 @@ fn nearest(map: &DisparityMap, rays: &[Ray], x: i64, y: i64) -> Vec<i16> {
     values
 }
 
-/// Of each side of the row that has valid values the median of the three nearest, or of as many as there are, in ascending order.
-fn medians_of_sides(map: &DisparityMap, x: i64, y: i64) -> Vec<i16> {
-    let side = |&ray: &Ray| {
+/// The smaller of the medians of the three nearest valid values, or of as many as there are, on either side in the row. Where only
+/// one side has values, the pixel lies in a strip at the row's end: the median, whose place is the second pixel of that side, is
+/// led on by the slope there, by at most 4 px, within the range of disparities.
+fn beside(map: &DisparityMap, params: &Params, x: i64, y: i64) -> i16 {
+    let sides = AXES[0].map(|ray| {
         let mut values: Vec<i16> = on_ray(map, ray, x, y).take(3).map(|i| map.data[i]).collect();
         values.sort_unstable();
         median(&values)
+    });
+    let led = |side: usize| {
+        let Some(end) = on_ray(map, AXES[0][side], x, y).next() else { return INVALID };
+        let end = end as i64 % i64::from(map.width);
+        let led = (slope(map, AXES[0][side].0, end, y) * ((x - end).abs() + 1)) >> 3;
+        let first = 16 * i64::from(params.min_disparity);
+        let last = first + 16 * i64::from(params.disparities - 1);
+        (i64::from(sides[side]) - led.clamp(-64, 64)).clamp(first, last) as i16
     };
-    let mut medians: Vec<i16> = AXES[0].iter().map(side).filter(|&value| value != INVALID).collect();
-    medians.sort_unstable();
-    medians
+    match sides {
+        [INVALID, _] => led(1),
+        [_, INVALID] => led(0),
+        [before, after] => before.min(after),
+    }
+}
+
+/// How the values beside column `end` of a row change over 8 columns in the direction `dx`: the median, the lower one of an even
+/// number, in the 16 columns from `end` on in this row, the two above and the two below.
+fn slope(map: &DisparityMap, dx: i64, end: i64, y: i64) -> i64 {
+    let (width, height) = (i64::from(map.width), i64::from(map.height));
+    let value = |x: i64, y: i64| {
+        let inside = (0..width).contains(&x) && (0..height).contains(&y);
+        let value = if inside { map.data[(y * width + x) as usize] } else { INVALID };
+        (value != INVALID).then_some(i64::from(value))
+    };
+    let rows = (y - 2..=y + 2).flat_map(|y| (0..16).map(move |n| (end + n * dx, y)));
+    let change = |(x, y)| Some(value(x + 8 * dx, y)? - value(x, y)?);
+    let mut changes: Vec<i64> = rows.filter_map(change).map(|change| change.clamp(-128, 127)).collect();
+    changes.sort_unstable();
+    changes.get(changes.len().saturating_sub(1) / 2).copied().unwrap_or(0)
 }
 
 /// The median along the rays, a value weighted by its pixel's gray. No weight is 0, so there is one wherever there is a value.
