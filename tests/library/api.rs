@@ -1,7 +1,7 @@
 //! The library inside another program: its errors, its promises about the caller's encoder and device, and the proof
 //! that the check finds a single wrong value.
 
-use std::collections::BTreeSet;
+use std::collections::{BTreeMap, BTreeSet};
 
 use crate::support;
 use gpu_stereo::cpu::CpuMatcher;
@@ -443,8 +443,8 @@ fn expected_values(left: &Image, right: &Image, params: &Params) -> impl Fn(&str
     }
 }
 
-/// Every byte in use of every stage's first buffer, spoilt alone: one mismatch in that stage and none in another, at a place
-/// where the reference has the value that the mismatch says; none for padding. Each element is reached.
+/// Every byte in use of every stage's first buffer, spoilt: one mismatch in that stage, at a place where the reference has the value
+/// that the mismatch says, and none in a stage that is not spoilt; none for padding. Each element is reached.
 #[test]
 fn the_check_finds_each_spoilt_byte() {
     let Some((_, device, queue)) = support::device() else { return };
@@ -454,45 +454,48 @@ fn the_check_finds_each_spoilt_byte() {
         (params.block, params.min_disparity, params.prefilter_cap) = (3, -1, 90);
         let expected = expected_values(&left, &right, &params);
         let matcher = StereoMatcher::new(&device, &queue, width, height, left.format(), &params).unwrap();
-        let mut lengths: Vec<(String, usize)> = Vec::new();
+        let mut lengths: BTreeMap<String, usize> = BTreeMap::new();
         let clean = matcher
             .check_with(&left, &right, |stage, bytes| {
-                if lengths.iter().all(|(known, _)| known != stage) {
-                    lengths.push((stage.into(), bytes.len()));
-                }
+                lengths.entry(stage.into()).or_insert(bytes.len());
             })
             .unwrap();
         assert!(clean.iter().all(|stage| stage.mismatches == 0), "{clean:?}");
         assert_eq!(lengths.len(), clean.len(), "a stage reads nothing back");
 
-        for (spoilt, length) in lengths {
-            let mut reached = BTreeSet::new();
-            // All that is in use lies in the first KiB; of the padding after it, every 509th byte.
-            for at in (0..length.min(1024)).chain((1024..length).step_by(509)) {
-                let mut first = true;
-                let stages = matcher
-                    .check_with(&left, &right, |stage, bytes| {
-                        if stage == spoilt && std::mem::take(&mut first) {
-                            bytes[at] ^= 0x41;
-                        }
-                    })
-                    .unwrap();
-                for stage in &stages {
-                    let case = format!("byte {at} of {spoilt} spoilt, {params:?}, seed {seed}: {stages:?}");
-                    if stage.stage != spoilt {
-                        assert_eq!((stage.mismatches, stage.first), (0, None), "{case}");
-                    } else if let Some(found) = stage.first {
-                        assert_eq!(stage.mismatches, 1, "{case}");
-                        assert_eq!(found.expected, expected(&spoilt, found.x, found.y, found.d), "{case}");
-                        let change = (found.expected ^ found.got) & 0xffff;
-                        assert!(change == 0x41 || change == 0x4100, "{case}");
-                        reached.insert((found.y, found.x, found.d));
-                    } else {
-                        assert_eq!(stage.mismatches, 0, "{case}");
+        // Byte `at` of the stages that are `wanted`: what the check finds.
+        let mut reached: BTreeMap<String, BTreeSet<_>> = BTreeMap::new();
+        let mut spoil = |at: usize, wanted: &dyn Fn(&str) -> bool| {
+            let mut spoilt = BTreeSet::new();
+            let stages = matcher
+                .check_with(&left, &right, |stage, bytes| {
+                    if wanted(stage) && at < lengths[stage] && spoilt.insert(stage.to_string()) {
+                        bytes[at] ^= 0x41;
                     }
-                }
+                })
+                .unwrap();
+            for stage in &stages {
+                let case = format!("byte {at} of {spoilt:?} spoilt, {params:?}, seed {seed}: {stages:?}");
+                let Some(found) = stage.first.filter(|_| spoilt.contains(stage.stage.as_str())) else {
+                    assert_eq!((stage.mismatches, stage.first), (0, None), "{case}");
+                    continue;
+                };
+                assert_eq!(stage.mismatches, 1, "{case}");
+                assert_eq!(found.expected, expected(&stage.stage, found.x, found.y, found.d), "{case}");
+                let change = (found.expected ^ found.got) & 0xffff;
+                assert!(change == 0x41 || change == 0x4100, "{case}");
+                reached.entry(stage.stage.clone()).or_default().insert((found.y, found.x, found.d));
             }
-            let elements = clean.iter().find(|stage| stage.stage == spoilt).unwrap().elements;
+        };
+        // Each alone, then all together. All that is in use lies in the first KiB; of the padding after it, every 509th byte.
+        for (alone, &length) in &lengths {
+            (0..length.min(16)).for_each(|at| spoil(at, &|stage| stage == alone));
+        }
+        let longest = lengths.values().copied().max().unwrap();
+        (0..1024).chain((1024..longest).step_by(509)).for_each(|at| spoil(at, &|_| true));
+
+        for stage in &clean {
+            let (spoilt, elements, reached) = (&stage.stage, stage.elements, &reached[&stage.stage]);
             assert!(reached.len() > 1 && reached.len() as u64 <= elements, "{spoilt}: {reached:?}");
             let (last_y, ..) = reached.last().unwrap();
             assert_eq!(*last_y, height - 1, "{spoilt}: {reached:?}");

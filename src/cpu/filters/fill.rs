@@ -20,10 +20,11 @@ pub(super) fn fill(map: &DisparityMap, right: &DisparityMap, gray: &Plane<u8>, p
             along_rays(&mut map, |_, _, values| median(values));
         }
         Fill::WeightedRays => {
-            let before = map.clone();
-            map.data.par_chunks_mut(width).zip(right.data.par_chunks(width)).enumerate().for_each(|(y, (row, right))| {
+            let slopes: Vec<[i32; 2]> = (0..map.height as usize).into_par_iter().map(|y| slopes(&map, y)).collect();
+            let rows = map.data.par_chunks_mut(width).zip(right.data.par_chunks(width)).zip(slopes);
+            rows.for_each(|((row, right), slopes)| {
                 let mismatches = mismatches(right, params);
-                fill_row_by_medians(row, &before, y, params, |x| !mismatches[x]);
+                fill_row_by_medians(row, slopes, params, |x| !mismatches[x]);
             });
             along_weighted_rays(&mut map, gray, params.weighted_median_sigma);
         }
@@ -99,15 +100,16 @@ fn fill_row(row: &mut [i16], wanted: impl Fn(usize) -> bool) {
     fill_holes(row, |x, before, after, _| if wanted(x) { farther(before, after) } else { INVALID });
 }
 
+/// The first and the last valid pixel of a row.
+fn ends(row: &[i16]) -> Option<[usize; 2]> {
+    let valid = |&value: &i16| value != INVALID;
+    Some([row.iter().position(valid)?, row.iter().rposition(valid)?])
+}
+
 /// The same with the medians of the three nearest values on either side, or of as many as there are; the strip before the first
-/// value and that behind the last by the median and the slope there. `map`: as it is before.
-fn fill_row_by_medians(
-    row: &mut [i16],
-    map: &DisparityMap,
-    y: usize,
-    params: &Params,
-    wanted: impl Fn(usize) -> bool,
-) {
+/// value, and that behind the last, by the median and the slope there.
+fn fill_row_by_medians(row: &mut [i16], slopes: [i32; 2], params: &Params, wanted: impl Fn(usize) -> bool) {
+    let Some([first, last]) = ends(row) else { return };
     let values: Vec<i16> = row.iter().copied().filter(|&value| value != INVALID).collect();
     let median_of = |values: &[i16]| {
         let mut three = [INVALID; 3];
@@ -116,35 +118,40 @@ fn fill_row_by_medians(
         three.sort_unstable();
         median(three)
     };
-    let valid = |&value: &i16| value != INVALID;
-    let (Some(first), Some(last)) = (row.iter().position(valid), row.iter().rposition(valid)) else { return };
     // How many of the values lie before a pixel, and what a pixel between them and the others takes.
     let (mut passed, mut taken) = (0usize, None);
-    for x in first..last {
-        if row[x] != INVALID {
+    for (x, to) in row[..last].iter_mut().enumerate().skip(first) {
+        if *to != INVALID {
             (passed, taken) = (passed + 1, None);
         } else if wanted(x) {
             let medians = || {
                 let [before, after] = [passed.saturating_sub(3)..passed, passed..values.len().min(passed + 3)];
                 median_of(&values[before]).min(median_of(&values[after]))
             };
-            row[x] = *taken.get_or_insert_with(medians);
+            *to = *taken.get_or_insert_with(medians);
         }
     }
     let lowest = 16 * params.min_disparity;
     let highest = lowest + 16 * (params.disparities as i32 - 1);
-    let mut lead = |strip: Range<usize>, end: usize, leftwards: bool, nearest: &[i16]| {
-        if strip.is_empty() {
-            return;
-        }
-        let (from, slope) = (i32::from(median_of(nearest)), slope(map, end, y, leftwards));
+    let near = values.len().min(3);
+    let nearest = [&values[..near], &values[values.len() - near..]];
+    for (side, strip) in [0..first, last + 1..row.len()].into_iter().enumerate() {
+        let (end, median) = ([first, last][side], i32::from(median_of(nearest[side])));
         for x in strip.filter(|&x| wanted(x)) {
-            let led = (slope * (x.abs_diff(end) as i32 + 1)) >> 3;
-            row[x] = (from - led.clamp(-64, 64)).clamp(lowest, highest) as i16;
+            let led = (slopes[side] * (x.abs_diff(end) as i32 + 1)) >> 3;
+            row[x] = (median - led.clamp(-64, 64)).clamp(lowest, highest) as i16;
         }
-    };
-    lead(0..first, first, false, &values[..values.len().min(3)]);
-    lead(last + 1..map.width as usize, last, true, &values[values.len().saturating_sub(3)..]);
+    }
+}
+
+/// The slopes at a row's first value and at its last, where there is a strip beyond them.
+fn slopes(map: &DisparityMap, y: usize) -> [i32; 2] {
+    let width = map.width as usize;
+    let Some([first, last]) = ends(&map.data[y * width..][..width]) else { return [0; 2] };
+    [
+        if first == 0 { 0 } else { slope(map, first, y, false) },
+        if last + 1 == width { 0 } else { slope(map, last, y, true) },
+    ]
 }
 
 /// The median change of values over 8 columns, from column `end` of a row on, to the right or `leftwards`.
@@ -154,7 +161,11 @@ fn slope(map: &DisparityMap, end: usize, y: usize, leftwards: bool) -> i32 {
     for y in y.saturating_sub(2)..height.min(y + 3) {
         let row = &map.data[y * width..][..width];
         // The 16 columns, as far as the image has others 8 columns beyond.
-        let near = if leftwards { (end + 1).saturating_sub(16).max(8)..end + 1 } else { end..(end + 16).min(width.saturating_sub(8)) };
+        let near = if leftwards {
+            (end + 1).saturating_sub(16).max(8)..end + 1
+        } else {
+            end..(end + 16).min(width.saturating_sub(8))
+        };
         for x in near {
             let [from, to] = [x, if leftwards { x - 8 } else { x + 8 }].map(|x| row[x]);
             if from != INVALID && to != INVALID {

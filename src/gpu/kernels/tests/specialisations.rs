@@ -114,23 +114,39 @@ pub(crate) fn specialisations_of(kernel: &Kernel) -> impl Iterator<Item = (Param
     })
 }
 
-/// The different texts of each kernel over all of them.
-static TEXTS: LazyLock<BTreeMap<&str, BTreeSet<String>>> = LazyLock::new(|| {
+/// The different texts of a kernel; of each the specialisations that differ in what they bind, at least one.
+type Texts = BTreeMap<String, Vec<(Params, PixelFormat, Plan)>>;
+
+/// Made once: most specialisations give a text that another one has given.
+static TEXTS: LazyLock<BTreeMap<&str, Texts>> = LazyLock::new(|| {
     let texts = |kernel: &Kernel| {
-        specialisations_of(kernel).map(|(params, format, plan)| source(kernel, &params, format, &plan)).collect()
+        let mut texts = Texts::new();
+        for (params, format, plan) in specialisations_of(kernel) {
+            let of_text = texts.entry(source(kernel, &params, format, &plan)).or_default();
+            let bound = kernel.storage(&params, &plan);
+            if of_text.iter().all(|(params, _, plan)| kernel.storage(params, plan) != bound) {
+                of_text.push((params, format, plan));
+            }
+        }
+        texts
     };
     KERNELS.iter().map(|kernel| (kernel.name, texts(kernel))).collect()
 });
 
-/// The different texts of a kernel.
-pub(crate) fn texts(kernel: &Kernel) -> &'static BTreeSet<String> {
+/// The different texts of a kernel with specialisations that give them.
+pub(crate) fn specialised(kernel: &Kernel) -> &'static Texts {
     &TEXTS[kernel.name]
+}
+
+/// The different texts of a kernel.
+pub(crate) fn texts(kernel: &Kernel) -> impl ExactSizeIterator<Item = &'static str> {
+    specialised(kernel).keys().map(String::as_str)
 }
 
 /// The text of every specialised kernel and of what is not in the table, with its name.
 pub(crate) fn every_text() -> impl Iterator<Item = (&'static str, &'static str)> {
     static OTHERS: LazyLock<Vec<(&str, String)>> = LazyLock::new(|| crate::gpu::interop::texts().collect());
-    let kernels = KERNELS.iter().flat_map(|kernel| texts(kernel).iter().map(|text| (kernel.name, text.as_str())));
+    let kernels = KERNELS.iter().flat_map(|kernel| texts(kernel).map(|text| (kernel.name, text)));
     kernels.chain(OTHERS.iter().map(|(name, text)| (*name, text.as_str())))
 }
 

@@ -347,7 +347,10 @@ pub(super) const MUTANTS: &[Mutant] = &[
     mutant("fill_rows_medians", "vec3(value, before.xy)", "vec3(value, before.yz)", weighted_rays),
     mutant("fill_rows_medians", "select(middle, v.x, middle == INVALID)", "v.x", weighted_rays),
     mutant("fill_rows_medians", "last = after(last, second.z)", "last = after(last, second.y)", weighted_rays),
-    mutant("fill_rows_medians", "end - 23", "end - 15", weighted_rays),
+    mutant("fill_rows_medians", "end - 23", "end - 7", |params| {
+        weighted_rays(params);
+        params.min_disparity = -20;
+    }),
     mutant("fill_rows_medians", "column - first - 8", "column - first - 7", weighted_rays),
     mutant("fill_rows_medians", "max(row, 2u) - 2u", "max(row, 1u) - 1u", weighted_rays),
     mutant("fill_rows_medians", "2u * lower >= pairs", "2u * lower > pairs", weighted_rays),
