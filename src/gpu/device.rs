@@ -88,7 +88,7 @@ fn lost() -> Error {
 /// writes its own debug text it holds that lock; so a thing that writes now that it is free has another one.
 fn belongs(queue: &wgpu::Queue, thing: &dyn Debug) -> Option<bool> {
     // Another thread may hold a lock for a moment. So one of the queue's must be seen free and taken in turns.
-    const TURNS: usize = 12;
+    const TURNS: usize = 12; // by chance in one of thousands, if others take and leave it all the time
     const TRIES: usize = 1000;
     let mut turns = 0;
     for _ in 0..TRIES {

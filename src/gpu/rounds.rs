@@ -132,7 +132,7 @@ pub(crate) fn rounds(kernel: &str, params: &Params, [width, height]: [u32; 2], p
         "speckle" => repeated(8, 0),
         "fill_rays" | "fill_rays_weighted" => repeated(8, repeated(8, 0)),
         "fill_rows" | "fill_rows_gray" => repeated(eights, 0),
-        // A row there, a slope from three eights of five rows, and the strip.
+        // The row, eight times three eights of five rows for the slope, and the strip.
         "fill_rows_medians" => 2 * repeated(eights, 0) + repeated(8, repeated(5, repeated(3, 0))),
         "fill_lines" | "fill_lines_gray" => repeated(height, 0),
         // The columns that eight right pixels lead to lie within all disparities, and each is marked in words of 32.

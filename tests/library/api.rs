@@ -443,6 +443,9 @@ fn expected_values(left: &Image, right: &Image, params: &Params) -> impl Fn(&str
     }
 }
 
+/// Where the check has found what was spoilt, of each stage: y, x and d.
+type Reached = BTreeMap<String, BTreeSet<(u32, u32, Option<u32>)>>;
+
 /// Every byte in use of every stage's first buffer, spoilt: one mismatch in that stage, at a place where the reference has the value
 /// that the mismatch says, and none in a stage that is not spoilt; none for padding. Each element is reached.
 #[test]
@@ -464,8 +467,8 @@ fn the_check_finds_each_spoilt_byte() {
         assert_eq!(lengths.len(), clean.len(), "a stage reads nothing back");
 
         // Byte `at` of the stages that are `wanted`: what the check finds.
-        let mut reached: BTreeMap<String, BTreeSet<_>> = BTreeMap::new();
-        let mut spoil = |at: usize, wanted: &dyn Fn(&str) -> bool| {
+        let mut reached: Reached = BTreeMap::new();
+        let spoil = |at: usize, wanted: &dyn Fn(&str) -> bool, reached: &mut Reached| {
             let mut spoilt = BTreeSet::new();
             let stages = matcher
                 .check_with(&left, &right, |stage, bytes| {
@@ -489,10 +492,11 @@ fn the_check_finds_each_spoilt_byte() {
         };
         // Each alone, then all together. All that is in use lies in the first KiB; of the padding after it, every 509th byte.
         for (alone, &length) in &lengths {
-            (0..length.min(16)).for_each(|at| spoil(at, &|stage| stage == alone));
+            (0..length.min(16)).for_each(|at| spoil(at, &|stage| stage == alone, &mut reached));
+            assert!(reached.contains_key(alone), "no byte of {alone} that is in use was spoilt alone");
         }
         let longest = lengths.values().copied().max().unwrap();
-        (0..1024).chain((1024..longest).step_by(509)).for_each(|at| spoil(at, &|_| true));
+        (0..1024).chain((1024..longest).step_by(509)).for_each(|at| spoil(at, &|_| true, &mut reached));
 
         for stage in &clean {
             let (spoilt, elements, reached) = (&stage.stage, stage.elements, &reached[&stage.stage]);

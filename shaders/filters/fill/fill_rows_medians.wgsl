@@ -30,8 +30,9 @@ fn among(column: i32, first: i32) -> u32 {
 // The median change of the values over 8 columns, in the 16 columns from column `end` on to the right, or to the left, of this
 // row and the two above and below it; 0 if there is none.
 fn slope(row: u32, end: i32, leftwards: bool) -> i32 {
-    // The left one of two pixels lies in this column or the 15 behind it.
+    // Of two pixels 8 columns apart the left one lies in this column or one of the 15 to its right, and the right one in the image.
     let first = select(end, end - 23, leftwards);
+    let last = min(first + 15, i32(frame.width) - 9);
     let way = vec4(select(1, -1, leftwards));
     // What the median may be: in each round half as many numbers, the first of which is `found`.
     var found = -128;
@@ -40,7 +41,7 @@ fn slope(row: u32, end: i32, leftwards: bool) -> i32 {
         var lower = 0u;
         pairs = 0u;
         for (var y = max(row, 2u) - 2u; y <= min(row + 2u, frame.height - 1u); y++) {
-            for (var i = max(first, 0) >> 3u; i <= (first + 15) >> 3u; i++) {
+            for (var i = max(first, 0) >> 3u; i <= last >> 3u; i++) {
                 let a = octet(y, u32(i));
                 let b = octet(y, u32(i) + 1u);
                 let both = among(8 * i, first) & mask(

@@ -94,7 +94,7 @@ fn shader_module(
         bounds_checks: false,
         ..wgpu::ShaderRuntimeChecks::checked()
     };
-    // SAFETY: every loop of the kernels counts up to a constant or to a size from the uniform blocks, and every index is
-    // made of such sizes; the matcher fills the blocks and sizes the buffers from one source (src/gpu/layout).
+    // SAFETY: every loop of the kernels counts up to a constant, to a size from the uniform blocks or to a column below one, and
+    // every index is made of such; the matcher fills the blocks and sizes the buffers from one source (src/gpu/layout).
     unsafe { device.create_shader_module_trusted(descriptor, checks) }
 }
