@@ -130,6 +130,17 @@ pub(crate) fn rounds(kernel: &str, params: &Params, [width, height]: [u32; 2], p
             8 * (3 * (8 * groups + flat) + flat + 4)
         }
         "speckle" => repeated(8, 0),
+        "wls_forward" | "wls_backward" => repeated(width.max(height), 0),
+        name if name.starts_with("fill_") => return fill_rounds(kernel, params, [width, height]),
+        name if name.contains("feature") => return feature_rounds(kernel, params),
+        _ => return network_rounds(kernel, params),
+    })
+}
+
+/// The same of the kernels that fill holes.
+fn fill_rounds(kernel: &str, params: &Params, [width, height]: [u32; 2]) -> Option<u32> {
+    let eights = width.div_ceil(8);
+    Some(match kernel {
         "fill_rays" | "fill_rays_weighted" => repeated(8, repeated(8, 0)),
         "fill_rows" | "fill_rows_gray" => repeated(eights, 0),
         // The row, eight times three eights of five rows for the slope, and the strip.
@@ -137,9 +148,7 @@ pub(crate) fn rounds(kernel: &str, params: &Params, [width, height]: [u32; 2], p
         "fill_lines" | "fill_lines_gray" => repeated(height, 0),
         // The columns that eight right pixels lead to lie within all disparities, and each is marked in words of 32.
         "fill_seen" => repeated(8, 0) + 9 * repeated(params.disparities.min(width) / 32 + 3, 0),
-        "wls_forward" | "wls_backward" => repeated(width.max(height), 0),
-        name if name.contains("feature") => return feature_rounds(kernel, params),
-        _ => return network_rounds(kernel, params),
+        _ => return None,
     })
 }
 

@@ -221,6 +221,12 @@ pub(crate) fn weighted_rays(params: &mut Params) {
     (params.fill, params.weighted_median_sigma) = (Fill::WeightedRays, 9);
 }
 
+/// The same with strips at both ends of rows.
+pub(crate) fn weighted_strips(params: &mut Params) {
+    weighted_rays(params);
+    params.min_disparity = -20;
+}
+
 /// Weights of 1 wherever grays differ by a few levels, and so many ties.
 pub(crate) fn counted_rays(params: &mut Params) {
     weighted_rays(params);

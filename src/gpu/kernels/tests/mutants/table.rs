@@ -347,17 +347,12 @@ pub(super) const MUTANTS: &[Mutant] = &[
     mutant("fill_rows_medians", "vec3(value, before.xy)", "vec3(value, before.yz)", weighted_rays),
     mutant("fill_rows_medians", "select(middle, v.x, middle == INVALID)", "v.x", weighted_rays),
     mutant("fill_rows_medians", "last = after(last, second.z)", "last = after(last, second.y)", weighted_rays),
-    mutant("fill_rows_medians", "end - 23", "end - 7", |params| {
-        weighted_rays(params);
-        params.min_disparity = -20;
-    }),
-    mutant("fill_rows_medians", "column - first - 8", "column - first - 7", weighted_rays),
+    mutant("fill_rows_medians", "end - 23", "end - 7", weighted_strips),
     mutant("fill_rows_medians", "max(row, 2u) - 2u", "max(row, 1u) - 1u", weighted_rays),
     mutant("fill_rows_medians", "2u * lower >= pairs", "2u * lower > pairs", weighted_rays),
     mutant("fill_rows_medians", "slope(row, end, !leftwards)", "slope(row, end, leftwards)", weighted_rays),
     mutant("fill_rows_medians", "away + vec4(1)", "away", weighted_rays),
     mutant("fill_rows_medians", "middle - clamp", "middle + clamp", weighted_rays),
-    mutant("fill_rows_medians", "even > vec4(0)", "even > vec4(2)", weighted_rays),
     mutant("fill_rows_gray", "last = keys.high.w", "last = keys.high.z", weighted_rays),
     mutant("fill_rows_gray", "row, i + 2u", "row, i + 1u", weighted_rays),
     mutant("fill_rows_gray", "values == vec4(INVALID)", "values < vec4(INVALID)", weighted_rays),
