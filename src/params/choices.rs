@@ -191,7 +191,8 @@ pub enum Fill {
     Rays,
     /// As rays, but less sensitive to single values: occlusions by the farther of the medians of three on either side in the row;
     /// where only one side has values, at a row's ends, its median is led on by the slope there, by at most 4 px. Then mismatches by
-    /// the median along eight rays, weighted by how near the gray of a value's pixel is, as in [`Params::weighted_median`](crate::Params::weighted_median).
+    /// the median along eight rays, weighted by how near the gray of a value's pixel is, as in
+    /// [`Params::weighted_median`](crate::Params::weighted_median).
     WeightedRays,
     /// Occlusions by the second lowest and mismatches by the median along eight rays: Hirschmüller 2008, section 2.6.
     Hirschmuller,

@@ -72,8 +72,8 @@ fn noop_device() -> (wgpu::Device, wgpu::Queue) {
     })
 }
 
-/// wgpu itself accepts every pipeline with the table's layout, and every bind group of a matcher at one of three sizes. The backend `noop`
-/// has no driver, so this also holds where there is no adapter.
+/// wgpu itself accepts every pipeline with the table's layout, and every bind group of a matcher at one of three sizes. The
+/// backend `noop` has no driver, so this also holds where there is no adapter.
 #[test]
 fn pipelines_and_matchers_are_made_without_a_driver() {
     let (device, queue) = noop_device();
